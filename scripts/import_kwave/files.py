@@ -10,6 +10,8 @@ STUDY = "shearwake grid study"  # begins the schema of the files that this scrip
 # The first fields of each structure, for messages.
 EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p",
             "source": "'u_mask', u_mask, 'uz', uz", "sensor": "'mask', mask"}
+# Datasets of the input of kspaceFirstOrder-OMP and -CUDA.
+ACOUSTIC = ("c0", "rho0", "c_ref", "rho0_sgx", "pml_x_size", "p_source_flag", "p0_source_flag", "sensor_mask_type")
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
@@ -107,8 +109,30 @@ def read_hdf5(path):
         if decoded(file.attrs.get("schema", b"")).startswith(STUDY):
             raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
                            "k-Wave")
+        acoustic = [name for name in ACOUSTIC if name in file]
+        if len(acoustic) > 1 and "kgrid" not in file:
+            raise BadInput(f"{path} is an input file of the acoustic C++ code of k-Wave (it contains {', '.join(acoustic)}), which has "
+                           "no shear waves; save the structures kgrid, medium and source of a simulation for pstdElastic3D instead")
         chosen, notes = chosen_variables(path, [name for name in file if not name.startswith("#")])
-        return {name: of_hdf5(file[variable]) for name, variable in chosen.items()}, notes
+        structures = {name: of_hdf5(file[variable]) for name, variable in chosen.items()}
+        if not has_known_order(file) and is_cubic(structures.get("kgrid")):
+            notes.append("kgrid.Nx and Nz are equal: the arrays of the file are taken as (z, y, x), as MATLAB and k-Wave store them; "
+                         "compare the places below")
+        return structures, notes
+
+
+def has_known_order(file):
+    """Whether MATLAB or Octave has written the file, according to the attributes of an array."""
+    found = []
+    file.visititems(lambda _, item: found.append(item) if {"MATLAB_class", "OCTAVE_NEW_FORMAT"} & set(item.attrs) else None)
+    return bool(found)
+
+
+def is_cubic(kgrid):
+    try:
+        return float(kgrid["Nx"]) == float(kgrid["Nz"])
+    except (KeyError, TypeError, ValueError):
+        return False
 
 
 # ---- .mat files of versions before 7.3: MATLAB, Octave with save -v7, and scipy.io.savemat

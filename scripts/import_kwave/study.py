@@ -7,8 +7,9 @@ import numpy as np
 
 from checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
 from record import FIELDS, recorded_fields
-from structures import BadInput, Structure
+from structures import BadInput, Structure, text_of
 
+PSTD_CFL = 0.1  # of pstdElastic3D
 # The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
 KNOWN = {
     "medium": {"sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression",
@@ -64,6 +65,20 @@ def shape_hint(values, points):
     return ""
 
 
+def is_auto(structure, field):
+    return field in structure and text_of(structure.values[field]) == "auto"
+
+
+def largest_factor(number):
+    """The largest prime factor."""
+    factor, largest = 2, 1
+    while number > 1:
+        while number % factor == 0:
+            number, largest = number // factor, factor
+        factor += 1
+    return largest
+
+
 class Study:
     """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
 
@@ -75,6 +90,7 @@ class Study:
         self.options = parts.get("options") or Structure({}, "options")
         self.read_grid(parts["kgrid"])
         self.read_medium(parts["medium"])
+        self.read_times(parts["kgrid"])
         check_plausible(self)
         self.enlarge_if_layer_is_outside()
         check_time_step(self)
@@ -92,26 +108,66 @@ class Study:
                            "simulations can be imported")
         self.points = self.points.astype(int)
         self.spacing_m = np.array([kgrid.number(f"d{axis}") for axis in "xyz"])
-        if "t_array" in kgrid and not ("dt" in kgrid and "Nt" in kgrid):
-            times = np.ravel(kgrid.array("t_array"))
-            if times.size < 2:
-                raise BadInput("kgrid.t_array must contain the times of all steps")
-            self.time_step_s, self.steps = float(times[-1] - times[0]) / (times.size - 1), times.size
-            if np.any(np.abs(np.diff(times) - self.time_step_s) > 1e-6 * abs(self.time_step_s)):
-                raise BadInput("kgrid.t_array must be uniformly spaced")
+        if np.any(self.spacing_m <= 0):
+            raise BadInput("kgrid.dx, dy and dz must be greater than 0")
+        option = self.options
+        self.layer_points = self.automatic_layer() if is_auto(option, "PMLSize") else \
+            three(option.array("PMLSize") if "PMLSize" in option else 10, "options.PMLSize", True)
+        self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
+        self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
+        self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
+        self.check_layer()
+
+    def read_times(self, kgrid):
+        given = [name for name in ("dt", "Nt", "t_array") if name in kgrid and not is_auto(kgrid, name)]
+        if not given and any(name in kgrid for name in ("dt", "Nt", "t_array")):
+            self.choose_times()
+        elif "t_array" in given:
+            self.read_t_array(kgrid, given)
         else:
             self.time_step_s, steps = kgrid.number("dt"), kgrid.number("Nt")
             self.steps = int(steps)
             if self.steps != steps:
                 raise BadInput(f"kgrid.Nt is {steps:g}; it must be a whole number")
-        if self.time_step_s <= 0 or np.any(self.spacing_m <= 0) or self.steps < 1:
-            raise BadInput("kgrid.dx, dy, dz, dt and Nt must be greater than 0")
-        option = self.options
-        self.layer_points = three(option.array("PMLSize") if "PMLSize" in option else 10, "options.PMLSize", True)
-        self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
-        self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
-        self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
-        self.check_layer()
+        if self.time_step_s <= 0 or self.steps < 1:
+            raise BadInput("kgrid.dt and Nt must be greater than 0")
+
+    def choose_times(self):
+        """The times of makeTime in k-Wave, with the number that pstdElastic3D gives it."""
+        speeds = np.concatenate([np.ravel(self.medium[name]) for name in ("c_p_m_s", "c_s_m_s")])
+        speeds = speeds[speeds > 0.0]
+        end_s = float(np.linalg.norm(self.points * self.spacing_m) / np.min(speeds))
+        self.time_step_s = float(PSTD_CFL * np.min(self.spacing_m) / np.max(speeds))
+        self.steps = int(np.floor(end_s / self.time_step_s)) + 1
+        self.notes.append(f"kgrid: the times \"auto\" are, as in k-Wave, {self.steps} steps of {1e6 * self.time_step_s:.6g} us (CFL "
+                          f"{PSTD_CFL:g}, until the slowest wave has crossed the grid)")
+
+    def read_t_array(self, kgrid, given):
+        times = np.ravel(kgrid.array("t_array"))
+        if times.size < 2:
+            raise BadInput("kgrid.t_array must contain the times of all steps")
+        self.time_step_s, self.steps = float(times[-1] - times[0]) / (times.size - 1), times.size
+        # Half a unit of the last place of each time, if all are numbers of single precision.
+        rounding_s = float(np.finfo(np.float32).eps * np.max(np.abs(times))) if np.all(times == times.astype(np.float32)) else 0.0
+        tolerance_s = 1e-6 * abs(self.time_step_s) + rounding_s
+        if np.any(np.abs(np.diff(times) - self.time_step_s) > tolerance_s):
+            raise BadInput("kgrid.t_array must be uniformly spaced")
+        if "Nt" in given and kgrid.number("Nt") != self.steps:
+            raise BadInput(f"kgrid.Nt is {kgrid.number('Nt'):g}, but kgrid.t_array contains {self.steps} times: they must agree")
+        if "dt" in given:
+            if abs(kgrid.number("dt") - self.time_step_s) > tolerance_s:
+                raise BadInput(f"kgrid.dt is {kgrid.number('dt'):g} s, but the times of kgrid.t_array are {self.time_step_s:g} s apart: "
+                               "they must agree")
+            self.time_step_s = kgrid.number("dt")
+
+    def automatic_layer(self):
+        """The sizes of getOptimalPMLSize in k-Wave: the enlarged grid has the smallest largest prime factor."""
+        if self.options.number("PMLInside", 1.0) != 0.0:
+            raise BadInput("options.PMLSize is \"auto\", which k-Wave supports only with options.PMLInside = false")
+        sizes = range(10, 41)
+        found = np.array([min(sizes, key=lambda size: largest_factor(int(points) + 2 * size)) for points in self.points], dtype=float)
+        self.notes.append("options.PMLSize: \"auto\" is, as in k-Wave, " + ", ".join(f"{size:g}" for size in found))
+        return found
 
     def check_layer(self):
         outside = self.options.number("PMLInside", 1.0) == 0.0
@@ -276,14 +332,21 @@ class Study:
         if mask.ndim == 3:
             self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
         elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1
+            if np.any(mask != np.floor(mask)):
+                raise BadInput(f"sensor.mask contains the corner {mask[mask != np.floor(mask)].flat[0]:g}; the corners of cuboids must be "
+                               "whole numbers, the indices of nodes")
             boxes = mask.reshape(6, -1).T.astype(int) - 1
+            if np.any(boxes[:, 3:] < boxes[:, :3]):
+                raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
+                               "y2, z2 with x1 <= x2, y1 <= y2 and z1 <= z2, as in k-Wave")
             self.sensor_nodes = np.concatenate([
                 np.stack([i.ravel(order="F") for i in np.meshgrid(
                     *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
                 for box in boxes]) + self.first
         elif mask.shape[0] == 3:
             centre = (self.points - 2 * self.first) // 2
-            at = np.rint(mask.reshape(3, -1).T / self.spacing_m) + centre
+            at = mask.reshape(3, -1).T / self.spacing_m
+            at = np.sign(at) * np.floor(np.abs(at) + 0.5) + centre  # round() of MATLAB
             self.sensor_nodes = at.astype(int) + self.first
             self.notes.append("sensor.mask: Cartesian points are moved to the nearest nodes")
         else:

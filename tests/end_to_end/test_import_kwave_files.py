@@ -281,7 +281,68 @@ class Errors(FilesTest):
             for group, fields in cube.items():
                 for name, value in fields.items():
                     file[f"{group}/{name}"] = value  # without .T
-        self.says(self.imported("study.h5py"), "source uz (dirichlet): 1 node, x 3, y 5, z 4")
+        self.says(self.imported("study.h5py"), "source uz (dirichlet): 1 node, x 3, y 5, z 4",
+                  "Nx and Nz are equal: the arrays of the file are taken as (z, y, x)")
+
+    def changed(self, **parts):
+        structures = study()
+        structures["sensor"]["record"] = cell(["p", "uz"])
+        for name, fields in parts.items():
+            structures[name].update(fields)
+        scipy.io.savemat(self.folder / "study.mat", structures)
+        return self.folder / "study.h5"
+
+    def test_cuboids_have_whole_ascending_corners(self):
+        for corners, words in (([5.0, 4, 2, 3, 4, 2], "second corner lies before the first"), ([3.0, 4, 2, 5, 4, 1], "second corner"),
+                               ([3.5, 4, 2, 5, 4, 2], "contains the corner 3.5"), ([3.0, 4, 2, 11, 4, 2], "outside of the grid")):
+            with self.subTest(corners=corners):
+                self.changed(sensor={"mask": numpy.array([corners]).T})
+                self.refused("study.mat", words)
+
+    def test_cartesian_points_half_way_between_nodes_are_rounded_away_from_zero(self):
+        # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm.
+        at_mm = numpy.array([[0.5, -0.5, 0.0], [1.5, 2.5, 1.0], [-2.5, 0.4, -3.0]]).T
+        study_file = self.changed(sensor={"mask": 1e-3 * at_mm})
+        self.imported("study.mat")
+        with h5py.File(study_file) as file:
+            numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
+
+    def test_times_that_contradict_each_other_are_rejected(self):
+        times = 1e-5 * numpy.arange(20)
+        for fields, words in (({"t_array": times, "dt": 2e-5}, "kgrid.dt is 2e-05 s, but the times of kgrid.t_array are 1e-05 s"),
+                              ({"t_array": times[:15]}, "kgrid.Nt is 20, but kgrid.t_array contains 15"),
+                              ({"t_array": times[:15], "Nt": "auto"}, ""),
+                              ({"t_array": numpy.float32(times)}, ""),
+                              ({"t_array": numpy.float32(times + 1e-2), "dt": "auto", "Nt": "auto"}, ""),
+                              ({"t_array": "auto"}, "")):
+            with self.subTest(fields=fields):
+                study_file = self.changed(kgrid=fields)
+                if words:
+                    self.refused("study.mat", words)
+                    continue
+                self.imported("study.mat")
+                with h5py.File(study_file) as file:
+                    self.assertEqual(file["grid"].attrs["steps"], 15 if "Nt" in fields and "dt" not in fields else 20)
+                    # Single precision after 10 ms: 1e-9 s of 2e-4 s.
+                    self.assertAlmostEqual(file["grid"].attrs["time_step_s"] / 1e-5, 1.0, places=4)
+
+    def test_automatic_times_and_layers_are_those_of_kwave(self):
+        study_file = self.changed(kgrid={"t_array": "auto", "dt": "auto", "Nt": "auto"},
+                                  options={"PMLSize": "auto", "PMLInside": False})
+        # makeTime: .1 * 1 mm / (20 m/s) and the diagonal of 10 x 9 x 16 mm at 5 m/s. getOptimalPMLSize: 10 + 2 * 11 = 32,
+        # 9 + 2 * 36 = 81 and 8 + 2 * 12 = 32.
+        self.says(self.imported("study.mat"), "837 steps of 5 us", "is, as in k-Wave, 11, 36, 12")
+        with h5py.File(study_file) as file:
+            self.assertEqual((file["grid"].attrs["time_step_s"], file["grid"].attrs["steps"]), (5e-6, 837))
+            numpy.testing.assert_array_equal(file["grid/points"][()], [32, 81, 32])
+        self.changed(options={"PMLSize": "auto"})
+        self.refused("study.mat", "supports only with options.PMLInside = false")
+
+    def test_input_of_the_acoustic_code_is_named(self):
+        with h5py.File(self.folder / "acoustic.h5", "w") as file:
+            for name, value in {"Nx": 8, "Ny": 8, "Nz": 8, "dt": 1e-7, "c0": 1500.0, "rho0": 1000.0, "pml_x_size": 2}.items():
+                file[name] = numpy.full((1, 1, 1), value)
+        self.refused("acoustic.h5", "input file of the acoustic C++ code of k-Wave (it contains c0, rho0, pml_x_size)")
 
     def test_help_describes_the_structures(self):
         said = subprocess.run([ROOT / "scripts" / "import-kwave", "--help"], env=environment(), capture_output=True,
