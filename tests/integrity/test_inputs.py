@@ -111,6 +111,18 @@ class Files(ProgramTest):
             self.assertIn(done.returncode, (2, 3, 6), done.stdout + done.stderr)
             self.assertNotIn("internal error", done.stderr)
 
+    def test_explore_refuses_folders_that_cannot_hold_results(self):
+        (self.folder / "file").touch()
+        (self.folder / "link").symlink_to("nowhere")
+        for out, words in (("", "is empty"), ("-x", "write ./-x"), ("file", "is not a folder"), ("file/x", "is not a folder"),
+                           ("/dev/null", "is not a folder"), ("/proc/x", "cannot be written"), ("link", "does not exist"),
+                           ("x" * 300, "too long")):
+            with self.subTest(out=out):
+                done = self.shearwake("explore", "--no-browser", "--out", out, expect=2, timeout_s=60.0)
+                self.says(done.said, "--out", words)
+                self.assertNotIn("http", done.said)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["file", "link"])
+
     def test_maps_that_point_to_other_files_are_refused(self):
         other = self.folder / "other.h5"
         axis = numpy.linspace(-0.04, 0.04, 5)
