@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load/time_step.hpp"
 
+#include "base/error.hpp"
 #include "base/units.hpp"
 #include "engines/layered/load/break_error.hpp"
 #include "problem/case/edges.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <iterator>
 #include <numbers>
 
@@ -46,6 +48,12 @@ double band_Hz(const Load& load) {
                     4.0 * sine_frequency_Hz(load.modulation.envelope));
 }
 
+/// The longest step that resolves the load, or the step that the options specify.
+double longest_step_s(const Case& c, const LayeredOptions& options) {
+    if (options.time_step_s) return *options.time_step_s;
+    return 1.0 / (2.5 * std::max(band_Hz(c.scene().load), 1.0));
+}
+
 /// Of a Gaussian of the same width.
 double standard_deviation_m(const Load& load) {
     return fwhm_m(load.footprint) / (2.0 * std::sqrt(2.0 * std::log(2.0)));
@@ -78,14 +86,27 @@ std::ptrdiff_t samples_for_breaks(const Case& c, std::ptrdiff_t least) {
 
 } // namespace
 
+double least_samples(const Case& c, const LayeredOptions& options) {
+    const double window = c.time.regime == Regime::periodic ? 1.0 : options.window_factor;
+    return window * static_cast<double>(c.time.frames) *
+           std::max(1.0, c.time.interval_s / longest_step_s(c, options));
+}
+
 TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
-    const Load& load = c.scene().load;
-    double longest_step_s = 1.0 / (2.5 * std::max(band_Hz(load), 1.0));
-    if (options.time_step_s) longest_step_s = *options.time_step_s;
-    const double ratio = c.time.interval_s / longest_step_s;
+    const double ratio = c.time.interval_s / longest_step_s(c, options);
     auto per_frame =
         std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
     if (!options.time_step_s) per_frame = std::max(per_frame, samples_for_breaks(c, per_frame));
+    const double window = c.time.regime == Regime::periodic ? 1.0 : options.window_factor;
+    const double samples =
+        window * static_cast<double>(c.time.frames) * static_cast<double>(per_frame);
+    if (!options.time_step_s && samples > most_samples)
+        throw UsageError(
+            fmt::format("the jumps and kinks of the load require {:.3g} samples in time, {} per "
+                        "frame, but at most {:.0e} are supported: use a shorter run, smooth gains "
+                        "or solver.layered.time_step_us",
+                        samples, per_frame, most_samples),
+            ExitCode::bad_job);
     TimeTransform time;
     if (c.time.regime == Regime::periodic) {
         time.samples = c.time.frames * per_frame;

@@ -23,8 +23,13 @@ inline constexpr double step_accuracy = 2e-5, stated_accuracy = 1e-4;
 /// - and represents the response of the medium to the start of the load, and to its other jumps and
 ///   kinks, with step_accuracy, see BreakError.
 ///
-/// Not collective.
+/// Throws UsageError if this results in more than most_samples. Not collective.
 TimeTransform time_transform(const Case& c, const LayeredOptions& options);
+
+/// Number of samples of the transform before breaks of the load are considered, by arithmetic
+/// alone, and the largest one that is supported. Not collective.
+double least_samples(const Case& c, const LayeredOptions& options);
+inline constexpr double most_samples = 4e6;
 
 /// Estimated error of the field for a step, relative to its maximum: that of BreakError, and the
 /// part of the load's spectrum above the roll-off of the transform. Not collective.

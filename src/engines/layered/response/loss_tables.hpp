@@ -20,7 +20,7 @@ namespace shearwake::layered {
 // axis. Panels of L become narrow at its peaks, the guided waves. Their integrals against the
 // polynomials of fixed panels, in which J0(k r) is smooth, are the same for all radii.
 
-/// Panels of L up to the end of low_pass. Throws CaseFailure if L is not finite. Not collective.
+/// Panels of L up to the end of low_pass. Throws CaseFailure if L is not resolved. Not collective.
 RadialInterpolant fit_loss(const StackResponse& response, double spacing_m, double tolerance);
 
 /// Panels of equal width on the real axis.

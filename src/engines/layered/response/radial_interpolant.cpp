@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <iterator>
 #include <numbers>
 
@@ -19,6 +20,12 @@ using Complex = std::complex<double>;
 constexpr int chebyshev_terms = RadialInterpolant::order;
 /// A component that is smaller than this share of the first one consists of rounding errors alone.
 constexpr double negligible = 1e-6;
+/// Relative change of k that shows the rounding errors of the function: four units in the last
+/// place.
+constexpr double rounding = 0x1p-50;
+/// Largest error that rounding may cause, see RadialInterpolant: that of the energy balance. It was
+/// at most 6e-7 for 700 random stacks with loss factors from 1e-9 on.
+constexpr double unresolved_share = 1e-6;
 
 struct ChebyshevRule {
     std::array<double, chebyshev_terms> nodes; // on (-1, 1)
@@ -42,72 +49,133 @@ const ChebyshevRule rule = make_rule();
 
 class Fitter {
 public:
-    Fitter(const RadialInterpolant::Function& function, std::size_t components, double tolerance,
-           double absolute, double narrowest)
-        : function_(function), components_(components), tolerance_(tolerance), absolute_(absolute),
-          narrowest_(narrowest), values_(components * chebyshev_terms),
-          panel_(components * chebyshev_terms) {}
+    Fitter(const RadialInterpolant::Function& function, std::size_t components, double k_max,
+           double tolerance, double absolute)
+        : function_(function), components_(components), k_max_(k_max), tolerance_(tolerance),
+          absolute_(absolute), values_(components * chebyshev_terms), panel_(values_.size()),
+          tails_(components), sizes_(components), errors_(components) {}
 
-    void refine(double from, double to, std::vector<double>& edges,
-                std::vector<Complex>& coefficients) {
-        const double centre = 0.5 * (from + to), half = 0.5 * (to - from);
-        for (int i = 0; i < chebyshev_terms; ++i)
-            function_(
-                centre + half * rule.nodes[static_cast<std::size_t>(i)],
-                std::span(values_).subspan(static_cast<std::size_t>(i) * components_, components_));
-        if (resolved(absolute_ / (to * (to - from)))) {
-            coefficients.insert(coefficients.end(), panel_.begin(), panel_.end());
-            edges.push_back(to);
-            return;
-        }
-        if (half < narrowest_)
-            throw CaseFailure("the transfer function H(k, omega) cannot be resolved in k");
-        refine(from, centre, edges, coefficients);
-        refine(centre, to, edges, coefficients);
+    /// Refines until all panels are resolved. Returns false if one of them is too narrow.
+    bool refine() { return refine(0.0, k_max_); }
+
+    /// Refines until each panel is resolved, consists of rounding errors, or is so narrow that
+    /// rounding of k prevents its division.
+    void refine_to_rounding() {
+        accepts_rounding_ = true;
+        edges.resize(1);
+        coefficients.clear();
+        sizes_.assign(components_, 0.0);
+        errors_.assign(components_, 0.0);
+        refine(0.0, k_max_);
     }
 
+    /// Error of the integral of |function| k dk due to panels that are not resolved, relative to
+    /// the integral.
+    double error() const {
+        double error = 0.0;
+        for (std::size_t c = 0; c < components_; ++c)
+            if (errors_[c] > 0.0)
+                error =
+                    std::max(error, errors_[c] / std::max(sizes_[c], negligible * sizes_.front()));
+        return error;
+    }
+
+    std::vector<double> edges = {0.0};
+    std::vector<Complex> coefficients;
+
 private:
+    bool refine(double from, double to) {
+        const double centre = 0.5 * (from + to), half = 0.5 * (to - from);
+        for (std::size_t i = 0; i < chebyshev_terms; ++i)
+            function_(centre + half * rule.nodes[i],
+                      std::span(values_).subspan(i * components_, components_));
+        const bool is_resolved = resolved(absolute_ / (to * (to - from)));
+        const bool is_narrow =
+            half < (accepts_rounding_ ? std::max(1e-18 * k_max_, 1e-13 * to) : 1e-12 * k_max_);
+        if (is_resolved || (accepts_rounding_ && (is_narrow || is_rounding(centre, half)))) {
+            for (std::size_t c = 0; c < components_; ++c) {
+                sizes_[c] += to * half * largest_of(c);
+                if (!is_resolved) errors_[c] += to * half * tails_[c];
+            }
+            coefficients.insert(coefficients.end(), panel_.begin(), panel_.end());
+            edges.push_back(to);
+            return true;
+        }
+        return !is_narrow && refine(from, centre) && refine(centre, to);
+    }
+
+    double largest_of(std::size_t c) const {
+        double largest = 0.0;
+        for (std::size_t j = 0; j < chebyshev_terms; ++j)
+            largest = std::max(largest, std::abs(panel_[c * chebyshev_terms + j]));
+        return largest;
+    }
+
     /// Computes the coefficients of all components in panel_. Returns whether the last ones are
     /// small enough, or smaller than `negligible_tail`.
     bool resolved(double negligible_tail) {
         bool fine = true;
         double first = 0.0;
         for (std::size_t c = 0; c < components_; ++c) {
-            double largest = 0.0;
             for (std::size_t j = 0; j < chebyshev_terms; ++j) {
                 Complex sum = 0.0;
                 for (std::size_t i = 0; i < chebyshev_terms; ++i)
                     sum += rule.to_coefficients[j][i] * values_[i * components_ + c];
                 panel_[c * chebyshev_terms + j] = sum;
-                largest = std::max(largest, std::abs(sum));
             }
+            const double largest = largest_of(c);
             if (!std::isfinite(largest))
                 throw CaseFailure("the transfer function H(k, omega) is not finite");
-            const double tail =
-                std::max(std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 1]),
-                         std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 2]));
+            tails_[c] = std::max(std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 1]),
+                                 std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 2]));
             if (c == 0) first = largest;
             const double allowed = tolerance_ * std::max(largest, negligible * first);
-            fine = fine && tail <= std::max(allowed, negligible_tail);
+            fine = fine && tails_[c] <= std::max(allowed, negligible_tail);
         }
         return fine;
     }
 
+    /// Whether the last coefficients are smaller than what rounding changes: the largest difference
+    /// between the values and those at arguments that differ by a few units in the last place.
+    bool is_rounding(double centre, double half) {
+        std::vector<Complex> moved(components_);
+        std::vector<double> change(components_);
+        for (std::size_t i = 0; i < chebyshev_terms; ++i) {
+            function_((centre + half * rule.nodes[i]) * (1.0 + rounding), moved);
+            for (std::size_t c = 0; c < components_; ++c)
+                change[c] = std::max(change[c], std::abs(moved[c] - values_[i * components_ + c]));
+        }
+        for (std::size_t c = 0; c < components_; ++c)
+            if (!(tails_[c] <= change[c])) return false;
+        return true;
+    }
+
     const RadialInterpolant::Function& function_;
     std::size_t components_;
-    double tolerance_, absolute_, narrowest_;
+    double k_max_, tolerance_, absolute_;
+    bool accepts_rounding_ = false;
     std::vector<Complex> values_, panel_;
+    std::vector<double> tails_;          // of the coefficients of the panel
+    std::vector<double> sizes_, errors_; // integrals of |function| k dk, and their errors
 };
 
 } // namespace
 
 RadialInterpolant RadialInterpolant::fit(const Function& function, std::size_t components,
                                          double k_max, double tolerance, double absolute) {
+    Fitter fitter(function, components, k_max, tolerance, absolute);
+    if (!fitter.refine()) {
+        fitter.refine_to_rounding();
+        if (!(fitter.error() <= std::max(tolerance, unresolved_share)))
+            throw CaseFailure(
+                fmt::format("the transfer function H(k, omega) cannot be resolved in k: its "
+                            "integral is in error by {:.0e}, more than {:.0e}",
+                            fitter.error(), unresolved_share));
+    }
     RadialInterpolant result;
     result.components_ = components;
-    result.edges_.push_back(0.0);
-    Fitter(function, components, tolerance, absolute, 1e-12 * k_max)
-        .refine(0.0, k_max, result.edges_, result.coefficients_);
+    result.edges_ = std::move(fitter.edges);
+    result.coefficients_ = std::move(fitter.coefficients);
     return result;
 }
 

@@ -13,7 +13,10 @@ namespace shearwake::layered {
 /// `tolerance` times the largest one of the panel (or times 1e-6 of the first component, the
 /// surface, if that is larger), or until they contribute less than `absolute` to the integral of
 /// the function times k over the panel. Poles and branch points near the real axis increase the
-/// number of panels but do not reduce the accuracy. No member function is collective.
+/// number of panels. Where rounding prevents this accuracy, which happens next to poles with an
+/// imaginary part below about 1e-7 k and for thin films, panels are bisected until their last
+/// coefficients are rounding errors; these must then be below 1e-6 of the integral of |function| k
+/// dk over all panels. No member function is collective.
 class RadialInterpolant {
 public:
     static constexpr int order = 16; // coefficients per panel
@@ -21,9 +24,8 @@ public:
     using Function = std::function<void(double k, std::span<std::complex<double>> out)>;
 
     RadialInterpolant() = default;
-    /// Approximates a function with values of length `components`. Throws CaseFailure if a panel
-    /// narrower than 1e-12 k_max would be needed (the function is not analytic on the axis) or if a
-    /// value is not finite.
+    /// Approximates a function with values of length `components`. Throws CaseFailure if the error
+    /// is larger (the function has a pole on the axis) or if a value is not finite.
     static RadialInterpolant fit(const Function& function, std::size_t components, double k_max,
                                  double tolerance, double absolute = 0.0);
 

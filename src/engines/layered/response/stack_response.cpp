@@ -2,6 +2,7 @@
 #include "engines/layered/response/stack_response.hpp"
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
 
 #include <Eigen/Dense>
@@ -381,6 +382,16 @@ Complex StackResponse::loss(double k) const {
         return true;
     });
     return {in_layers, below};
+}
+
+double loss_factor(const Layer& layer, double frequency_Hz) {
+    const Complex mu = shear_modulus(layer, two_pi * frequency_Hz);
+    return mu.imag() / std::abs(mu);
+}
+
+const Layer& least_lossy_layer(const Medium& medium, double frequency_Hz) {
+    return *std::ranges::min_element(
+        medium.layers, {}, [&](const Layer& layer) { return loss_factor(layer, frequency_Hz); });
 }
 
 Complex half_space_response(const Layer& layer, Complex omega_rad_s, double k) {

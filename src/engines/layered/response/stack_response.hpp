@@ -63,6 +63,12 @@ private:
     StackQuantity quantity_;
 };
 
+/// Im mu / |mu| at this frequency. Not collective.
+double loss_factor(const Layer& layer, double frequency_Hz);
+/// The layer with the smallest loss factor at this frequency, of at least one layer. Not
+/// collective.
+const Layer& least_lossy_layer(const Medium& medium, double frequency_Hz);
+
 /// W/p [m/Pa] of a homogeneous half-space in closed form: -alpha k_s^2 / (mu R) with the Rayleigh
 /// function R = (2k^2 - k_s^2)^2 - 4 k^2 alpha beta, written without cancellation for k >> k_s. Not
 /// collective.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/response/transfer_table.hpp"
 
+#include "base/error.hpp"
 #include "base/units.hpp"
 #include "engines/layered/response/case_progress.hpp"
 #include "engines/layered/response/point_response.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 
 namespace shearwake::layered {
@@ -19,6 +21,22 @@ using Stage = CaseProgress::Stage;
 namespace {
 
 using Complex = std::complex<double>;
+
+/// Returns the result of `fit`. Its CaseFailure names the frequency and the layer with the smallest
+/// loss factor.
+template <class Fit>
+RadialInterpolant fit_at(const TransferKey& key, Complex omega_rad_s, const Fit& fit) {
+    try {
+        return fit();
+    } catch (const CaseFailure& failure) {
+        const double f_Hz = omega_rad_s.real() / two_pi;
+        const Layer& layer = least_lossy_layer(key.medium, f_Hz);
+        throw CaseFailure(fmt::format(
+            "at {:.4g} Hz, {}; the loss factor of layer \"{}\" is {:.1e}: increase its loss, "
+            "domain.spacing_mm or its thickness_mm, or reduce the duration",
+            f_Hz, failure.what(), layer.name, loss_factor(layer, f_Hz)));
+    }
+}
 
 } // namespace
 
@@ -46,9 +64,11 @@ TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progres
             if (stops || m >= frequencies()) continue;
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
-            const auto fitted = RadialInterpolant::fit(
-                [&](double k, std::span<Complex> out) { response.evaluate(from + k, out); },
-                key_.depths_m.size(), k_max - from, key_.tolerance);
+            const auto fitted = fit_at(key_, key_.time.omega(m), [&] {
+                return RadialInterpolant::fit(
+                    [&](double k, std::span<Complex> out) { response.evaluate(from + k, out); },
+                    key_.depths_m.size(), k_max - from, key_.tolerance);
+            });
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
             mine.values.insert(mine.values.end(), packed.begin(), packed.end());
@@ -116,7 +136,9 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
                 const std::ptrdiff_t m = first + team.rank();
                 if (stops || m >= frequencies()) continue;
                 const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
-                losses.push_back(fit_loss(response, key_.spacing_m, key_.tolerance));
+                losses.push_back(fit_at(key_, key_.time.omega(m), [&] {
+                    return fit_loss(response, key_.spacing_m, key_.tolerance);
+                }));
                 if (progress) progress->did(Stage::response);
             }
             const engines::Timed radial(of_radial);

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
+#include "engines/layered/response/loss_tables.hpp"
 #include "engines/layered/response/stack_response.hpp"
 #include "support/cases.hpp"
 #include "support/worst.hpp"
@@ -108,8 +109,80 @@ TEST_CASE("packing and unpacking a radial interpolant preserves its values", "[l
 }
 
 TEST_CASE("rejects a function with a pole on the axis", "[layered]") {
+    const auto f = [](double k, std::span<Complex> out) { out[0] = 1.0 / (k - 1.0); };
+    CHECK_THROWS_AS(layered::RadialInterpolant::fit(f, 1, 3.0, 1e-9), CaseFailure);
+}
+
+TEST_CASE("approximates a kink on the axis by panels whose error is negligible", "[layered]") {
     const auto f = [](double k, std::span<Complex> out) { out[0] = std::sqrt(std::abs(k - 1.0)); };
-    CHECK_THROWS_AS(layered::RadialInterpolant::fit(f, 1, 3.0, 1e-12), CaseFailure);
+    const auto fitted = layered::RadialInterpolant::fit(f, 1, 3.0, 1e-9);
+    const std::vector<double> k = {0.5, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 2.0};
+    std::vector<Complex> values(k.size());
+    fitted.evaluate(0, k, values.data(), 1);
+    for (std::size_t i = 0; i < k.size(); ++i) // sqrt(1e-13) at the kink, the narrowest panel
+        CHECK(std::abs(values[i] - std::sqrt(std::abs(k[i] - 1.0))) < 1e-6);
+}
+
+TEST_CASE("resolves waves that hardly decay up to rounding", "[layered]") {
+    // A half-space and a layer whose loss factors are 1e-9, a half-space whose branch point k_p is
+    // within 1e-10 k_p of the axis, and a film of 20 um on a rigid base, whose H is the difference
+    // of large numbers.
+    struct Example {
+        Layer layer;
+        Base base;
+        double frequency_Hz, spacing_m;
+    };
+    Layer weak = test::tissue(1500.0, 1e-9 * 25e3 / (2.0 * std::numbers::pi * 100.0));
+    Layer plate = weak, slow = test::tissue(866.0), film = test::tissue(573.0);
+    plate.thickness_m = 0.02;
+    slow.c_s_m_s = 2.2;
+    slow.loss = KelvinVoigt{1e-5};
+    film.c_s_m_s = 0.9;
+    film.thickness_m = 2e-5;
+    const Example examples[] = {{weak, Base::half_space, 100.0, 1e-3},
+                                {plate, Base::rigid, 100.0, 1e-3},
+                                {slow, Base::half_space, 2700.0, 3e-3},
+                                {film, Base::rigid, 2.5, 5e-3}};
+    for (const Example& example : examples) {
+        const Medium medium{{example.layer}, example.base};
+        CAPTURE(medium.layers[0].c_s_m_s, medium.layers[0].thickness_m);
+        const std::vector<double> surface = {0.0};
+        const layered::StackResponse response(medium, 2.0 * std::numbers::pi * example.frequency_Hz,
+                                              surface);
+        const auto h = [&](double k, std::span<Complex> out) { response.evaluate(k, out); };
+        const double k_max = std::numbers::pi / example.spacing_m;
+        const auto fitted = layered::RadialInterpolant::fit(h, 1, k_max, 1e-9);
+        CHECK(fitted.panels() < 2000);
+        CHECK_NOTHROW(layered::fit_loss(response, example.spacing_m, 1e-8));
+        // Away from the poles rounding is small.
+        for (const double k : {0.31 * k_max, 0.83 * k_max}) {
+            Complex exact, value;
+            h(k, {&exact, 1});
+            fitted.evaluate(0, std::span(&k, 1), &value, 1);
+            CHECK(std::abs(value - exact) < 1e-6 * std::abs(exact));
+        }
+    }
+}
+
+TEST_CASE("a steady state without loss and responses that overflow are errors of the case",
+          "[layered]") {
+    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1e-8)), ConstantSpeed{7.0});
+    const auto remark_of = [&] {
+        const auto remarks = engines::make_engine(LayeredOptions{})->limits(c);
+        return remarks.empty() ? std::string() : remarks.back().key + ": " + remarks.back().message;
+    };
+    CHECK(remark_of().empty()); // the transient is computed at complex frequencies
+    c.time.regime = Regime::periodic;
+    c.domain.edges = DomainEdges::open;
+    // omega viscosity / mu = 2 pi 71.4 Hz 1e-8 Pa s / 25 kPa
+    CHECK_THAT(remark_of(),
+               Catch::Matchers::Contains("time.regime") &&
+                   Catch::Matchers::Contains("layer \"tissue\" at 71.43 Hz is 1.8e-10"));
+    c.scene().medium.layers[0].loss = KelvinVoigt{1e-6};
+    CHECK(remark_of().empty());
+    c.scene().medium.layers[0].density_kg_m3 = 1e300;
+    CHECK_THAT(remark_of(), Catch::Matchers::Contains("medium.layer") &&
+                                Catch::Matchers::Contains("layer \"tissue\""));
 }
 
 } // namespace test_transfer_table
