@@ -45,13 +45,13 @@ class Plan:
         return program.diagnostics_of(self.document)
 
     @property
-    def wall_s(self) -> float:
-        """The estimated wall time in s."""
+    def wall_s(self) -> float | None:
+        """The estimated wall time in s; None if this machine has computed no such cases."""
         return self.document["wall_s"]
 
     @property
-    def core_hours(self) -> float:
-        """Ranks times wall time in hours."""
+    def core_hours(self) -> float | None:
+        """Ranks times wall time in hours; None as for wall_s."""
         return self.document["core_hours"]
 
     @property
@@ -65,7 +65,8 @@ class Plan:
         return self.document["disk_B"]
 
     def __repr__(self) -> str:
-        return (f"<shearwake.Plan {self.document['name']}: {len(self.document['cases'])} cases, {self.wall_s:.3g} s, "
+        time = "unknown time" if self.wall_s is None else f"{self.wall_s:.3g} s"
+        return (f"<shearwake.Plan {self.document['name']}: {len(self.document['cases'])} cases, {time}, "
                 f"{self.memory_per_rank_B / 1e6:.3g} MB per rank, {self.disk_B / 1e6:.3g} MB>")
 
 
@@ -200,9 +201,12 @@ class Job:
             raise program.error_of(3, "\n".join(str(d) for d in found if d.severity == "error"), found)
         return found
 
-    def plan(self, ranks: int = 1, *, ranks_per_case: int | None = None) -> Plan:
-        """The cases of the job with their estimated time, memory and disk. Raises JobError."""
+    def plan(self, ranks: int = 1, *, ranks_per_case: int | None = None, probe: bool = False) -> Plan:
+        """The cases of the job with their estimated time, memory and disk. `probe` measures what is not known about the
+        time, for about two seconds per kind of case. Raises JobError."""
         arguments = ["--ranks", str(ranks)] if ranks > 1 else []
+        if probe:
+            arguments += ["--probe"]
         if ranks_per_case is not None:
             arguments += ["--ranks-per-case", str(ranks_per_case)]
         with self._file() as path:

@@ -7,7 +7,7 @@
 
 namespace shearwake {
 
-/// Files with data that is measured once per machine (FFTW plans, the cost model). The cache is
+/// Files with data that is measured once per machine (FFTW plans, rates). The cache is
 /// optional: none of these functions throws when the file system refuses an operation. Not
 /// collective.
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -35,5 +36,15 @@ std::string_view without_unit(std::string_view key);
 
 /// `key` in the SI unit of its quantity: "thickness_mm" -> "thickness_m".
 std::string key_in_SI(std::string_view key);
+
+/// The clock that measures durations; it is not affected by changes of the time of day.
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
+inline double seconds_since(Clock::time_point began) {
+    return seconds_between(began, Clock::now());
+}
 
 } // namespace shearwake

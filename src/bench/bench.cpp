@@ -158,8 +158,6 @@ ExitCode bench_engine(const BenchArguments& arguments, const Comm& world, Output
 ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
     if (arguments.engine == "neural") return bench_neural(world, out);
     if (arguments.engine == "files") return bench_files(world, out);
-    if (arguments.engine == "machine") return bench_machine(world, out);
-    if (arguments.engine == "estimates") return bench_estimates(world, out);
     ExitCode code = ExitCode::done;
     // As in `run`, so that the times include the agreement before each collective call.
     fail_together(world, [&] { code = bench_engine(arguments, world, out); });

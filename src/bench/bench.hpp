@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/error.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
 
@@ -84,12 +84,6 @@ double copy_rate_B_s(const Comm& world);
 Case layered_bench_case();
 /// The same layers in the periodic regime: a circle drawn 100 times per second with AM.
 Case steady_bench_case();
-
-/// Calibrates the performance model of the machine and keeps it for `plan` and `run`, see
-/// schedule/cost/machine.hpp.
-ExitCode bench_machine(const Comm& world, Output& out);
-/// Compares estimated with measured time, memory and disk of a dozen cases of all engines.
-ExitCode bench_estimates(const Comm& world, Output& out);
 
 /// Measures the time of a step and its phases for a layer with or without a body, and compares it
 /// with lower bounds set by FFTs and memory bandwidth.

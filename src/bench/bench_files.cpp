@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "bench/bench.hpp"
 
 #include "parallel/agree.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench.hpp"
-#include "schedule/cost/machine.hpp"
 
 #include "base/error.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
@@ -175,7 +174,7 @@ Measured measure(const Case& c, std::ptrdiff_t steps, const spectral::DepthMesh&
 }
 
 void print(Output& out, const Measured& m, const Case& c, double levels, double copies_B_s,
-           const engines::Estimate& estimate, const engines::Rates& rates, int ranks) {
+           double planned_B) {
     constexpr std::array<const char*, spectral::phase_count> names = {
         "FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge",
         "other"};
@@ -228,11 +227,8 @@ void print(Output& out, const Measured& m, const Case& c, double levels, double 
           fmt::format("; copies at {:.1f} GB/s", 1e-9 * copies_B_s));
     out.print("  frame of the surface   {:10.5f} s   including its transform\n", m.surface_s);
     out.print("  setup                  {:10.3f} s   factorisations, materials\n", m.begin_s);
-    out.print(
-        "  estimated per step     {:10.5f} s   including its frame and a share of the setup\n",
-        engines::time_s(estimate.work, rates) / ranks / static_cast<double>(c.time.frames));
-    out.print("  peak memory per rank   {:10.1f} MB  estimated {:.1f} MB\n", 1e-6 * m.peak_memory_B,
-              1e-6 * estimate.memory_per_rank_B);
+    out.print("  peak memory per rank   {:10.1f} MB  planned {:.1f} MB\n", 1e-6 * m.peak_memory_B,
+              1e-6 * planned_B);
 }
 
 } // namespace
@@ -248,8 +244,8 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world, fft::Planning::measured);
     const Measured m = measure(c, arguments.steps, mesh, slabs, world);
     const double copies_B_s = copy_rate_B_s(world);
-    const engines::Estimate estimate = spectral::estimate_spectral(c, mesh, 1, world.size());
-    const engines::Rates rates = cost::known_machine(world.size(), world).rates;
+    const double planned_B =
+        spectral::estimate_spectral(c, mesh, 1, world.size()).memory_per_rank_B;
     if (!world.is_root()) return ExitCode::done;
     const std::string body = arguments.rigid  ? "a rigid cylinder"
                              : arguments.lump ? "a rigid ellipsoid"
@@ -261,7 +257,7 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
     out.print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}{}\n",
               world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
               m.statistics.steps, body, sponge);
-    print(out, m, c, static_cast<double>(mesh.levels()), copies_B_s, estimate, rates, world.size());
+    print(out, m, c, static_cast<double>(mesh.levels()), copies_B_s, planned_B);
     return ExitCode::done;
 }
 

@@ -3,7 +3,6 @@
 
 #include "base/view.hpp"
 #include "engines/checkpoint.hpp"
-#include "engines/work.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
@@ -136,11 +135,8 @@ constexpr double program_B = 38e6;
 /// Resources that a case needs.
 struct Estimate {
     double memory_per_rank_B = 0.0;
-    std::vector<Work> work;   // of all ranks, without work that cases share
-    std::vector<Work> shared; // work that is done once per medium and grid
-    int useful_ranks = 1;     // further ranks would have no rows
-    // Number of global transposes, and the bytes that all ranks together send in each.
-    double all_to_alls = 0.0, all_to_all_B = 0.0;
+    std::vector<Work> work; // of all ranks
+    int useful_ranks = 1;   // further ranks would have no rows
     double written_B = 0.0; // volumes and sensor series in the case file
 };
 
@@ -169,9 +165,12 @@ public:
     virtual ~Engine() = default;
     /// Resources for running the case on a team of `ranks` ranks. Not collective.
     virtual Estimate estimate(const Case& c, int ranks) const = 0;
-    /// Cases from which the machine's rates for this engine's kinds of work are measured, one per
-    /// kind. Not collective.
-    virtual std::vector<Calibration> calibrations() const = 0;
+    /// For engines that cannot be stopped between two steps: the case with fewer frames, whose
+    /// parts take the same time per unit. Nothing: Checkpoints::due() can stop a run after any
+    /// step. Not collective.
+    virtual std::optional<Case> shortened(const Case& /*c*/, std::ptrdiff_t /*frames*/) const {
+        return {};
+    }
     /// The choices that the engine will make for the case with their reasons, one line each, as far
     /// as they follow from the case alone. Not collective.
     virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }

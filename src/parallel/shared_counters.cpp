@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/shared_counters.hpp"
 
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/work.hpp"
+#include "engines/checkpoint.hpp"
 #include "measures/summary.hpp"
 #include "neural/respond.hpp"
 #include "neural/response.hpp"
@@ -56,10 +56,11 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);
 
-/// The work of all ranks for the afferents of a case; none without afferents.
-std::vector<engines::Work> receptors_work(const Case& c);
-/// Cases that determine its rates.
-std::vector<engines::Calibration> receptor_calibrations();
+/// The work of all ranks for the afferents of a case.
+engines::Work receptors_work(const Case& c);
+/// The time of the afferents of a case for a motion without amplitude, which is made longer until
+/// it takes about `seconds`; nothing without afferents. Collective.
+std::vector<engines::TimedWork> timed_receptors(const Case& c, double seconds, const Comm& team);
 
 /// Memory per rank for the afferents of a case, in addition to the engine [B].
 double afferents_memory_B(const Case& c, int ranks);

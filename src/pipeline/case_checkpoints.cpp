@@ -2,7 +2,7 @@
 #include "pipeline/case_checkpoints.hpp"
 
 #include "base/error.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/run_case.hpp"
 

@@ -2,7 +2,7 @@
 #include "pipeline/run_case.hpp"
 
 #include "base/error.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
@@ -17,6 +17,25 @@
 
 namespace shearwake::pipeline {
 namespace {
+
+constexpr const char* files_kind = "files";
+
+/// The times of the parts of a case that has taken `seconds`: those of the engine, of the
+/// receptors, and the rest as that of the files.
+std::vector<engines::TimedWork> times_of_case(const Case& c, std::vector<engines::TimedWork> times,
+                                              double receptors_s, const std::filesystem::path& path,
+                                              double seconds) {
+    std::error_code error;
+    const auto written_B = static_cast<double>(std::filesystem::file_size(path, error));
+    if (error) return times;
+    double files_s = seconds;
+    for (const engines::Work& part : work_beside_engine(c, written_B))
+        if (part.kind != files_kind) times.push_back({part, receptors_s});
+    for (const engines::TimedWork& part : times)
+        files_s -= part.seconds;
+    times.push_back({{files_kind, written_B}, files_s});
+    return times;
+}
 
 /// Checked in advance, since Linux grants more memory than it has and then kills the process.
 void refuse_too_large(const Case& c, const Comm& team, double available_B) {
@@ -116,7 +135,9 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     if (checkpoints.stop()) return std::nullopt;
     const double solve_s = seconds_since(began) - before_solve_s;
 
+    const auto solved = Clock::now();
     const CaseResults results = case_results(planned, recorder, team);
+    const double receptors_s = seconds_since(solved);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
@@ -133,10 +154,22 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     });
     writer.commit(results.groups, case_attributes(planned, facts));
     checkpoints.discard();
-    return CaseOutcome{facts.wall_s, solve_s, facts.solver};
+    return CaseOutcome{
+        facts.wall_s, solve_s, facts.solver,
+        times_of_case(c, checkpoints.times(), receptors_s, path, seconds_since(began))};
 }
 
 } // namespace
+
+std::vector<engines::Work> work_beside_engine(const Case& c, double written_B) {
+    std::vector<engines::Work> work = {{files_kind, written_B}};
+    if (c.afferents) work.push_back(receptors_work(c));
+    return work;
+}
+
+bool can_be_probed(const engines::Work& part) {
+    return part.kind != files_kind;
+}
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
                                     engines::Engine& engine, const Comm& team,

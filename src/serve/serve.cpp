@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/serve.hpp"
 
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "config/job.hpp"
 #include "parallel/session.hpp"
 #include "pipeline/memory.hpp"

@@ -2,7 +2,7 @@
 #include "serve/solver.hpp"
 
 #include "base/error.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "config/job.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
@@ -84,11 +84,11 @@ void Solver::refuse_unsuitable(const Case& c) const {
                                      "serve computes at most {:.3g}",
                                      c.domain.nx, c.domain.ny, c.time.frames, values,
                                      limits_.values));
-    const double afferents_s = engines::time_s(pipeline::receptors_work(c), {});
-    if (!(afferents_s <= limits_.time_s))
-        throw UsageError(fmt::format("the receptors would take about {:.3g} s; serve computes for "
-                                     "at most {:.3g} s",
-                                     afferents_s, limits_.time_s));
+    const double receptors = c.afferents ? pipeline::receptors_work(c).amount() : 0.0;
+    if (!(receptors <= limits_.receptor_values))
+        throw UsageError(fmt::format("the receptors need {:.3g} values, of each fibre, pin and "
+                                     "sample; serve computes at most {:.3g}",
+                                     receptors, limits_.receptor_values));
     const double frames_B = 2.0 * values * sizeof(float);
     const double needed_B = pipeline::memory_needed_B(c, world_.size(), *engine_) + frames_B;
     if (!(needed_B <= limits_.memory_per_rank_B))

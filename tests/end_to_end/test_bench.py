@@ -26,6 +26,9 @@ class Bench(ProgramTest):
         line = next(line for line in said.splitlines() if line.strip().startswith(name))
         return float(re.findall(r"[0-9]+\.[0-9]+", line)[field])
 
+    def planned(self, *words):
+        return json.loads(self.shearwake("plan", *words, "--json").stdout)
+
     def test_spectral_prints_the_share_of_each_phase(self):
         for ranks, contrast in ((1, 16), (3, 4)):
             with self.subTest(ranks=ranks, contrast=contrast):
@@ -57,35 +60,53 @@ class Bench(ProgramTest):
         self.assertEqual(self.row(said, "FFTs")[2], 0.0)
         self.assertIn("none", said)
 
-    def test_the_first_plan_calibrates_and_saves_the_rates(self):
+    def test_a_run_measures_missing_rates_and_records_those_of_its_cases(self):
         self.write_job()
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            first = self.shearwake("plan", "job.toml").said
-            self.assertEqual(first.count("calibrating the cost model for 1 rank"), 1, first)
-            self.assertRegex(first, r"performance model: calibrated on .*, 1 rank, 20")
-            second = self.shearwake("plan", "job.toml").said
-            self.assertNotIn("calibrating", second)
-            (file,) = cache.glob("machine-*-1.json")
-            rates = json.loads(file.read_text(encoding="utf-8"))["rates_s"]
-            self.assertIn("layered.response", rates)
-            self.assertFalse([kind for kind in rates if kind.startswith(("spectral", "pstd"))], rates)
+            before = self.shearwake("plan", "job.toml").said
+            self.assertIn("time: unknown: run `plan --probe`", before)
+            self.assertNotIn("core hours", before)
+            self.assertEqual(self.planned("job.toml")["wall_s"], None)
+            probed = self.shearwake("plan", "job.toml", "--probe").said
+            self.assertIn("measuring the speed of 1 kind of case (layered), for at most 2 s each", probed)
+            self.assertIn("time: probed on this machine", probed)
+            self.assertNotIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
+            first = self.shearwake("run", "job.toml").said
+            self.assertNotIn("measuring", first)
+            measured = self.shearwake("plan", "job.toml").said
+            self.assertIn("time: measured on this machine", measured)
+            self.assertIn("core hours", measured)
+            (file,) = cache.glob("rates-*-1.json")
+            rates = json.loads(file.read_text(encoding="utf-8"))["rates"]
+            self.assertIn("layered frames", [rate["kind"] for rate in rates if not rate["is_probed"]])
+            self.assertFalse([rate for rate in rates if rate["kind"].startswith(("spectral", "pstd"))], rates)
             file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
-            self.assertIn("calibrating", self.shearwake("plan", "job.toml").said)
-            self.assertNotIn("calibrating", self.shearwake("plan", "job.toml").said)
+            self.assertIn("measuring", self.shearwake("run", "job.toml", "--out", "again").said)
 
-    def test_a_signal_ends_the_calibration_of_a_run(self):
+    def test_every_engine_is_probed_and_measured(self):
+        body = ("[load]", '[[medium.body]]\nname = "b"\nshape = "ellipsoid"\nsemi_axes_mm = [6.0, 6.0, 2.0]\n'
+                'center_mm = [0.0, 0.0]\ndepth_mm = 4.0\nc_s_m_s = 9.0\n\n[load]')
+        for engine, changes in (("spectral", (body,)), ("pstd", ())):
+            with self.subTest(engine):
+                self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]'), *changes))
+                words = ("job.toml", "-S", f"solver.engine={engine}")
+                with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / engine)}):
+                    self.assertEqual(self.planned(*words, "--probe")["time_origin"], "probed")
+                    self.shearwake("run", *words, "--quiet", "--out", engine + "-out")
+                    self.assertEqual(self.planned(*words)["time_origin"], "measured")
+
+    def test_a_signal_ends_the_probes_of_a_run(self):
         self.write_job()
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
             process = self.start("run", "job.toml", "-S", "solver.engine=pstd")
             for line in process.stdout:
-                if "calibrating" in line:
+                if "measuring the speed" in line:
                     break
             process.send_signal(signal.SIGTERM)
             said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
-        self.assertEqual(list(cache.glob("machine-*")), [], "the calibration was completed")
         self.assertEqual(case_files(self.out), [])
 
     @pytest.mark.long
@@ -113,40 +134,22 @@ class Bench(ProgramTest):
     def test_a_plan_for_other_ranks_uses_the_rates_of_this_processor(self):
         self.write_job()
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
-            self.assertIn(", 1 rank, ", self.shearwake("plan", "job.toml", "-n", 4096).said)
-            self.shearwake("run", "job.toml", "--quiet", ranks=2)
+            self.shearwake("run", "job.toml", "--quiet")
             said = self.shearwake("plan", "job.toml", "-n", 2).said
-        self.assertRegex(said, r"performance model: calibrated on .*, 2 ranks, ")
-        self.assertNotIn("calibrating", said)
+        self.says(said, "core hours", "time: measured on this machine")
 
     @pytest.mark.long
     def test_without_a_cache_no_rates_are_saved(self):
         self.write_job()
-        for place, plans in (("off", 2), ("/proc/nowhere", 1)):
+        for place in ("off", "/proc/nowhere"):
             with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": place}):
-                for _ in range(plans):
-                    self.assertIn("calibrating", self.shearwake("plan", "job.toml").said)
-
-    @pytest.mark.long
-    def test_bench_machine_recalibrates(self):
-        cache = self.folder / "cache"
-        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            said = self.shearwake("bench", "machine").said
-        (file,) = cache.glob("machine-*-1.json")
-        machine = json.loads(file.read_text(encoding="utf-8"))
-        for kind, rate_s in machine["rates_s"].items():
-            self.assertGreater(rate_s, 0.0, kind)
-            self.assertIn(kind, said)
-        for engine in ("layered", "spectral", "pstd", "receptors"):
-            self.assertTrue([kind for kind in machine["rates_s"] if kind.startswith(engine)], engine)
-        for name in ("message_s", "transposed_B_s", "file_s", "written_B_s"):
-            self.assertGreater(machine[name], 0.0, name)
+                for _ in range(2):
+                    self.assertIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
 
     def test_a_plan_has_no_more_teams_than_cases(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         said = self.shearwake("plan", "job.toml", "-n", 4096).said
         self.assertRegex(said, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")
-        self.assertIn("teams are busy 100 % of the time", said)
 
     def test_invalid_grids_are_rejected(self):
         for grid in ("32x24", "33x24x9", "32x24x10", "32x24x9x1", "0x24x9", "many"):

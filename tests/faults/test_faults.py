@@ -138,7 +138,7 @@ class Failing(FaultTest):
 
     def allocations(self, ranks, words):
         """The number of allocations of the last rank in a new run. The first call fills the cache: otherwise a
-        calibration would meet the refusals of later runs, and the cases none."""
+        probe would meet the refusals of later runs, and the cases none."""
         count = self.folder / "allocations"
         for _ in range(2):
             shutil.rmtree(self.out, ignore_errors=True)

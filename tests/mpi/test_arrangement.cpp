@@ -23,13 +23,18 @@ Plan plan_of(int media) {
     return plan;
 }
 
-/// Costs as ranks may measure them: rank 0 the assumed ones, the others files so slow that the
-/// tables do not matter.
+/// Costs as ranks may have measured them: rank 0 tables that take longer than the frames, the
+/// others tables so fast that they do not matter.
 cost::CaseCosts costs_of(const std::vector<const PlannedCase*>& cases, int rank) {
     cost::CaseCosts costs(cases, {});
-    cost::Machine machine;
-    if (rank > 0) machine.file_s = 1e3;
-    costs.use(machine);
+    cost::Rates rates;
+    for (const engines::Work& part : costs.of(cases.front()->physics).work)
+        rates.add({part.kind, part.size, 1,
+                   !part.is_shared ? 1e-9
+                   : rank > 0      ? 1e-18
+                                   : 1e-3,
+                   false});
+    costs.use(rates);
     return costs;
 }
 

@@ -77,7 +77,6 @@ exceedance = { peak_um = 21.0, "peak_um_z1mm" = 1.0 }
 class ModelEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case&, int) const override { return {}; }
-    std::vector<engines::Calibration> calibrations() const override { return {}; }
     std::vector<Remark> limits(const Case&) const override { return {}; }
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints*) override {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/springs/springs_engine.hpp"
 
+#include "base/units.hpp"
 #include "base/view.hpp"
 #include "problem/case/case.hpp"
 #include "problem/load/load.hpp"
@@ -11,23 +12,25 @@
 namespace shearwake::springs {
 namespace {
 
-constexpr engines::WorkKind of_point = {"springs.point", 5e-8};
+engines::Work work_of(const Case& c) {
+    return {.kind = "springs",
+            .size = static_cast<double>(c.domain.nx * c.domain.ny),
+            .count = static_cast<double>(c.time.frames)};
+}
 
 } // namespace
 
 engines::Estimate SpringsEngine::estimate(const Case& c, int ranks) const {
-    const auto points = static_cast<double>(c.domain.nx * c.domain.ny);
-    return {.memory_per_rank_B = engines::program_B + 8.0 * points / ranks,
-            .work = {{of_point, points * static_cast<double>(c.time.frames)}},
+    const engines::Work work = work_of(c);
+    return {.memory_per_rank_B = engines::program_B + 8.0 * work.size / ranks,
+            .work = {work},
             .useful_ranks = static_cast<int>(c.domain.nx)};
 }
 
-std::vector<engines::Calibration> SpringsEngine::calibrations() const {
-    Case c =
-        engines::calibration_case({{0.0, 5.0, 0.1}}, 3e-3, {.nx = 96, .ny = 64, .spacing_m = 1e-3},
-                                  {.frames = 400, .interval_s = 1e-5});
-    c.solver = SpringsOptions{};
-    return {{of_point.name, c}};
+std::optional<Case> SpringsEngine::shortened(const Case& c, std::ptrdiff_t frames) const {
+    Case brief = c;
+    brief.time.frames = frames;
+    return brief;
 }
 
 std::vector<Remark> SpringsEngine::limits(const Case& c) const {
@@ -36,7 +39,7 @@ std::vector<Remark> SpringsEngine::limits(const Case& c) const {
 }
 
 void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
-                        engines::Checkpoints* /*checkpoints*/) {
+                        engines::Checkpoints* checkpoints) {
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const std::ptrdiff_t start = nx * team.rank() / team.size();
     const std::ptrdiff_t count = nx * (team.rank() + 1) / team.size() - start;
@@ -45,7 +48,7 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
     const double peak_m = load.peak_Pa * springs.length_m / springs.modulus_Pa;
     std::vector<double> u_z_m(static_cast<std::size_t>(count * ny));
     observer.begin({start, count});
-    const engines::Timed timed(of_point);
+    const auto began = Clock::now();
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         const double t_s = c.time.frame_s(n);
         const auto places = foci(load.modulation, t_s);
@@ -60,6 +63,7 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
             }
         observer.frame({.number = n, .u_z_m = View2<const double>(u_z_m.data(), count, ny)});
     }
+    if (checkpoints) checkpoints->timed({work_of(c), seconds_since(began)});
 }
 
 } // namespace shearwake::springs

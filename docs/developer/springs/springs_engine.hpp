@@ -3,6 +3,7 @@
 
 #include "engines/engine.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace shearwake::springs {
@@ -11,7 +12,8 @@ namespace shearwake::springs {
 class SpringsEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
-    std::vector<engines::Calibration> calibrations() const override;
+    /// Its runs are not stopped.
+    std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
     std::vector<Remark> limits(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;

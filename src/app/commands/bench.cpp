@@ -11,13 +11,10 @@ void add_bench(CLI::App& app, Action& action) {
         "memory bandwidth",
         bench::bench_command);
     command
-        .add_option(
-            "NAME", arguments.engine,
-            "layered (default), spectral, pstd or neural: the speed of an engine or of the "
-            "receptors; files: writing and verifying 1 GB of frames; "
-            "machine: recalibrate the cost model of plan and run; estimates: compare estimates "
-            "with measurements")
-        ->check(one_of({"layered", "spectral", "pstd", "neural", "files", "machine", "estimates"}));
+        .add_option("NAME", arguments.engine,
+                    "layered (default), spectral, pstd or neural: the speed of an engine or of the "
+                    "receptors; files: writing and verifying 1 GB of frames")
+        ->check(one_of({"layered", "spectral", "pstd", "neural", "files"}));
     command
         .add_option(
             "--grid", arguments.grid,

@@ -5,7 +5,6 @@
 #include "base/units.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
-#include "schedule/cost/calibration.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/job_source.hpp"
 #include "schedule/run/run_arguments.hpp"
@@ -27,6 +26,7 @@ struct PlanArguments : schedule::JobArguments {
     int ranks = 0;          // 0: the number of ranks of this program
     int ranks_per_case = 0; // 0: choose
     bool all_cases = false; // list every case of a long plan
+    bool probe = false;     // measure the speed of kinds of cases that have not been measured
 };
 
 using Json = nlohmann::ordered_json;
@@ -72,17 +72,42 @@ double points_per_wave(const Case& c) {
 struct PlannedCost {
     const PlannedCase* planned;
     double seconds, memory_per_rank_B, disk_B;
+    cost::Origin origin; // of the seconds, which are only relative if it is unknown
 };
+
+const char* name_of(cost::Origin origin) {
+    switch (origin) {
+    case cost::Origin::measured:
+        return "measured";
+    case cost::Origin::probed:
+        return "probed";
+    case cost::Origin::similar:
+        return "similar";
+    case cost::Origin::unknown:
+        break;
+    }
+    return "unknown";
+}
+
+std::string text_of(cost::Origin origin) {
+    switch (origin) {
+    case cost::Origin::measured:
+        return "measured on this machine";
+    case cost::Origin::probed:
+        return "probed on this machine";
+    case cost::Origin::similar:
+        return "measured on this machine for other sizes, bodies or numbers of ranks; `plan "
+               "--probe` measures the others";
+    case cost::Origin::unknown:
+        break;
+    }
+    return "unknown: run `plan --probe`";
+}
 
 /// A choice of an engine, and the number of cases to which it applies.
 struct Choice {
     std::string text;
     std::size_t cases;
-};
-
-/// Where the time of the teams goes, in s, summed over the cases.
-struct TimeParts {
-    double compute_s = 0.0, transposes_s = 0.0, files_s = 0.0, longest_s = 0.0;
 };
 
 /// The estimates of a plan, for text and JSON.
@@ -93,10 +118,12 @@ struct Estimates {
     schedule::TeamLayout layout;
     int ranks = 1;
     int busy = 1; // teams that have a case
-    TimeParts parts;
+    double longest_s = 0.0;
+    cost::Origin origin = cost::Origin::measured; // the worst of all cases
     schedule::Demand demand;
-    std::string calibrated; // empty: not calibrated
-    std::string error;      // memory or disk do not suffice; empty: they do
+    std::string error; // memory or disk do not suffice; empty: they do
+
+    bool has_times() const { return origin != cost::Origin::unknown; }
 
     /// Ranks times wall time, including idle ranks.
     double core_hours() const { return layout.seconds * ranks / 3600.0; }
@@ -119,51 +146,35 @@ void add_choices(Estimates& e, const cost::CaseCosts& costs) {
     }
 }
 
-TimeParts parts_of(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
-                   int busy, cost::CaseCosts& costs) {
-    TimeParts parts;
-    const cost::Machine& machine = costs.machine();
-    for (const PlannedCase* planned : cases) {
-        cost::CaseCost cost = costs.of(planned->physics);
-        const double all = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
-        parts.longest_s = std::max(parts.longest_s, all);
-        cost.transposes = 0.0;
-        const double without = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
-        const double files = machine.file_s + cost.written_B * busy / machine.written_B_s;
-        parts.transposes_s += all - without;
-        parts.files_s += files;
-        parts.compute_s += without - files;
-    }
-    return parts;
-}
-
 Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
                        const schedule::TeamLayout& layout, int ranks, cost::CaseCosts& costs) {
     Estimates e;
     e.layout = layout;
     e.ranks = ranks;
     e.busy = static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
-    e.calibrated = costs.machine().measured;
     for (const PlannedCase* planned : cases) {
-        const cost::CaseCost& cost = costs.of(planned->physics);
-        e.cases.push_back(
-            {planned, cost::seconds_on(cost, layout.ranks_per_case, layout.teams, costs.machine()),
-             costs.memory_per_rank_B(planned->physics, layout.ranks_per_case), cost.written_B});
+        const Case& c = planned->physics;
+        const cost::CaseTime time = costs.time(c, layout.ranks_per_case);
+        e.cases.push_back({planned, time.own_s, costs.memory_per_rank_B(c, layout.ranks_per_case),
+                           costs.of(c).written_B, time.origin});
+        e.longest_s = std::max(e.longest_s, time.own_s);
+        e.origin = std::max(e.origin, time.origin);
         e.demand.memory_per_rank_B =
             std::max(e.demand.memory_per_rank_B, e.cases.back().memory_per_rank_B);
         e.demand.disk_B += e.cases.back().disk_B;
     }
-    e.parts = parts_of(cases, layout, e.busy, costs);
     add_choices(e, costs);
     return e;
 }
 
 void print_case(const PlannedCost& cost) {
     const Case& c = cost.planned->physics;
-    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", cost.planned->id,
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7}  {}\n", cost.planned->id,
                fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
                fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
-               cost.memory_per_rank_B / 1e6, cost.seconds, settings_of(*cost.planned));
+               cost.memory_per_rank_B / 1e6,
+               cost.origin == cost::Origin::unknown ? "?" : fmt::format("{:.2g}", cost.seconds),
+               settings_of(*cost.planned));
 }
 
 /// All cases of a short plan. Of a long one, the first and the longest cases, unless all are
@@ -205,28 +216,30 @@ void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& wa
                    e.cases.size() - e.probed, e.probed);
 }
 
-/// Teams, parts of the estimated time and, at last, the totals.
+/// "2.5 s", or "3 h 20 min".
+std::string duration_of(double seconds) {
+    return seconds < 60.0 ? fmt::format("{:.2g} s", seconds) : hours_and_minutes(seconds);
+}
+
+/// The teams, the origin of the times and, at last, the totals.
 void print_totals(const Estimates& e) {
-    const TimeParts& p = e.parts;
-    const double sum_s = std::max(p.compute_s + p.transposes_s + p.files_s, 1e-300);
     const Domain& d = e.cases.front().planned->physics.domain;
     fmt::print("\nthe grid of the first case covers {:g} x {:g} mm\n", 1e3 * d.extent_x_m(),
                1e3 * d.extent_y_m());
-    fmt::print("time of a team: {:.0f} % computing, {:.0f} % transposing, {:.0f} % writing files; "
-               "longest case: {:.2g} s; teams are busy {:.0f} % of the time\n",
-               100.0 * p.compute_s / sum_s, 100.0 * p.transposes_s / sum_s,
-               100.0 * p.files_s / sum_s, p.longest_s, 100.0 * std::min(1.0, e.layout.busy));
-    fmt::print("performance model: {}\n", e.calibrated.empty()
-                                              ? "not calibrated, assumes a server of 2020"
-                                              : "calibrated " + e.calibrated);
-    fmt::print("{} case{} on {} rank{} ({} team{} of {}{}): {:.2g} core hours, about {} of wall "
-               "time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
-               e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s",
-               e.busy, e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
-               schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()), e.core_hours(),
-               e.layout.seconds < 60.0 ? fmt::format("{:.2g} s", e.layout.seconds)
-                                       : hours_and_minutes(e.layout.seconds),
-               e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+    if (e.has_times())
+        fmt::print("longest case: {:.2g} s; teams are busy {:.0f} % of the time\n", e.longest_s,
+                   100.0 * std::min(1.0, e.layout.busy));
+    fmt::print("time: {}\n", text_of(e.origin));
+    fmt::print(
+        "{} case{} on {} rank{} ({} team{} of {}{}): {}at most {:.0f} MB per rank, {:.3g} MB "
+        "on disk\n",
+        e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s", e.busy,
+        e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
+        schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()),
+        e.has_times() ? fmt::format("{:.2g} core hours, about {} of wall time, ", e.core_hours(),
+                                    duration_of(e.layout.seconds))
+                      : "",
+        e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
 }
 
 /// States what the estimates cover if results add further points.
@@ -247,8 +260,9 @@ void print_adaptive(const Estimates& e, const std::vector<AdaptiveAxis>& axes) {
     if (!axes.empty())
         fmt::print(
             "the estimates above cover the first round only; all rounds together take at most "
-            "{:.0f} cases and {:.2g} core hours\n",
-            std::ceil(ratio * static_cast<double>(e.cases.size())), ratio * e.core_hours());
+            "{:.0f} cases{}\n",
+            std::ceil(ratio * static_cast<double>(e.cases.size())),
+            e.has_times() ? fmt::format(" and {:.2g} core hours", ratio * e.core_hours()) : "");
 }
 
 nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
@@ -270,13 +284,15 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
             {"frames", c.time.frames},
             {"points_per_focus", points_per_focus(c)},
             {"points_per_wave", points_per_wave(c)},
-            {"seconds", cost.seconds},
+            {"seconds", cost.origin == cost::Origin::unknown ? Json() : Json(cost.seconds)},
+            {"time_origin", name_of(cost.origin)},
             {"memory_per_rank_B", cost.memory_per_rank_B},
             {"disk_B", cost.disk_B}};
 }
 
 void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
                 const std::string& next) {
+    const auto time = [&](double value) { return e.has_times() ? Json(value) : Json(); };
     Json cases = Json::array(), choices = Json::array(), adaptive = Json::array();
     for (const AdaptiveAxis& axis : job.plan.adaptive)
         adaptive.push_back(json_of(axis));
@@ -293,13 +309,13 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"ranks", e.ranks},
                                             {"teams", e.busy},
                                             {"ranks_per_case", e.layout.ranks_per_case},
-                                            {"core_hours", e.core_hours()},
-                                            {"wall_s", e.layout.seconds},
-                                            {"longest_case_s", e.parts.longest_s},
+                                            {"core_hours", time(e.core_hours())},
+                                            {"wall_s", time(e.layout.seconds)},
+                                            {"longest_case_s", time(e.longest_s)},
                                             {"busy_share", std::min(1.0, e.layout.busy)},
                                             {"memory_per_rank_B", e.demand.memory_per_rank_B},
                                             {"disk_B", e.demand.disk_B},
-                                            {"is_calibrated", !e.calibrated.empty()},
+                                            {"time_origin", name_of(e.origin)},
                                             {"error", e.error.empty() ? Json() : Json(e.error)},
                                             {"next", e.error.empty() ? Json(next) : Json()}}));
 }
@@ -326,9 +342,14 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
-    cost::CaseCosts costs(cases, {});
-    calibrate_for(costs, ranks, world,
-                  [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+    cost::CaseCosts costs(cases, cost::known_rates(ranks, world));
+    if (arguments.probe) {
+        const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
+                                                   available_B, costs);
+        cost::measure_rates(
+            costs, cases, world.broadcast(layout.ranks_per_case), available_B, world,
+            {.report = [](const std::string& text) { fmt::print(stderr, "{}\n", text); }});
+    }
     if (!world.is_root()) return ExitCode::done;
     Estimates estimates = estimates_of(
         cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
@@ -362,6 +383,9 @@ void add_plan(CLI::App& app, Action& action) {
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
     add_ranks_per_case(command, arguments.ranks_per_case);
+    command.add_flag("--probe", arguments.probe,
+                     "measure the speed of each kind of case that has not been measured on this "
+                     "machine, for about two seconds each");
     command.add_flag("--all", arguments.all_cases, "list every case, also of a long plan");
     add_json(command, arguments.json);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "storage/case_file/case_index.hpp"

@@ -24,7 +24,6 @@
 namespace shearwake::layered {
 namespace {
 
-using namespace kinds;
 using Complex = std::complex<double>;
 
 /// Number of lines (kx) that are transposed together from time order to frame order: four cache
@@ -66,7 +65,6 @@ public:
     void compute(TransferTable& table, std::size_t depth, std::ptrdiff_t first,
                  std::ptrdiff_t count, std::ptrdiff_t most_rows, Energy* energy,
                  CaseProgress& progress) {
-        const engines::Timed timed(of_sample);
         const JumpTail tail(load_.nodes(), time_, time_.samples / coarse_, table.key().quantity);
         for (std::ptrdiff_t ky = 0; ky < most_rows; ++ky) {
             const bool is_mine = ky < share_.ky_count;
@@ -287,6 +285,16 @@ void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const Tran
                                             is_open ? open_grid_.get() : nullptr, &progress);
 }
 
+std::optional<Case> LayeredEngine::shortened(const Case& c, std::ptrdiff_t frames) const {
+    Case brief = c;
+    auto& options = std::get<LayeredOptions>(brief.solver);
+    options.time_step_s = time_transform(solved_case(c), options).step_s;
+    options.wrap_suppression = std::pow(
+        options.wrap_suppression, static_cast<double>(frames) / static_cast<double>(c.time.frames));
+    brief.time.frames = frames;
+    return brief;
+}
+
 engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
     auto options = std::get<LayeredOptions>(c.solver);
     options.time_step_s = 0.5 * time_transform(solved_case(c), options).step_s;
@@ -316,13 +324,13 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     const auto largest = std::lround(team.max(static_cast<double>(share.ky_count)));
     const std::ptrdiff_t batch = frames_per_batch(c, largest);
     std::optional<FieldSpectra> spectra;
-    const engines::Timed timed(of_sample); // includes the preparation of the time samples
     fft::AlignedVector<double> plane;
     together(team, [&] {
         spectra.emplace(c, table_->key(), share, batch, batch_);
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 
+    progress.did(CaseProgress::Stage::setup);
     std::optional<FieldSpectra::Energy> energy;
     if (loss_table_) energy = spectra->energy(*loss_table_);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
@@ -335,7 +343,6 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                 const bool is_first = &table == table_.get() && depth == 0 && first == 0;
                 spectra->compute(table, other + depth, first, count, largest,
                                  energy && is_first ? &*energy : nullptr, progress);
-                const engines::Timed frames(of_frame);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
                     progress.end_if_asked();
                     slabs_->to_physical([&](std::ptrdiff_t ky,
@@ -362,14 +369,15 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                        observer.stress({.number = n, .depth = depth, .compression_Pa = values});
                    });
-    if (!tangential_table_) return;
     for (const std::size_t component : {0u, 1u}) {
+        if (!tangential_table_) break;
         spectra->differentiate(component);
         each_frame(*tangential_table_, 1,
                    [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
                        observer.tangential({.number = n, .component = component, .u_m = values});
                    });
     }
+    progress.report_times(stages_of(c, table_->key(), team.size()));
 }
 
 } // namespace shearwake::layered

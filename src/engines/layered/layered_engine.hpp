@@ -2,9 +2,11 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/layered/response/case_progress.hpp"
 #include "engines/layered/response/transfer_table.hpp"
 #include "fft/slab_transform.hpp"
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -26,12 +28,13 @@ TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 class LayeredEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
-    std::vector<engines::Calibration> calibrations() const override;
     std::vector<Remark> limits(const Case& c) const override;
     std::vector<std::string> choices(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
     /// Also the interpolation of H has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
+    /// Fewer samples of the same step and decay, hence of the same range of frequencies.
+    std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 
@@ -44,16 +47,6 @@ private:
     void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
                     CaseProgress& progress);
 
-    /// Number of evaluations of H per frequency for the last estimated medium, which the cases of a
-    /// sweep often share.
-    struct Tried {
-        TransferKey curves;
-        double evaluations = 0.0;
-    };
-    mutable std::optional<Tried> tried_;
-    /// Looks up or estimates it. Not collective.
-    double evaluations_per_frequency(const TransferKey& key, const TransferKey& stress,
-                                     const TransferKey& loss) const;
     /// The second only for cases that request the stress, the third only for those that request the
     /// tangential displacement, the fourth only in the periodic regime.
     std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_, loss_table_;
@@ -78,6 +71,10 @@ TransferKey loss_key_of(const Case& c, const TransferKey& displacement);
 /// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not
 /// collective.
 std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count);
+
+/// The work of the stages of a case on the solved grid, by CaseProgress::Stage. Not collective.
+std::array<engines::Work, CaseProgress::stages> stages_of(const Case& c, const TransferKey& key,
+                                                          int ranks);
 
 /// Adds the work of a table to the progress of a case, on a rank with ky_count rows of a team of
 /// `ranks`. Not collective.

@@ -9,12 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <fmt/format.h>
 
 namespace shearwake::layered {
 namespace {
-
-using namespace kinds;
 
 /// Number of depths of the stress and of components of the tangential displacement.
 double other_fields(const Case& c) {
@@ -27,9 +25,6 @@ using Complex = std::complex<double>;
 /// each batch of frames.
 constexpr double largest_batch_B = 200e6;
 
-/// Number of frequencies at which the panels of H are fitted for an estimate.
-constexpr std::ptrdiff_t tried_frequencies = 6;
-
 double reach_m(const TransferKey& key) {
     return open_reach_m(key.nx, key.ny, key.spacing_m);
 }
@@ -37,44 +32,6 @@ double reach_m(const TransferKey& key) {
 /// Of the interpolation of the loss: a hundredth of the imbalance that causes a warning, and above
 /// the rounding of StackResponse::loss.
 constexpr double tolerance_of_loss = 1e-8;
-
-/// Time of an evaluation of the loss divided by that of H.
-constexpr double time_of_loss = 5.0;
-
-/// Number of evaluations of H for all frequencies. It depends on how finely its poles divide |k|. A
-/// few frequencies are therefore fitted, which takes some milliseconds.
-double evaluations(const TransferKey& key) {
-    if (key.depths_m.empty()) return 0.0;
-    const double k_max = std::numbers::pi / key.spacing_m * std::numbers::sqrt2;
-    const std::ptrdiff_t frequencies = key.time.samples / 2 + 1;
-    const std::ptrdiff_t tried = std::min(tried_frequencies, frequencies);
-    const bool is_loss = key.quantity == StackQuantity::loss;
-    double count = 0.0;
-    for (std::ptrdiff_t i = 0; i < tried; ++i) {
-        // Each frequency represents the middle of its share.
-        // At rest H of a half-space is singular at k = 0.
-        const std::ptrdiff_t m = std::max<std::ptrdiff_t>((2 * i + 1) * frequencies / (2 * tried),
-                                                          key.time.decay_rad_s > 0.0 ? 0 : 1);
-        const StackResponse response(key.medium, key.time.omega(m), key.depths_m, key.quantity);
-        if (is_loss) {
-            count += RadialInterpolant::order * 2.0 *
-                     static_cast<double>(fit_loss(response, key.spacing_m, key.tolerance).panels());
-            continue;
-        }
-        RadialInterpolant::fit(
-            [&](double k, std::span<Complex> out) {
-                count += 1.0;
-                response.evaluate(k, out);
-            },
-            key.depths_m.size(), k_max, key.tolerance);
-    }
-    if (is_loss) count *= time_of_loss;
-    const double nodes =
-        key.edges == DomainEdges::open && !is_loss
-            ? static_cast<double>(point_rule(key.spacing_m, reach_m(key)).k_rad_m.size())
-            : 0.0;
-    return (count / static_cast<double>(tried) + nodes) * static_cast<double>(frequencies);
-}
 
 /// Products of nodes and radii for the radial tables of an open plane. A Bessel function takes as
 /// long as 600 products for a complex argument and as long as 150 for a real one.
@@ -102,14 +59,12 @@ double kept_bessel_B(const TransferKey& key) {
                                          radii);
 }
 
-/// Typical number of evaluations of H per frequency, until their time has been measured.
-constexpr double typical_evaluations = 500.0;
-
-/// A case with two layers, dermis and fat.
-Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frames) {
-    return engines::calibration_case({{2e-3, 3.65, 1.0}, {18e-3, 2.24, 1.0}}, 4e-3,
-                                     {nx, ny, 1e-3, 0.0}, {frames, 100e-6});
-}
+/// Expected costs relative to each other, which are used for the share of a case that is complete
+/// until its stages have been measured: of an evaluation of H in a layer, times the typical number
+/// of evaluations per frequency; of a product for the radial tables; and per point, time sample or
+/// frame, and depth.
+constexpr double of_response = 500.0 * 900.0, of_radial = 0.5, of_expansion = 2.5,
+                 of_open_expansion = 20.0, of_sample = 4.0, of_moving_sample = 10.0, of_frame = 4.5;
 
 } // namespace
 
@@ -167,12 +122,11 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
     // With open edges H is evaluated on the contour as well.
     const double fits = (is_open ? 2.0 : 1.0) * std::ceil(frequencies / ranks);
     const double layers = static_cast<double>(key.medium.layers.size());
-    progress.expect(Stage::response, fits,
-                    fits * typical_evaluations * layers * of_response.assumed_s);
+    progress.expect(Stage::response, fits, fits * layers * of_response);
     if (is_open)
         progress.expect(Stage::radial,
                         static_cast<double>(radial_blocks(key.spacing_m, reach_m(key))),
-                        radial_products(key) * of_radial.assumed_s / ranks);
+                        radial_products(key) * of_radial / ranks);
     if (!is_open &&
         TransferTable::expanded_bytes(key, ky_count) > TransferTable::largest_expansion_B)
         return;
@@ -180,7 +134,7 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
     progress.expect(Stage::expansion,
                     depths * (is_open ? frequencies : static_cast<double>(ky_count)),
                     depths * points * static_cast<double>(key.time.samples) *
-                        (is_open ? of_open_expansion : of_expansion).assumed_s / ranks);
+                        (is_open ? of_open_expansion : of_expansion) / ranks);
 }
 
 void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
@@ -192,53 +146,74 @@ void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key
     const bool along_x = LoadSpectrum::keeps_y(c, key.time);
     const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double lines = depths * batches * static_cast<double>(ky_count * kept_nx);
-    const double sample_s = of_far_sample.assumed_s + (along_x ? 0.0 : of_load.assumed_s);
+    progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
     progress.expect(Stage::samples, lines,
-                    2.0 * lines * static_cast<double>(key.time.samples) * sample_s);
+                    2.0 * lines * static_cast<double>(key.time.samples) *
+                        (along_x ? of_sample : of_moving_sample));
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    progress.expect(Stage::frames, depths * frames,
-                    depths * frames * points * of_far_frame.assumed_s / ranks);
+    progress.expect(Stage::frames, depths * frames, depths * frames * points * of_frame / ranks);
 }
 
-double LayeredEngine::evaluations_per_frequency(const TransferKey& key, const TransferKey& stress,
-                                                const TransferKey& loss) const {
-    TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
-    if (key.edges != DomainEdges::open) curves.nx = curves.ny = 0;
-    curves.time = {};
-    const double frequencies = std::floor(static_cast<double>(key.time.samples) / 2.0) + 1.0;
-    if (!tried_ || !(tried_->curves == curves))
-        tried_ = {curves,
-                  (evaluations(key) + evaluations(stress) + evaluations(loss)) / frequencies};
-    return tried_->evaluations;
+std::array<engines::Work, CaseProgress::stages> stages_of(const Case& c, const TransferKey& key,
+                                                          int ranks) {
+    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+    const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
+    const double samples = static_cast<double>(key.time.samples);
+    const double frames = static_cast<double>(c.time.frames);
+    const std::ptrdiff_t ky_count = fft::most_rows(c.domain.ny, ranks);
+    const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
+    const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
+    const double kept_points = (along_x ? 0.5 : 1.0) * points;
+    const bool is_open = key.edges == DomainEdges::open;
+    double tables = 0.0, products = 0.0, kept_depths = 0.0;
+    bool is_repeated = false; // whether a table is expanded again for each batch
+    for (const TransferKey& one :
+         {key, stress_key_of(c, key), tangential_key_of(c, key), loss_key_of(c, key)}) {
+        if (one.depths_m.empty()) continue;
+        tables += 1.0;
+        products += radial_products(one);
+        if (is_open ||
+            TransferTable::expanded_bytes(one, ky_count) <= TransferTable::largest_expansion_B)
+            kept_depths += static_cast<double>(one.depths_m.size());
+        else
+            is_repeated = true;
+    }
+    const std::string edges = is_open ? " open" : "";
+    const double layers = static_cast<double>(key.medium.layers.size());
+    const auto kind = [](const char* stage, const std::string& how) {
+        return fmt::format("layered {}{}", stage, how);
+    };
+    return {engines::Work{
+                kind("response", (c.time.regime == Regime::periodic ? " periodic" : "") + edges),
+                tables * layers, std::floor(samples / 2.0) + 1.0, true},
+            {kind("radial", edges), products, is_open ? 1.0 : 0.0, true},
+            {kind("expansion", edges), points * kept_depths, samples, true},
+            {kind("setup", ""), points, 1.0},
+            {kind("samples",
+                  std::string(along_x ? " along x" : "") + (is_repeated ? " with expansion" : "")),
+             kept_points * depths, batches * samples},
+            {kind("frames", ""), points * depths, frames}};
 }
 
 engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const Case c = solved_case(given);
-    const auto& options = std::get<LayeredOptions>(c.solver);
-    const TransferKey key = key_of(c, options);
+    const TransferKey key = key_of(c, std::get<LayeredOptions>(c.solver));
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const double stresses = other_fields(c);
-    const double depths = static_cast<double>(c.measure.depths_m.size()) + stresses;
-    const double samples = static_cast<double>(key.time.samples);
-    const double frames = static_cast<double>(c.time.frames);
-    const std::ptrdiff_t modes = c.domain.ny / 2 + 1;
     const std::ptrdiff_t ky_count = fft::most_rows(c.domain.ny, ranks);
-    const std::ptrdiff_t in_batch = frames_per_batch(c, ky_count);
-    const double batches = std::ceil(frames / static_cast<double>(in_batch));
     const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
     const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
-    const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
+    const double batch_B =
+        static_cast<double>(frames_per_batch(c, ky_count) * ky_count * kept_nx) * sizeof(Complex);
     const TransferKey stress = stress_key_of(c, key), loss = loss_key_of(c, key);
-    const double own_B = TransferTable::expanded_bytes(key, ky_count);
-    const double stress_B = TransferTable::expanded_bytes(stress, ky_count) +
-                            TransferTable::expanded_bytes(tangential_key_of(c, key), ky_count);
-    const double loss_B = TransferTable::expanded_bytes(loss, ky_count);
-    const bool is_open = c.domain.edges == DomainEdges::open;
-    const auto is_kept = [&](double table_B) {
-        return is_open || table_B <= TransferTable::largest_expansion_B;
+    const auto kept = [&](double table_B) {
+        return key.edges == DomainEdges::open || table_B <= TransferTable::largest_expansion_B
+                   ? table_B
+                   : 0.0;
     };
-    const auto kept = [&](double table_B) { return is_kept(table_B) ? table_B : 0.0; };
-    const double kept_B = kept(own_B) + kept(stress_B) + loss_B;
+    const double kept_B = kept(TransferTable::expanded_bytes(key, ky_count)) +
+                          kept(TransferTable::expanded_bytes(stress, ky_count) +
+                               TransferTable::expanded_bytes(tangential_key_of(c, key), ky_count)) +
+                          TransferTable::expanded_bytes(loss, ky_count);
     engines::Estimate e;
     // The program, the spectra, H, the phases of the load, the transformed plane, and Bessel
     // functions.
@@ -246,54 +221,10 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
                           static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex) +
                           LoadSpectrum::memory_B(c, key.time, ky_count) + kept_bessel_B(key) +
                           kept_bessel_B(loss);
-    const double far = engines::share_from_memory(batch_B + kept(own_B) / (depths - stresses));
-    const double all_samples = batches * depths * samples * static_cast<double>(kept_nx) *
-                               static_cast<double>(c.domain.ny);
-    e.work = {{of_sample, all_samples * (1.0 - far)},
-              {of_far_sample, all_samples * far},
-              {of_frame, depths * points * frames * (1.0 - far)},
-              {of_far_frame, depths * points * frames * far}};
-    if (!along_x) e.work.push_back({of_load, all_samples});
-    const double frequencies = std::floor(samples / 2.0) + 1.0;
-    e.shared = {{of_response, frequencies * evaluations_per_frequency(key, stress, loss) *
-                                  static_cast<double>(c.scene().medium.layers.size())},
-                {of_radial, radial_products(key) + radial_products(stress) + radial_products(loss)},
-                {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
-    const auto expand = [&](double table_B, double table_depths) {
-        const double amount = table_depths * points * samples;
-        if (is_kept(table_B))
-            e.shared.push_back({is_open ? of_open_expansion : of_expansion, amount});
-        else
-            e.work.push_back({of_expansion, batches * amount});
-    };
-    expand(own_B, depths - stresses);
-    if (stresses > 0.0) expand(stress_B, stresses);
-    if (loss_B > 0.0) expand(loss_B, 1.0);
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
-    e.all_to_alls = depths * frames;
-    e.all_to_all_B = sizeof(Complex) * static_cast<double>(c.domain.nx * modes);
+    for (const engines::Work& stage : stages_of(c, key, ranks))
+        if (stage.amount() > 0.0) e.work.push_back(stage);
     return e;
-}
-
-std::vector<engines::Calibration> LayeredEngine::calibrations() const {
-    const Case near = calibration_case(48, 36, 100), far = calibration_case(256, 192, 220),
-               response = calibration_case(64, 48, 60);
-    Case expansion = calibration_case(192, 144, 16), load = near, radial = response;
-    radial.domain.edges = DomainEdges::open;
-    Case open_expansion = calibration_case(96, 72, 60);
-    open_expansion.domain.edges = DomainEdges::open;
-    std::get<Travel>(load.scene().load.modulation.trajectory.parts[0]).path = {{-1e-2, 0.0},
-                                                                               {1.0, 0.1}};
-    expansion.measure.depths_m = {0.0, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3};
-    return {{of_frame.name, near},
-            {of_far_frame.name, far},
-            {of_sample.name, near},
-            {of_far_sample.name, far},
-            {of_load.name, load},
-            {of_response.name, response},
-            {of_radial.name, radial},
-            {of_expansion.name, expansion},
-            {of_open_expansion.name, open_expansion}};
 }
 
 } // namespace shearwake::layered

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/march.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 
 namespace shearwake::pstd {
@@ -15,15 +16,11 @@ struct StepWork {
     int ranks = 1;
 };
 
-/// Work, all-to-alls and memory of a stepper. Not collective.
-engines::Estimate estimate_steps(const StepWork& work);
+/// The work of the steps, without snapshots. Each step also adds to the displacements of the
+/// columns of the domain, and each frame passes them on at all depths. Not collective.
+engines::MarchWork march_work(const Case& c, const StepWork& work);
 
-/// Output of displacements: one per frame, depth and point of the domain.
-engines::Work work_of_frames(const Case& c);
-/// Evaluation of the load and summation of its displacements for each column of the domain and
-/// step.
-engines::Work work_of_columns(const Case& c, double steps);
-/// Summation of the displacements of volumes for each point and step.
-engines::Work work_of_volumes(double points, double steps);
+/// Memory of a rank with a stepper. Not collective.
+double stepper_memory_B(const StepWork& work);
 
 } // namespace shearwake::pstd

@@ -54,10 +54,31 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
                                : step_of(c, options).per_frame;
 }
 
+StepWork step_work(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                   std::ptrdiff_t per_frame, int ranks) {
+    return {.points = static_cast<double>(grid.points[0]) * static_cast<double>(grid.points[1]) *
+                      static_cast<double>(grid.points[2]),
+            .steps = static_cast<double>(c.time.frames * per_frame),
+            .absorption = is_lossy(c.scene().medium) ? Absorption::kelvin_voigt : Absorption::none,
+            .precision = options.precision,
+            .uneven = varies_laterally(c.scene().medium),
+            .ranks = ranks};
+}
+
+/// With snapshots, every step adds to the displacements of all points.
+engines::MarchWork case_work(const Case& c, const CaseGrid& grid, const StepWork& steps) {
+    engines::MarchWork work = march_work(c, steps);
+    if (c.record.volumes_s.empty()) return work;
+    work.kind += ", displacements";
+    work.values = 3.0 * static_cast<double>(c.domain.nx * c.domain.ny * grid.levels);
+    work.snapshots = static_cast<double>(c.record.volumes_s.size());
+    return work;
+}
+
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
-    const engines::Timed timed(varies_laterally(c.scene().medium) ? of_inclusions : of_begin);
+    const auto began = Clock::now();
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
     if (step.refused) throw CaseFailure(refusal(options, step));
@@ -74,7 +95,9 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     observer.begin(outputs->frames.slab());
     if (!c.record.volumes_s.empty()) observer.volume_levels(outputs->volumes->levels_m());
     PstdMarch<Real> field(c, step.per_frame, stepper, *outputs, "displacement_u_z", team);
-    if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints) ==
+    const engines::MarchWork work =
+        case_work(c, grid, step_work(c, options, grid, step.per_frame, team.size()));
+    if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints, work, began) ==
         engines::MarchEnd::stopped)
         return;
     observer.solved({.notes = engines::notes_of(pstd::choices(c, options, step)),
@@ -88,31 +111,16 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return estimate_study(c, ranks);
     const CaseGrid grid = case_grid(c, options);
-    const double points = static_cast<double>(grid.points[0]) *
-                          static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
-    const bool lossy = is_lossy(c.scene().medium);
-    const double steps = static_cast<double>(c.time.frames * steps_per_frame(c, options));
-    engines::Estimate e =
-        estimate_steps({.points = points,
-                        .steps = steps,
-                        .absorption = lossy ? Absorption::kelvin_voigt : Absorption::none,
-                        .precision = options.precision,
-                        .uneven = varies_laterally(c.scene().medium),
-                        .ranks = ranks});
-    e.work.push_back(work_of_frames(c));
-    e.work.push_back(work_of_columns(c, steps));
+    const StepWork steps = step_work(c, options, grid, steps_per_frame(c, options), ranks);
     // The materials of the nodes are stored while coefficients are computed.
     double kept_B = sizeof(NodeMaterial);
-    if (!c.record.volumes_s.empty()) {
-        kept_B += 3.0 * sizeof(double);
-        e.work.push_back(work_of_volumes(points, steps));
-        e.written_B = engines::volumes_B(c, static_cast<double>(grid.levels));
-    }
-    e.memory_per_rank_B += kept_B * points / ranks;
-    e.work.push_back(
-        {engines::of_fresh_memory, ranks * (e.memory_per_rank_B - engines::program_B)});
-    e.useful_ranks = static_cast<int>(std::min(grid.points[0], grid.points[1]));
-    return e;
+    if (!c.record.volumes_s.empty()) kept_B += 3.0 * sizeof(double);
+    return {.memory_per_rank_B = stepper_memory_B(steps) + kept_B * steps.points / ranks,
+            .work = engines::parts_of(case_work(c, grid, steps)),
+            .useful_ranks = static_cast<int>(std::min(grid.points[0], grid.points[1])),
+            .written_B = c.record.volumes_s.empty()
+                             ? 0.0
+                             : engines::volumes_B(c, static_cast<double>(grid.levels))};
 }
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {

@@ -13,7 +13,6 @@ namespace shearwake::pstd {
 class PstdEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
-    std::vector<engines::Calibration> calibrations() const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;

@@ -44,11 +44,7 @@ template <class Real>
 void PstdMarch<Real>::advance() {
     stepper_.step();
     watch();
-    {
-        const engines::Timed columns(of_column);
-        outputs_.frames.displacement().add(stepper_);
-    }
-    const engines::Timed kept(of_volume);
+    outputs_.frames.displacement().add(stepper_);
     if (outputs_.volumes) outputs_.volumes->add(stepper_);
     if (outputs_.sensor) outputs_.sensor->add(stepper_);
 }
@@ -58,12 +54,8 @@ void PstdMarch<Real>::give(engines::Observer& observer) {
     if (stepper_.steps() % per_frame_ != 0) return;
     const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
     if (frames > case_.time.frames) return; // a study may continue after the last frame
-    {
-        const engines::Timed given(of_frame);
-        outputs_.frames.give(frames - 1, observer, team_);
-    }
+    outputs_.frames.give(frames - 1, observer, team_);
     if (!outputs_.volumes) return;
-    const engines::Timed kept(of_volume);
     if (const auto snapshot = engines::snapshot_at(case_, frames))
         outputs_.volumes->give(*snapshot, outputs_.frames.displacement(), observer, team_);
 }

@@ -81,9 +81,20 @@ FramePlaces frame_places(const Case& c) {
     return frames;
 }
 
+StepWork step_work(const Case& c, int ranks) {
+    const StudyData& study = study_of(c);
+    return {.points = static_cast<double>(study.size()),
+            .steps = static_cast<double>(study.steps),
+            .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
+            .precision = std::get<PstdOptions>(c.solver).precision,
+            .uneven = is_uneven(study),
+            .ranks = ranks};
+}
+
 template <class Real>
 void run_with(const Case& c, const Comm& team, engines::Observer& observer,
               engines::Checkpoints* checkpoints) {
+    const auto began = Clock::now();
     const StudyData& study = study_of(c);
     Stepper<Real> stepper(setup_of(study), team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
@@ -95,7 +106,9 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     });
     observer.begin(outputs->frames.slab());
     PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
-    if (engines::march(field, study.steps, observer, checkpoints) == engines::MarchEnd::stopped)
+    if (engines::march(field, study.steps, observer, checkpoints,
+                       march_work(c, step_work(c, team.size())),
+                       began) == engines::MarchEnd::stopped)
         return;
     observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
                                            study.points[0], study.points[1], study.points[2])},
@@ -107,15 +120,6 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
 
 engines::Estimate estimate_study(const Case& c, int ranks) {
     const StudyData& study = study_of(c);
-    const auto points = static_cast<double>(study.size());
-    engines::Estimate e =
-        estimate_steps({.points = points,
-                        .steps = static_cast<double>(study.steps),
-                        .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
-                        .precision = std::get<PstdOptions>(c.solver).precision,
-                        .uneven = is_uneven(study),
-                        .ranks = ranks});
-    e.work.push_back(work_of_frames(c));
     double stored = 0.0;
     for (const auto* values :
          {&study.density_kg_m3, &study.c_p_m_s, &study.c_s_m_s, &study.chi_Pa_s, &study.eta_Pa_s})
@@ -124,12 +128,11 @@ engines::Estimate estimate_study(const Case& c, int ranks) {
         stored += static_cast<double>(source.series.size() + 5 * source.nodes.size());
     const double recorded = static_cast<double>(study.sensors.size() * study.sensor_fields.size()) *
                             static_cast<double>(study.steps - study.sensor_start + 1);
-    e.written_B = 8.0 * recorded;
-    e.memory_per_rank_B += 8.0 * (stored + 2.0 * recorded);
-    e.work.push_back(
-        {engines::of_fresh_memory, ranks * (e.memory_per_rank_B - engines::program_B)});
-    e.useful_ranks = static_cast<int>(std::min(study.points[0], study.points[1]));
-    return e;
+    const StepWork steps = step_work(c, ranks);
+    return {.memory_per_rank_B = stepper_memory_B(steps) + 8.0 * (stored + 2.0 * recorded),
+            .work = engines::parts_of(march_work(c, steps)),
+            .useful_ranks = static_cast<int>(std::min(study.points[0], study.points[1])),
+            .written_B = 8.0 * recorded};
 }
 
 void run_study(const Case& c, const Comm& team, engines::Observer& observer,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/receptor_stress.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
-
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -167,7 +165,6 @@ void ReceptorStress::each_pencil(const Part& part, Use use) {
 }
 
 void ReceptorStress::remember(const Block* before) {
-    const engines::Timed timed(kinds::of_receptor_planes);
     for (const Part& part : parts_)
         each_pencil(part,
                     [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
@@ -178,7 +175,6 @@ void ReceptorStress::remember(const Block* before) {
 
 void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
                           std::ptrdiff_t frame, engines::Observer& observer) {
-    const engines::Timed timed(kinds::of_receptor_planes);
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
     if (near_) near_->take(forces);

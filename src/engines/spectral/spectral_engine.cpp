@@ -39,10 +39,6 @@ engines::Estimate SpectralEngine::estimate(const Case& given, int ranks) const {
     return estimate_spectral(c, choose_mesh(c, options, time.step_s), time.per_frame, ranks);
 }
 
-std::vector<engines::Calibration> SpectralEngine::calibrations() const {
-    return kinds::calibrations();
-}
-
 std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
@@ -76,6 +72,7 @@ engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
 
 void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,
                          engines::Checkpoints* checkpoints) {
+    const auto began = Clock::now();
     const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
@@ -84,8 +81,8 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     SpectralMarch field(c, mesh, slabs, time, team);
     observer.begin({slabs.share().x_start, slabs.share().x_count});
     if (!c.record.volumes_s.empty()) observer.volume_levels(field.levels_m());
-    if (engines::march(field, c.time.frames * time.per_frame, observer, checkpoints) ==
-        engines::MarchEnd::stopped)
+    if (engines::march(field, c.time.frames * time.per_frame, observer, checkpoints,
+                       march_work(c, mesh, time.per_frame), began) == engines::MarchEnd::stopped)
         return;
     const ProbedErrors errors = probed_errors(c, options, time.step_s);
     auto notes = discretisation_notes(time, mesh, errors);

@@ -12,7 +12,6 @@ namespace shearwake::spectral {
 class SpectralEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
-    std::vector<engines::Calibration> calibrations() const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;

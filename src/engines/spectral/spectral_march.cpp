@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_march.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
 
 namespace shearwake::spectral {
-
-using namespace kinds;
 
 SpectralMarch::SpectralMarch(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                              const TimeStep& time, const Comm& team)
@@ -57,7 +54,6 @@ void SpectralMarch::give_earlier(engines::Observer& observer) {
 }
 
 void SpectralMarch::give_frame(std::ptrdiff_t number, engines::Observer& observer) {
-    const engines::Timed timed(of_frame);
     for (std::size_t depth = 0; depth < case_.measure.depths_m.size(); ++depth) {
         stepper_.plane_of_w(case_.measure.depths_m[depth], plane_.data());
         slabs_.to_physical(plane_.data());
@@ -67,7 +63,6 @@ void SpectralMarch::give_frame(std::ptrdiff_t number, engines::Observer& observe
 
 void SpectralMarch::give_displacement(std::size_t snapshot, std::size_t field,
                                       engines::Observer& observer) {
-    const engines::Timed timed(of_displacement);
     for (std::size_t component = 0; component < 3; ++component)
         for (std::size_t level = 0; level < levels_m_.size(); ++level) {
             stepper_.plane_of_u(component, level, plane_.data());

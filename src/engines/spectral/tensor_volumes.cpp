@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/tensor_volumes.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
-
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -58,7 +56,6 @@ double* TensorVolumes::line(fft::AlignedVector<double>& planes, std::ptrdiff_t n
 }
 
 void TensorVolumes::remember(const Stepper& stepper) {
-    const engines::Timed timed(kinds::of_tensor);
     std::copy(stepper.before().begin(), stepper.before().end(), earlier_.begin());
 }
 
@@ -207,7 +204,6 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
 
 void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
-    const engines::Timed timed(kinds::of_tensor);
     if (near_) near_->take(stepper.bodies().step_forces());
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(stepper, element);

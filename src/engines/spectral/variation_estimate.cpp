@@ -19,7 +19,6 @@ struct Inclusion {
     Bounds box;
     double filled; // filled share of the box in a horizontal plane
     std::vector<std::vector<CellMaterial>> materials; // per layer
-    bool is_box = false;                              // with faces along the grid
 };
 
 double volume_of(const Bounds& box) {
@@ -39,7 +38,6 @@ Inclusion inclusion_of(const Medium& medium, const Body& body) {
     Inclusion part{bounds(body), filled_share(body), {}};
     for (std::size_t layer = 0; layer < medium.layers.size(); ++layer)
         part.materials.push_back({material_of_cell(medium, layer, body.centre_m, {})});
-    part.is_box = std::holds_alternative<Box>(body.shape) && !is_turned(body);
     return part;
 }
 
@@ -82,7 +80,6 @@ std::vector<Inclusion> inclusions_of(const Medium& medium) {
 /// Minimum and maximum of each property at a strain point, and the number of cells in its plane.
 struct PointEstimate {
     Material least, greatest;
-    double c_s_m_s = 0.0; // of the layer
     double cells = 0.0, fullest = 0.0;
     bool varies = false;
 };
@@ -105,8 +102,7 @@ PointEstimate estimate_point(const Case& c, const std::vector<Inclusion>& medium
                              double rows_of_rank) {
     const Material layer = material_of(c.scene().medium.layers[layer_at]);
     const CappedMaterials capped(c, layer);
-    PointEstimate point{
-        .least = layer, .greatest = layer, .c_s_m_s = std::sqrt(layer.mu_Pa / layer.density_kg_m3)};
+    PointEstimate point{.least = layer, .greatest = layer};
     const auto widen = [](double value, double& least, double& greatest) {
         least = std::min(least, value);
         greatest = std::max(greatest, value);
@@ -138,8 +134,7 @@ struct Setting {
 /// Deviation of the operator from its background, relative to the background, and properties that
 /// require iterations at any contrast.
 struct Contrast {
-    double inertia = 0.0, stiffness = 0.0;
-    double c_s_m_s = 0.0; // of the layer where the stiffness deviates most
+    double inertia = 0.0;
     bool of_lambda_or_viscosity = false, of_density = false;
 };
 
@@ -206,15 +201,6 @@ void add_contrast(const Setting& s, const PointEstimate& p, double kappa_rad_m, 
     all.inertia =
         std::max(all.inertia, (stable(greatest.mu_Pa) - least.mu_Pa / 12.0) *
                                   std::pow(s.k_load_rad_m * s.step_s, 2) / least.density_kg_m3);
-    const double shear = (stable(greatest.mu_Pa) - stable(least.mu_Pa) +
-                          0.5 * (greatest.viscosity_Pa_s - least.viscosity_Pa_s) / s.step_s) /
-                         (stable(least.mu_Pa) + 0.5 * least.viscosity_Pa_s / s.step_s + bears);
-    const double least_lambda_Pa = implicit_lambda_Pa(least.lambda_Pa);
-    const double stiffness = std::max(
-        {shear, greatest.density_kg_m3 / least.density_kg_m3 - 1.0,
-         lambda ? (greatest.lambda_Pa - least_lambda_Pa) / (least_lambda_Pa + 2.0 * least.mu_Pa)
-                : 0.0});
-    if (stiffness > all.stiffness) all.stiffness = stiffness, all.c_s_m_s = p.c_s_m_s;
 }
 
 void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Contrast& all) {
@@ -235,24 +221,6 @@ void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Co
         count_cells(s, p, layer, less_viscous, v);
         add_contrast(s, p, kappa_rad_m, all);
     }
-}
-
-/// Fitted to 102 runs of 6 ms on 72 x 60 mm with contrasts of 4 to 900, steps of 12.5 to 100 us,
-/// ellipsoids of 6 x 4 x 2 to 20 x 15 x 4 mm, a box and a cylinder across the domain, foci of 3 and
-/// 10 mm, elements of 2 to 16 mm, c_s of 2.2 to 8 m/s, with loss and without. It is 0.73 to 1.4
-/// times the mean of the 91 runs with more than 1.1 iterations per step, 15 % rms, and 1 for the
-/// others, of which some take half an iteration. Boxes take fewer iterations, since they fill their
-/// cells; the size of a body does not matter. Logarithmic in the residual as for any
-/// conjugate-gradient iteration.
-double iterations_per_step(const Setting& s, const Contrast& contrast) {
-    const bool only_boxes = std::ranges::all_of(s.medium, &Inclusion::is_box);
-    const double residual = std::get<SpectralOptions>(s.c.solver).residual;
-    const double path_length_m =
-        contrast.c_s_m_s * s.step_s; // that a shear wave travels in one step
-    return std::max(1.0, 1.22 * (contrast.of_density ? 1.16 : 1.0) * (only_boxes ? 0.86 : 1.0) *
-                             std::pow(contrast.stiffness, 0.59) *
-                             std::pow(path_length_m / 0.25e-3, 0.17) * std::log(2.0 / residual) /
-                             std::log(2.0 / 1e-3));
 }
 
 } // namespace
@@ -279,8 +247,7 @@ VariationEstimate estimate_variation(const Case& c, const DepthMesh& mesh, doubl
                           options.method == SpectralMethod::iterative ||
                           (options.method == SpectralMethod::automatic &&
                            contrast.inertia > tolerated_inertia(options));
-    if (!(v.points > 0.0) || !too_much) return v;
-    v.iterations = iterations_per_step(setting, contrast);
+    v.iterates = v.points > 0.0 && too_much;
     return v;
 }
 

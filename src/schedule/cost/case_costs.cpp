@@ -2,17 +2,15 @@
 #include "schedule/cost/case_costs.hpp"
 
 #include "engines/registry/make_engine.hpp"
-#include "pipeline/afferent_result.hpp"
 #include "pipeline/memory.hpp"
+#include "pipeline/run_case.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fmt/format.h>
-#include <limits>
 
 namespace shearwake::cost {
 namespace {
@@ -40,33 +38,38 @@ double distance(const Case& a, const Case& b) {
                         greatest_speed_m_s(b.scene().load.modulation.trajectory));
 }
 
-double core_s() {
-    return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
-
 } // namespace
 
-double seconds_on(const CaseCost& cost, int ranks, int teams, const Machine& machine) {
+bool CaseCost::shares() const {
+    return std::ranges::any_of(work, &engines::Work::is_shared);
+}
+
+CaseTime time_of(const CaseCost& cost, int ranks, const Rates& rates) {
     const int used = std::max(1, std::min(ranks, cost.useful_ranks));
     // Ratio of the most slabs per rank to the mean.
     const double slabs = cost.useful_ranks;
     const double fullest = std::ceil(slabs / used) * used / slabs;
-    const double transpose =
-        used == 1 ? 0.0 : used * machine.message_s + cost.plane_B / used / machine.transposed_B_s;
-    return cost.serial_s + cost.compute_s / used * fullest + cost.transposes * transpose +
-           machine.file_s + cost.written_B * teams / machine.written_B_s;
+    CaseTime time;
+    for (const engines::Work& part : cost.work) {
+        if (!(part.amount() > 0.0)) continue;
+        const Rates::Found rate = rates.of(part, ranks);
+        if (rate.origin == Origin::unknown && !pipeline::can_be_probed(part)) continue;
+        // The measured rate of this number of ranks contains their imbalance.
+        const double imbalance = rate.origin == Origin::measured || rate.origin == Origin::probed
+                                     ? static_cast<double>(used) / ranks
+                                     : fullest;
+        (part.is_shared ? time.shared_s : time.own_s) +=
+            rate.core_s * part.amount() / used * imbalance;
+        time.origin = std::max(time.origin, rate.origin);
+    }
+    return time;
 }
 
-double shared_seconds_on(const CaseCost& cost, int ranks, const Machine&) {
-    return cost.shared_s / std::max(1, std::min(ranks, cost.useful_ranks));
-}
-
-CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine,
+CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
                      const BeforeProbe& before_probe)
-    : machine_(std::move(machine)) {
+    : rates_(std::move(rates)) {
     std::vector<const PlannedCase*> open;
     for (const PlannedCase* planned : cases) {
-        cases_.push_back(&planned->physics);
         if (is_open(planned->physics)) open.push_back(planned);
     }
     const std::size_t wanted = std::min(most_probes, open.size());
@@ -74,9 +77,7 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machi
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
         if (before_probe) before_probe(planned, i + 1, wanted);
         const Case& c = planned.physics;
-        const double began_s = core_s();
-        const double step_s = engine_of(c).probed_step_s(c);
-        probes_.push_back({&c, step_s, core_s() - began_s});
+        probes_.push_back({&c, engine_of(c).probed_step_s(c)});
     }
 }
 
@@ -94,63 +95,23 @@ bool CaseCosts::is_probed(const Case& c) const {
     return !is_open(c) || std::ranges::any_of(probes_, [&](const Probe& p) { return p.c == &c; });
 }
 
-const CaseCosts::Probe& CaseCosts::nearest_probe(const Case& c) const {
-    return *std::ranges::min_element(probes_, {},
-                                     [&](const Probe& p) { return distance(*p.c, c); });
-}
-
 Case CaseCosts::with_step(const Case& c) const {
     if (!is_open(c) || probes_.empty()) return c;
-    return engine_of(c).with_step(c, nearest_probe(c).step_s);
-}
-
-const CaseCosts::Amounts& CaseCosts::amounts(const Case& c) {
-    const auto known = amounts_.find(&c);
-    if (known != amounts_.end()) return known->second;
-    const Case given = with_step(c);
-    const engines::Estimate e = engine_of(c).estimate(given, 1);
-    Amounts found{e.work, e.shared, {}};
-    const std::vector<engines::Work> receptors = pipeline::receptors_work(c);
-    found.work.insert(found.work.end(), receptors.begin(), receptors.end());
-    found.cost = {.serial_s = is_open(c) && !probes_.empty() ? nearest_probe(c).took_s : 0.0,
-                  .transposes = e.all_to_alls,
-                  .plane_B = e.all_to_all_B,
-                  .written_B = pipeline::case_file_B(c, e.written_B),
-                  .useful_ranks = e.useful_ranks,
-                  .kinds = engine_name(c.solver)};
-    for (const engines::Work& part : found.work)
-        found.cost.kinds += std::string(" ") + part.kind.name;
-    return amounts_[&c] = std::move(found);
-}
-
-std::vector<engines::Work> CaseCosts::work_of(const Case& c) {
-    std::vector<engines::Work> all = amounts(c).work;
-    all.insert(all.end(), amounts(c).shared.begin(), amounts(c).shared.end());
-    return all;
+    const Probe& nearest = *std::ranges::min_element(
+        probes_, {}, [&](const Probe& probe) { return distance(*probe.c, c); });
+    return engine_of(c).with_step(c, nearest.step_s);
 }
 
 const CaseCost& CaseCosts::of(const Case& c) {
     const auto known = known_.find(&c);
     if (known != known_.end()) return known->second;
-    const Amounts& found = amounts(c);
-    CaseCost cost = found.cost;
-    cost.compute_s = engines::time_s(found.work, machine_.rates);
-    cost.shared_s = engines::time_s(found.shared, machine_.rates);
-    return known_[&c] = cost;
-}
-
-std::set<std::string> CaseCosts::kinds() {
-    std::set<std::string> all;
-    for (const Case* c : cases_)
-        for (const auto* work : {&amounts(*c).work, &amounts(*c).shared})
-            for (const engines::Work& part : *work)
-                if (part.amount > 0.0) all.insert(part.kind.name);
-    return all;
-}
-
-void CaseCosts::use(Machine machine) {
-    machine_ = std::move(machine);
-    known_.clear();
+    engines::Estimate e = engine_of(c).estimate(with_step(c), 1);
+    CaseCost cost{.work = std::move(e.work),
+                  .written_B = pipeline::case_file_B(c, e.written_B),
+                  .useful_ranks = e.useful_ranks};
+    for (const engines::Work& part : pipeline::work_beside_engine(c, cost.written_B))
+        cost.work.push_back(part);
+    return known_[&c] = std::move(cost);
 }
 
 double CaseCosts::memory_per_rank_B(const Case& c, int ranks) {

@@ -3,38 +3,34 @@
 
 #include "engines/engine.hpp"
 #include "problem/case/plan.hpp"
-#include "schedule/cost/machine.hpp"
+#include "schedule/cost/rates.hpp"
 
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace shearwake::cost {
 
-/// Cost of a case, independent of the number of ranks that share it.
+/// The resources of a case, independent of the machine and of the number of ranks that share it.
 struct CaseCost {
-    double compute_s = 0.0;  // on one rank of this machine
-    double shared_s = 0.0;   // once per medium and grid, on one rank
-    double serial_s = 0.0;   // repeated on every rank of the team: the choice of the time step
-    double transposes = 0.0; // number of transposes; each is an all-to-all of the team
-    double plane_B = 0.0;    // that all ranks exchange in one transpose, mostly a plane of the grid
-    double written_B = 0.0;  // size of the case file
+    std::vector<engines::Work> work;
+    double written_B = 0.0; // size of the case file
     int useful_ranks = 1;
-    std::string kinds; // of work; estimates of cases with the same kinds have similar errors
+    bool shares() const; // whether it has work that is done once per medium and grid
 };
 
-/// Seconds of a case on a team while `teams` teams write:
-///     serial + compute / ranks * (slabs of the fullest rank) + transposes * (ranks * message_s +
-///     plane_B / ranks / transposed_B_s) + file_s + written_B * teams / written_B_s
-/// All times are added: the model assumes no overlap. docs/how-to/cluster.md gives the reasons.
-double seconds_on(const CaseCost& cost, int ranks, int teams, const Machine& machine);
-/// Seconds of the work that cases share, on a team.
-double shared_seconds_on(const CaseCost& cost, int ranks, const Machine& machine);
+/// Seconds of a case on a team: of its own work, and of the work that it shares with other cases.
+struct CaseTime {
+    double own_s = 0.0, shared_s = 0.0;
+    Origin origin = Origin::measured; // the worst of its parts
+};
+
+/// Seconds of the work on a team: each part in proportion to the slabs of the fullest rank.
+CaseTime time_of(const CaseCost& cost, int ranks, const Rates& rates);
 
 /// Costs of the cases of a plan. Some engines choose their time step by trial, which may take a
 /// tenth of a second. A few cases spread over the plan are probed; every other case is estimated
@@ -46,49 +42,55 @@ public:
     using BeforeProbe =
         std::function<void(const PlannedCase& planned, std::size_t number, std::size_t count)>;
 
-    CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine,
+    CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
               const BeforeProbe& before_probe = {});
 
     const CaseCost& of(const Case& c);
+    /// Seconds of the case on a team of `ranks` ranks.
+    CaseTime time(const Case& c, int ranks) { return time_of(of(c), ranks, rates_); }
     /// Memory per rank of the case on a team of `ranks` ranks, including that of the program
     /// itself.
     double memory_per_rank_B(const Case& c, int ranks);
-    const Machine& machine() const { return machine_; }
-    /// The work of the case, including the work that it shares with other cases.
-    std::vector<engines::Work> work_of(const Case& c);
-    /// The kinds of work of all cases.
-    std::set<std::string> kinds();
-    /// Sets the machine on which the costs are estimated.
-    void use(Machine machine);
+    const Rates& rates() const { return rates_; }
+    /// Sets the rates on which the times are based.
+    void use(Rates rates) { rates_ = std::move(rates); }
     /// Whether the time step of the case is known before it runs.
     bool is_probed(const Case& c) const;
+    /// The case with the time step of the most similar probe, so that its engine need not probe.
+    Case with_step(const Case& c) const;
 
 private:
     struct Probe {
         const Case* c;
         double step_s;
-        double took_s; // CPU time
     };
-    struct Amounts {
-        std::vector<engines::Work> work, shared;
-        CaseCost cost; // without times of work
-    };
-    const Amounts& amounts(const Case& c);
     engines::Engine& engine_of(const Case& c) const;
     bool is_open(const Case& c) const; // whether its time step must be probed
-    const Probe& nearest_probe(const Case& c) const;
-    /// The case with the time step of the most similar probe, so that its engine need not probe.
-    Case with_step(const Case& c) const;
 
-    Machine machine_;
+    Rates rates_;
     std::vector<Probe> probes_;
-    std::vector<const Case*> cases_;
     // By index of the solver.
     mutable std::map<std::size_t, std::unique_ptr<engines::Engine>> engines_;
-    std::map<const Case*, Amounts> amounts_;
     std::map<const Case*, CaseCost> known_;
     std::map<std::pair<const Case*, int>, double> memory_B_;
 };
+
+/// Hooks of measure_rates().
+struct ProbeHooks {
+    std::function<void(const std::string&)> report; // prints messages; called on rank 0
+    /// Whether to end early; may differ between ranks. Empty: never.
+    std::function<bool()> stop = {};
+};
+
+/// Measures the rates of those kinds of work of the cases that have not been measured: the engine
+/// computes one case of each kind for at most two seconds after its setup, on every team of
+/// `ranks_per_case` ranks at the same time, since teams share the memory bandwidth. Of many kinds,
+/// twelve spread over the plan are measured. Adds the rates to those of `costs` and to the
+/// file of this machine. Cases that need more memory than `memory_per_rank_B` are left out, and
+/// kinds whose case fails. Returns whether anything was measured. Collective.
+bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+                   int ranks_per_case, double memory_per_rank_B, const Comm& world,
+                   const ProbeHooks& hooks);
 
 } // namespace shearwake::cost
 

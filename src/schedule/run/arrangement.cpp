@@ -23,10 +23,11 @@ std::vector<const PlannedCase*> cases_of(const Plan& plan,
 Arrangement arranged(const Plan& plan, const std::vector<std::size_t>& work, int ranks, int wanted,
                      double memory_per_rank_B, cost::CaseCosts& costs) {
     Arrangement all;
-    for (const std::size_t place : order_of_work(cases_of(plan, work), costs))
+    const std::vector<const PlannedCase*> cases = cases_of(plan, work);
+    all.layout = choose_teams(cases, ranks, wanted, memory_per_rank_B, costs);
+    for (const std::size_t place : order_of_work(cases, all.layout.ranks_per_case, costs))
         all.numbers.push_back(work[place]);
     all.cases = cases_of(plan, all.numbers);
-    all.layout = choose_teams(all.cases, ranks, wanted, memory_per_rank_B, costs);
     all.bundles = bundles_of(all.cases, all.layout, costs);
     return all;
 }
@@ -82,11 +83,9 @@ TimedCases timed(const std::vector<const PlannedCase*>& cases, const TeamLayout&
                  cost::CaseCosts& costs) {
     TimedCases all{.groups = groups_of(cases, costs), .own_s = {}, .shared_s = {}};
     for (const PlannedCase* planned : cases) {
-        const cost::CaseCost& cost = costs.of(planned->physics);
-        all.own_s.push_back(
-            cost::seconds_on(cost, layout.ranks_per_case, layout.teams, costs.machine()));
-        all.shared_s.push_back(
-            cost::shared_seconds_on(cost, layout.ranks_per_case, costs.machine()));
+        const cost::CaseTime expected = costs.time(planned->physics, layout.ranks_per_case);
+        all.own_s.push_back(expected.own_s);
+        all.shared_s.push_back(expected.shared_s);
     }
     return all;
 }

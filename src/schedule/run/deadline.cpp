@@ -2,7 +2,7 @@
 #include "schedule/run/deadline.hpp"
 
 #include "base/error.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/comm.hpp"
 
 #include <limits>

@@ -3,7 +3,7 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
@@ -150,10 +150,11 @@ void Progress::finish() {
     drawn_ = false;
 }
 
-double shared_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs) {
-    if (before && before->scene().medium == c.scene().medium && before->domain == c.domain)
-        return 0.0;
-    return cost::shared_seconds_on(costs.of(c), ranks, costs.machine());
+double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs) {
+    const cost::CaseTime time = costs.time(c, ranks);
+    const bool is_shared =
+        before && before->scene().medium == c.scene().medium && before->domain == c.domain;
+    return time.own_s + (is_shared ? 0.0 : time.shared_s);
 }
 
 std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases,
@@ -170,10 +171,7 @@ std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& 
         for (std::size_t n = 0; n < bundles[b].count; ++n) {
             const std::size_t place = bundles[b].first + n;
             const Case& c = cases[place]->physics;
-            const cost::CaseCost& cost = costs.of(c);
-            all[place] = {engine_name(c.solver), cost.kinds,
-                          cost::seconds_on(cost, ranks, teams, costs.machine()) +
-                              shared_s(c, before, ranks, costs)};
+            all[place] = {costs.of(c).work.front().kind, expected_s(c, before, ranks, costs)};
             before = &c;
         }
     }

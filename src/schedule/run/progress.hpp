@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/cost/case_costs.hpp"
-#include "schedule/cost/learned_times.hpp"
+#include "schedule/cost/remaining_time.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/output_folder.hpp"
 
@@ -72,9 +72,9 @@ private:
     Clock::time_point began_, last_;
 };
 
-/// Estimated time in s of the work that a case shares with the previous case of its team, unless
-/// that case has done it. `before`: null without a previous case. Not collective.
-double shared_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs);
+/// Estimated time in s of a case on a team of `ranks` ranks after the case `before` (null: none),
+/// with which it may share work. Not collective.
+double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs);
 
 /// The estimates of cases that `teams` teams of `ranks` ranks compute in these bundles. Not
 /// collective.

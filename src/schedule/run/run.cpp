@@ -5,7 +5,6 @@
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
-#include "schedule/cost/calibration.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/closing_message.hpp"
@@ -239,7 +238,7 @@ struct Preparation {
     }
 };
 
-/// The performance model of the cases; nothing if a stop was requested before all time steps were
+/// The costs of the cases; nothing if a stop was requested before all time steps were
 /// chosen. Collective.
 std::optional<cost::CaseCosts> costs_of(const std::vector<const PlannedCase*>& cases,
                                         Preparation preparation) {
@@ -322,9 +321,13 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         none.asked_to_stop = true;
         return concluded(folder, job, selection, none, arguments, world, document);
     }
-    calibrate_for(*costs, world.size(), world, say, stop_requested);
-    const Arrangement work =
+    costs->use(cost::known_rates(world.size(), world));
+    Arrangement work =
         arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
+    if (cost::measure_rates(*costs, cases, work.layout.ranks_per_case, memory_B, world,
+                            {say, stop_requested}))
+        work =
+            arrange(job.plan, selection.work, work.layout.ranks_per_case, memory_B, *costs, world);
     const TeamLayout& layout = work.layout;
     on_root(world, [&] { say(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
@@ -339,7 +342,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         work.cases, work.numbers, work.bundles,         facts, folder, part, arguments, *costs,
         deadline,   layout.teams, layout.ranks_per_case};
     progress.start();
-    Worker worker(list, beginning.journal, world, team, progress);
+    Worker worker(list, world, team, progress);
     worker.work();
     const WorkResult result = worker.wait_for_others();
     progress.finish();

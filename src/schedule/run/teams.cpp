@@ -70,9 +70,8 @@ SweepTime time_of(const Sample& sample, int size, int busy, cost::CaseCosts& cos
     std::vector<Seconds> of_cases;
     double sample_s = 0.0; // with each shared part once
     for (const std::size_t place : sample.places) {
-        const cost::CaseCost& cost = costs.of(sample.cases[place]->physics);
-        of_cases.push_back({cost::seconds_on(cost, size, busy, costs.machine()),
-                            cost::shared_seconds_on(cost, size, costs.machine())});
+        const cost::CaseTime expected = costs.time(sample.cases[place]->physics, size);
+        of_cases.push_back({expected.own_s, expected.shared_s});
         sample_s += of_cases.back().own + of_cases.back().shared / sample.group_sizes[place];
     }
     const double all_s = sample_s * static_cast<double>(sample.cases.size()) /
@@ -137,7 +136,7 @@ std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cas
 }
 
 std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
-                                       cost::CaseCosts& costs) {
+                                       int ranks_per_case, cost::CaseCosts& costs) {
     struct Rank {
         double group_seconds, seconds;
         std::size_t group;
@@ -146,7 +145,7 @@ std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& ca
     const std::vector<std::size_t> groups = groups_of(cases, costs);
     std::unordered_map<std::size_t, double> longest; // of each group
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        const double seconds = costs.of(cases[i]->physics).compute_s;
+        const double seconds = costs.time(cases[i]->physics, ranks_per_case).own_s;
         longest[groups[i]] = std::max(longest[groups[i]], seconds);
         ranks.push_back({0.0, seconds, groups[i]});
     }
@@ -191,7 +190,7 @@ std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const Case& c = cases[i]->physics;
         groups.push_back(i);
-        if (!(costs.of(c).shared_s > 0.0)) continue;
+        if (!costs.of(c).shares()) continue;
         std::vector<std::size_t>& firsts = found[hash_of(c)];
         const auto same = std::ranges::find_if(
             firsts, [&](std::size_t first) { return share_data(cases[first]->physics, c); });

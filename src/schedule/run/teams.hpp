@@ -40,6 +40,6 @@ std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cas
 /// Positions in `cases`, longest case first, so that no long case remains at the end. Cases that
 /// share a medium are adjacent, so that its transfer function is computed once.
 std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
-                                       cost::CaseCosts& costs);
+                                       int ranks_per_case, cost::CaseCosts& costs);
 
 } // namespace shearwake::schedule

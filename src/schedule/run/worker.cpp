@@ -63,8 +63,7 @@ std::string further_host(const Comm& world) {
 
 } // namespace
 
-Worker::Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
-               const Comm& team, Progress& progress)
+Worker::Worker(const WorkList& list, const Comm& world, const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
       journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
       times_(expected_cases(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
@@ -73,7 +72,6 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
     });
     computed_.reserve(list_.cases.size());
-    if (world.is_root()) times_.load(learned);
 }
 
 void Worker::work() {
@@ -143,10 +141,7 @@ bool Worker::claim(std::size_t place) {
 }
 
 double Worker::estimated_s(const PlannedCase& planned) const {
-    const Case& c = planned.physics;
-    const cost::CaseCost& cost = list_.costs.of(c);
-    return shared_s(c, before_, team_.size(), list_.costs) +
-           cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
+    return expected_s(planned.physics, before_, list_.ranks_per_case, list_.costs);
 }
 
 /// Whether a case may start now, according to its estimate corrected by measured times, minus the
@@ -154,10 +149,13 @@ double Worker::estimated_s(const PlannedCase& planned) const {
 bool Worker::in_time(std::size_t index) {
     if (!list_.deadline.exists()) return true;
     const PlannedCase& planned = *list_.cases[index];
-    const double learned_s = allowance * times_.factor(index) * estimated_s(planned);
+    const bool is_known = list_.costs.time(planned.physics, list_.ranks_per_case).origin !=
+                          cost::Origin::unknown; // otherwise only the case itself can show it
+    const double needed_s =
+        is_known ? allowance * times_.factor(index) * estimated_s(planned) : 0.0;
     const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
                                                   {planned.id, pipeline::program_git_id()});
-    return list_.deadline.lets_begin(learned_s - before);
+    return list_.deadline.lets_begin(needed_s - before);
 }
 
 /// Computes a case and repeats it after a temporary failure of the file system. A failure of any
@@ -226,10 +224,20 @@ bool Worker::compute(const PlannedCase& planned) {
     });
     report(planned, outcome->solver);
     if (!team_.is_root()) return true;
-    times_.learn(at_, times.seconds, times.estimated_seconds);
+    times_.learn(at_, times.seconds);
+    save_rates(outcome->times);
     counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
     counters_.fetch_add(done, 1);
     return true;
+}
+
+void Worker::save_rates(const std::vector<engines::TimedWork>& times) {
+    for (const engines::TimedWork& part : times)
+        rates_.add(part, list_.ranks_per_case, false);
+    const auto now = std::chrono::steady_clock::now();
+    if (times.empty() || now - rates_saved_ < 5s) return; // of short cases, some are enough
+    rates_saved_ = now;
+    if (const auto file = cost::rates_file(world_.size())) cost::save_rates(rates_, *file);
 }
 
 /// Prints one line with the iterations of the case and the choices that no case before it made.
@@ -335,7 +343,7 @@ void Worker::progressed(double share) {
     const long ppm = std::lround(1e6 * share);
     counters_.fetch_add(partial_ppm, ppm - partial_ppm_);
     partial_ppm_ = ppm;
-    times_.progressed(at_, share);
+    times_.progressed(share);
     tick();
 }
 

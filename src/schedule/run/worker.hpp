@@ -6,7 +6,7 @@
 #include "pipeline/run_case.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/cost/case_costs.hpp"
-#include "schedule/cost/learned_times.hpp"
+#include "schedule/cost/remaining_time.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/deadline.hpp"
 #include "schedule/run/output_folder.hpp"
@@ -56,9 +56,8 @@ struct WorkResult {
 /// none is left, the time limit is reached or a stop is requested.
 class Worker {
 public:
-    /// Collective over the world. `learned`: the measured times of earlier runs.
-    Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
-           const Comm& team, Progress& progress);
+    /// Collective over the world.
+    Worker(const WorkList& list, const Comm& world, const Comm& team, Progress& progress);
 
     void work();
     /// Rank 0 prints the progress until the other teams have finished. Collective over the world.
@@ -92,6 +91,8 @@ private:
     double estimated_s(const PlannedCase& planned) const;
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
+    /// Adds the rates of a complete case to the file of this machine. On the root of the team.
+    void save_rates(const std::vector<engines::TimedWork>& times);
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
@@ -111,7 +112,9 @@ private:
     storage::Journal journal_;
     std::optional<storage::CaseClaims> claims_; // on the root of the team
     SharedCounters counters_;
-    LearnedTimes times_;
+    RemainingTime times_;
+    cost::Rates rates_; // of the cases that this team has computed; on its root
+    std::chrono::steady_clock::time_point rates_saved_{};
     Bundle bundle_{0, 0}; // the remaining cases of the bundle of this team
     std::size_t at_ = 0;  // position of the running case in the list
     std::unique_ptr<engines::Engine> engine_;

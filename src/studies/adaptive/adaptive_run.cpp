@@ -3,7 +3,7 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "base/work_clock.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/adaptive_tables.hpp"
 #include "schedule/run/job_source.hpp"

@@ -18,7 +18,6 @@ public:
                  std::vector<std::string> notes);
 
     engines::Estimate estimate(const Case& c, int ranks) const override;
-    std::vector<engines::Calibration> calibrations() const override { return {}; }
     /// Errors for what a measurement does not contain: depths, stress, volumes, grid studies.
     std::vector<Remark> limits(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,

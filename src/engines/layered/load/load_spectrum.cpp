@@ -166,7 +166,6 @@ LoadSpectrum::Line LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
     if (y_rests_)
         return {{x_phases_.data() + row * n, n},
                 std::span(jumps_).subspan(row * jumps_per_line, jumps_per_line)};
-    const engines::Timed timed(kinds::of_load);
     const std::size_t times = buffer_.size();
     kernels_.multiply(fft::reals(x_phases_.data() + row * times),
                       fft::reals(y_phases_.data() + static_cast<std::size_t>(ky) * times),

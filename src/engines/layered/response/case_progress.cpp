@@ -67,4 +67,11 @@ void CaseProgress::did(Stage stage, double units) {
     checkpoints_->progressed(share_);
 }
 
+void CaseProgress::report_times(const std::array<engines::Work, stages>& work) const {
+    if (!checkpoints_) return;
+    for (std::size_t i = 0; i < stages; ++i)
+        if (const Part& part = parts_.at(i); part.units > 0.0 && part.done >= part.units)
+            checkpoints_->timed({work.at(i), part.measured_s});
+}
+
 } // namespace shearwake::layered

@@ -2,30 +2,9 @@
 #pragma once
 
 #include "engines/checkpoint.hpp"
-#include "engines/work.hpp"
 
 #include <array>
 #include <functional>
-
-namespace shearwake::layered::kinds {
-
-// Unit: one point, time sample and depth; with the spectra in caches or in memory.
-inline constexpr engines::WorkKind of_sample = {"layered.sample.cached", 3e-9};
-inline constexpr engines::WorkKind of_far_sample = {"layered.sample.memory", 4e-9};
-inline constexpr engines::WorkKind of_load = {"layered.load", 6e-9}; // for loads that move in y
-// Unit: one point, frame and depth; in caches or in memory.
-inline constexpr engines::WorkKind of_frame = {"layered.frame.cached", 4e-9};
-inline constexpr engines::WorkKind of_far_frame = {"layered.frame.memory", 4.5e-9};
-inline constexpr engines::WorkKind of_response = {"layered.response",
-                                                  9e-7}; // per evaluation of H and layer
-// Unit: one product of a node of the contour and a radius, see radial_products().
-inline constexpr engines::WorkKind of_radial = {"layered.radial", 5e-10};
-inline constexpr engines::WorkKind of_expansion = {"layered.expansion",
-                                                   2.5e-9}; // per point, time sample and depth
-// The same with open edges, where planes are sampled and transformed.
-inline constexpr engines::WorkKind of_open_expansion = {"layered.expansion.open", 2e-8};
-
-} // namespace shearwake::layered::kinds
 
 namespace shearwake::layered {
 
@@ -35,12 +14,12 @@ Clock_s steady_clock_s();
 
 /// Reports the share of a case that is complete: elapsed time divided by the sum of elapsed and
 /// remaining time. The remaining time of a stage follows from its measured rate, and until the
-/// stage has taken a while from the expected one, corrected by the other stages. Without
-/// checkpoints it reports nothing.
+/// stage has taken a while from the expected one, corrected by the other stages. Also reports the
+/// time of the complete stages. Without checkpoints it reports nothing.
 class CaseProgress {
 public:
-    enum class Stage { response, radial, expansion, samples, frames };
-    static constexpr std::size_t stages = 5;
+    enum class Stage { response, radial, expansion, setup, samples, frames };
+    static constexpr std::size_t stages = 6;
 
     explicit CaseProgress(engines::Checkpoints* checkpoints, Clock_s clock = steady_clock_s());
 
@@ -49,6 +28,9 @@ public:
     /// Reports completed work of a stage, to which the time since the last call belongs. Cheap. Not
     /// collective.
     void did(Stage stage, double units = 1.0);
+    /// Reports the time of the stages whose expected work is done; `work`: that of each stage. Not
+    /// collective.
+    void report_times(const std::array<engines::Work, stages>& work) const;
     /// Whether a stop was requested, see engines::Checkpoints::stop_asked(). Collective.
     bool stop_asked() { return checkpoints_ && checkpoints_->stop_asked(); }
     /// Throws StopRequested if a stop was requested. Collective.

@@ -15,7 +15,6 @@
 
 namespace shearwake::layered {
 
-using namespace kinds;
 using Stage = CaseProgress::Stage;
 
 namespace {
@@ -52,7 +51,6 @@ double TransferTable::from_rad_m() const {
 TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progress) const {
     const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
     const double from = from_rad_m();
-    const engines::Timed timed(of_response);
     Panels mine;
     bool stops = false;
     // Frequencies are assigned to ranks cyclically, because neighbouring frequencies cost about the
@@ -87,7 +85,6 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
     const Panels mine = fit(team, progress);
     std::vector<Complex> tables;
     if (grid) tables = team.all_gather(point_tables(*grid, team, progress));
-    const engines::Timed timed(of_response);
     const std::vector<double> all_sizes = team.all_gather(mine.sizes);
     const std::vector<Complex> all = team.all_gather(mine.values);
 
@@ -121,7 +118,6 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
 
 std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& team,
                                                  CaseProgress* progress) const {
-    const engines::Timed timed(of_response);
     const std::size_t depths = key_.depths_m.size(), nodes = grid.point.nodes_rad_m().size();
     std::vector<Complex> tables;
     bool stops = false;
@@ -141,7 +137,6 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
                 }));
                 if (progress) progress->did(Stage::response);
             }
-            const engines::Timed radial(of_radial);
             if (!stops) tables = grid.loss.tables(losses, block_done);
             return;
         }
@@ -159,7 +154,6 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
             if (progress) progress->did(Stage::response);
         }
         stops = progress && progress->stop_asked();
-        const engines::Timed radial(of_radial);
         if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
     });
     if (stops) throw engines::StopRequested{};
@@ -168,7 +162,6 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
 
 void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> tables,
                                 const Comm& team, CaseProgress* progress) {
-    const engines::Timed timed(of_open_expansion);
     const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
     const std::size_t depths = key_.depths_m.size();
     together(team, [&] {
@@ -236,7 +229,6 @@ std::vector<double> TransferTable::wavenumbers_rad_m(std::ptrdiff_t ky) const {
 }
 
 void TransferTable::expand(std::ptrdiff_t ky, std::size_t depth, Complex* out) const {
-    const engines::Timed timed(of_expansion);
     const std::vector<double> k = wavenumbers_rad_m(ky);
     for (std::ptrdiff_t m = 0; m < frequencies(); ++m)
         by_frequency_[static_cast<std::size_t>(m)].evaluate(depth, k, out + m, frequencies());

@@ -143,7 +143,6 @@ void Stepper<Real>::along_z(fft::HalfCell shift, const Real* plane, std::size_t 
 
 template <class Real>
 void Stepper<Real>::put_in_sources(SourcesOf fields) {
-    const engines::Timed timed(of_column);
     const bool velocities = fields == SourcesOf::velocities;
     for (PlacedSource<Real>& source : sources_)
         if (is_velocity(source.field()) == velocities)
@@ -264,9 +263,6 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
 
 template <class Real>
 void Stepper<Real>::step() {
-    const engines::Timed timed(step_kind(absorption_, std::is_same_v<Real, float>
-                                                          ? Precision::single_precision
-                                                          : Precision::double_precision));
     using Task = typename SplitAxis<Real>::Task;
     const auto task = [&](Field f, fft::HalfCell shift) {
         return Task{state(f).total.data(), shift};

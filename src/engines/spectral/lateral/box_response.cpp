@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/box_response.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "fft/run_transform.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -206,7 +205,6 @@ void BoxResponse::take_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdi
 }
 
 void BoxResponse::respond(const Values& stress, Values& strain, Precision precision) {
-    const engines::Timed timed(kinds::of_box);
     planes_.set(stress);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         if (vectors_.is_nyquist(row)) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/lateral_variation.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
-
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 
@@ -263,7 +261,6 @@ double added_inertia(const std::vector<Gathered>& gathered, const VerticalOperat
 
 LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
                                    double step_s, const Comm& team) {
-    const engines::Timed timed(kinds::of_materials);
     const auto& options = std::get<SpectralOptions>(c.solver);
     LateralVariation v;
     v.background = background_of(mesh, c.scene().medium);

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/strain_planes.hpp"
 
-#include "engines/spectral/depth/work_kinds.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 namespace shearwake::spectral {
-
-using namespace kinds;
 
 namespace {
 
@@ -62,10 +58,6 @@ double StrainPlanes::points_together(double points, double of_point_B) {
     return std::max(1.0, std::min(points, std::floor(exchanged_B / (of_point_B + 1.0))));
 }
 
-const engines::WorkKind& StrainPlanes::kind() const {
-    return window_ ? of_window : of_transfer;
-}
-
 std::ptrdiff_t StrainPlanes::stored_stride() const {
     return window_ ? 2 * slabs_.share().ky_count * window_->count() : slabs_.lines_reals();
 }
@@ -76,7 +68,6 @@ void StrainPlanes::assemble() {
 }
 
 void StrainPlanes::set(const Values& values) {
-    const engines::Timed timed(kind());
     for (const Group& group : groups_)
         group.transform.to_lines(values.data(), group.planes, stored_plane(group.first_point));
     transforms_ += count_;
@@ -88,7 +79,6 @@ void StrainPlanes::get(Values& values) {
 }
 
 void StrainPlanes::get_from(std::size_t first, Values& values) {
-    const engines::Timed timed(kind());
     for (const Group& group : groups_)
         if (group.end_point > first)
             group.transform.to_values(stored_plane(group.first_point), group.planes, values.data());
@@ -97,7 +87,6 @@ void StrainPlanes::get_from(std::size_t first, Values& values) {
 }
 
 void StrainPlanes::begin_row(std::ptrdiff_t row) {
-    const engines::Timed timed(kind());
     if (window_)
         window_->to_line(count_, stored(row), stored_stride(), line(row), stride());
     else
@@ -114,7 +103,6 @@ void StrainPlanes::end_row(std::ptrdiff_t row, Modes kept) {
 }
 
 void StrainPlanes::end_row_from(std::ptrdiff_t row, std::ptrdiff_t first) {
-    const engines::Timed timed(kind());
     if (window_) {
         window_->to_window(count_ - first, line(row) + first * stride(), stride(),
                            stored(row) + first * stored_stride(), stored_stride());

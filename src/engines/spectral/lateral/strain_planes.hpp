@@ -4,7 +4,6 @@
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/line_window.hpp"
 #include "engines/spectral/lateral/step_clock.hpp"
-#include "engines/work.hpp"
 #include "fft/aligned.hpp"
 #include "fft/run_transform.hpp"
 
@@ -64,9 +63,6 @@ public:
     WaveBlock in_line(const WaveBlock& waves) const {
         return window_ ? window_->folded(waves) : waves;
     }
-
-    /// The kind of work of the transforms and of transfers to and from the spectra.
-    const engines::WorkKind& kind() const;
 
 private:
     /// A place in planes_, which are empty in a medium without bodies.

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
 
@@ -12,8 +11,6 @@
 #include <fmt/format.h>
 
 namespace shearwake::spectral {
-
-using namespace kinds;
 
 namespace {
 
@@ -89,21 +86,17 @@ void Stepper::assemble() {
 
 void Stepper::factorise(Operator which) {
     together(team_, [&] {
-        {
-            const engines::Timed timed(of_factors);
-            for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
-                for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
-                    operator_.factorise(which, vectors_.waves(row, block).k, step_s_,
-                                        factors_.data() + (row * vectors_.blocks() + block) *
-                                                              operator_.factor_size());
-        }
+        for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+            for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
+                operator_.factorise(which, vectors_.waves(row, block).k, step_s_,
+                                    factors_.data() + (row * vectors_.blocks() + block) *
+                                                          operator_.factor_size());
         slab_bodies_.assemble(operator_, background_solve());
     });
     bodies_->assemble(operator_, held_solve());
 }
 
 void Stepper::advance() {
-    const engines::Timed timed(of_solve);
     const LateralVariation& variation = field_.variation();
     clock_.start();
     if (sponge_.acts_at(step_)) begin_damping();
@@ -116,10 +109,7 @@ void Stepper::advance() {
         first_pass();
         constrain_step();
     } else {
-        {
-            const engines::Timed cells(of_cell);
-            field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
-        }
+        field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
         // Reading or writing an array counts 1, the moduli 1/2.
         clock_.lap(Phase::products, value_bytes(4.5));
         planes_->set(stress_);
@@ -207,7 +197,6 @@ double Stepper::work_of(const Counted& counted, const Block* pressure, Motion mo
 }
 
 void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-    const engines::Timed timed(planes_->kind());
     const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
     transfer_.add_force(planes_->in_line(vectors_.waves(row, block)), planes_->line(row),
                         planes_->stride(), per_point, force);
@@ -215,7 +204,6 @@ void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* 
 }
 
 void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement) {
-    const engines::Timed timed(planes_->kind());
     transfer_.strain(planes_->in_line(vectors_.waves(row, block)), displacement, planes_->line(row),
                      planes_->stride());
     clock_.lap(Phase::transfer, block_bytes());
@@ -223,7 +211,6 @@ void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* 
 
 template <class Use>
 void Stepper::respond(const LateralField::Values& stress, Strains strains, Use use) {
-    const engines::Timed timed(of_iteration);
     Block* force = pencil_.data();
     planes_->set(stress);
     each_pencil(strains, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
@@ -315,7 +302,6 @@ StrainSolver::Responses Stepper::on_plane() {
 }
 
 int Stepper::iterate() {
-    const engines::Timed timed(of_cell);
     const double points = static_cast<double>(case_.domain.nx * case_.domain.ny);
     // The products are sums over cells, the reference is per area. The tolerance refers to the
     // motion and not to d; otherwise it would be too loose while a load begins and too strict after
@@ -335,7 +321,6 @@ int Stepper::iterate() {
 }
 
 void Stepper::advance_strains() {
-    const engines::Timed timed(of_cell);
     const double scale = first_step_scale();
     strain_kernels_.advance(std::ssize(change_), scale, strain_.data(), change_.data(),
                             strain_before_.data());

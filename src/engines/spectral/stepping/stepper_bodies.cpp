@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include <algorithm>
 
 namespace shearwake::spectral {
 
-using namespace kinds;
-
 void Stepper::each_reaction(const Reaction& use) {
-    const engines::Timed timed(of_reaction);
     Block* force = pencil_.data();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
@@ -31,7 +27,6 @@ void Stepper::each_reaction(const Reaction& use) {
 
 void Stepper::constrain_step() {
     if (bodies_->empty()) return;
-    const engines::Timed timed(of_reaction);
     const double scale = first_step_scale();
     bodies_->advance(scale);
     clock_.lap(Phase::rest);

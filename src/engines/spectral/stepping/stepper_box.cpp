@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "parallel/agree.hpp"
 
@@ -27,7 +26,6 @@ void Stepper::assemble_box() {
 }
 
 void Stepper::respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
-    const engines::Timed timed(kinds::of_iteration);
     const std::ptrdiff_t components = transfer_.components(), pitch = 2 * slabs_.nx();
     const StrainPoint& point = transfer_.points()[static_cast<std::size_t>(plane / components)];
     const StrainTransfer one(mesh_, {point}, static_cast<int>(components));
@@ -46,7 +44,6 @@ void Stepper::respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
             const WaveBlock waves = vectors_.waves(row, block);
             one.add_force(waves, unit.data(), pitch, per_point, force);
             operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
-            const engines::Timed strains(planes.kind());
             transfer_.strain(planes.in_line(waves), force, planes.line(row), planes.stride());
         }
         planes.end_row_from(row, plane);
@@ -62,10 +59,7 @@ void Stepper::advance_on_box() {
     watch_.add_work(first_step_scale() * work_.mine());
     reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);
-    {
-        const engines::Timed cells(kinds::of_cell);
-        field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
-    }
+    field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
     // Reading or writing an array counts 1, the moduli 1/2.
     clock_.lap(Phase::products, value_bytes(4.5));
     box_->respond(stress_, change_, BoxResponse::Precision::full);

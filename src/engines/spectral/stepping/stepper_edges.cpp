@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/depth/work_kinds.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 
 namespace shearwake::spectral {
-
-using namespace kinds;
 
 /// Half of the loss of u - u- is subtracted from u and half is added to u-, so that their mean does
 /// not change. Of the energy of the scheme,
@@ -15,7 +12,6 @@ using namespace kinds;
 /// without the body: the removed velocity is the same, and the following steps correct the strain
 /// of a stiff body.
 void Stepper::damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* change) {
-    const engines::Timed timed(of_sponge);
     sponge_.impulse(operator_, row, block, change);
     operator_.solve_implicit(factor(at), change);
     slab_bodies_.hold(row, block, background_solve(), change);
@@ -23,7 +19,6 @@ void Stepper::damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, 
 }
 
 void Stepper::begin_damping() {
-    const engines::Timed timed(of_sponge);
     sponge_.take_velocity(operator_, vectors_.blocks(), now_, before_);
     if (is_uniform()) return;
     Block* change = pencil_.data();

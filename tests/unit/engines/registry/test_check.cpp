@@ -125,8 +125,8 @@ TEST_CASE("lengths in m and times in s instead of mm and ms give a warning", "[c
     c.scene().medium.layers[0].thickness_m = 1.2e-5;
     CHECK(has(only_remark(c).message, "0.012 mm thick in total"));
     c = good_case();
-    c.scene().load.modulation.trajectory = {
-        {Travel{Arc{.radius_m = 2.5e-5, .sweep_rad = 6.283185}, ConstantSpeed{0.1}, AtEnd::repeat}}};
+    c.scene().load.modulation.trajectory = {{Travel{Arc{.radius_m = 2.5e-5, .sweep_rad = 6.283185},
+                                                    ConstantSpeed{0.1}, AtEnd::repeat}}};
     CHECK(only_remark(c).key == "load.modulation.path");
     CHECK(has(only_remark(c).message, "the size of the path is 0.05 mm"));
 }

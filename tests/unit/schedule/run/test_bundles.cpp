@@ -30,6 +30,10 @@ std::vector<Bundle> bundles(const std::vector<PlannedCase>& cases, int teams) {
     for (const PlannedCase& c : cases)
         pointers.push_back(&c);
     cost::CaseCosts costs(pointers, {});
+    cost::Rates rates; // with tables that take longer than the frames
+    for (const engines::Work& part : costs.of(cases.front().physics).work)
+        rates.add({part.kind, part.size, 1, part.is_shared ? 1e-3 : 1e-9, false});
+    costs.use(rates);
     return schedule::bundles_of(pointers, {.ranks_per_case = 1, .teams = teams}, costs);
 }
 

@@ -47,46 +47,31 @@ TEST_CASE("a case that cannot finish in time is not started, unless no other cas
     CHECK_FALSE(schedule::Deadline("10", Comm::world()).lets_begin(8.9, 8.0));
 }
 
-TEST_CASE("a case costs what its parts cost", "[costs]") {
-    const cost::Machine machine{
-        .message_s = 1e-6, .transposed_B_s = 1e9, .file_s = 0.5, .written_B_s = 1e8};
-    const cost::CaseCost cost{.compute_s = 100.0,
-                              .transposes = 1000.0,
-                              .plane_B = 1e6,
-                              .written_B = 1e7,
+TEST_CASE("the time of a case is the sum of its parts", "[costs]") {
+    cost::Rates rates;
+    rates.add({"steps", 1e3, 1, 1e-6, false});
+    rates.add({"table", 1e3, 1, 1e-3, true});
+    rates.add({"steps", 1e3, 20, 2e-6, false});
+    const cost::CaseCost cost{.work = {{"steps", 1e3, 1e5}, {"table", 1e3, 10.0, true}},
                               .useful_ranks = 100};
-    CHECK(cost::seconds_on(cost, 1, 1, machine) == Approx(100.0 + 0.5 + 0.1));
-    // 1000 transposes of 10 messages and a tenth of a plane; four teams write.
-    CHECK(cost::seconds_on(cost, 10, 4, machine) ==
-          Approx(10.0 + 1000.0 * (10e-6 + 1e5 / 1e9) + 0.5 + 0.4));
-    // 100 slabs on 30 ranks: four on the fullest.
-    CHECK(cost::seconds_on(cost, 30, 1, machine) ==
-          Approx(4.0 + 1000.0 * (30e-6 + 1e6 / 30.0 / 1e9) + 0.5 + 0.1));
+    CHECK(cost.shares());
+    const cost::CaseTime alone = cost::time_of(cost, 1, rates);
+    CHECK(alone.own_s == Approx(100.0));
+    CHECK(alone.shared_s == Approx(10.0));
+    CHECK(alone.origin == cost::Origin::probed);
+    // 100 slabs on 30 ranks: four on the fullest. The nearest rate is that of 20 ranks.
+    const cost::CaseTime on_30 = cost::time_of(cost, 30, rates);
+    CHECK(on_30.own_s == Approx(2.0 * 4.0));
+    CHECK(on_30.shared_s == Approx(10.0 * 4.0 / 100.0));
+    CHECK(on_30.origin == cost::Origin::similar);
+    // A measured rate contains the imbalance.
+    CHECK(cost::time_of(cost, 20, rates).own_s == Approx(200.0 / 20.0));
     // More ranks than slabs bring nothing.
-    CHECK(cost::seconds_on(cost, 1000, 1, machine) == cost::seconds_on(cost, 100, 1, machine));
-}
-
-TEST_CASE("each step of engine pstd exchanges six fields there and back, nine where it is lossy",
-          "[costs]") {
-    PlannedCase planned{"a",
-                        test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0}),
-                        {},
-                        false,
-                        ""};
-    planned.physics.time = {20, 1e-3};
-    const auto cost_in = [&](Precision precision, double viscosity_Pa_s) {
-        planned.physics.scene().medium.layers[0].loss = KelvinVoigt{viscosity_Pa_s};
-        planned.physics.solver = PstdOptions{.time_step_s = 1e-5, .precision = precision};
-        return cost::CaseCosts({&planned}, {}).of(planned.physics);
-    };
-    const cost::CaseCost in_double = cost_in(Precision::double_precision, 1.0),
-                         in_single = cost_in(Precision::single_precision, 1.0),
-                         lossless = cost_in(Precision::double_precision, 0.0);
-    CHECK(in_double.transposes == 2.0 * 9.0 * 2000.0);
-    CHECK(lossless.transposes == 2.0 * 6.0 * 2000.0);
-    CHECK(in_single.plane_B == 0.5 * in_double.plane_B);
-    CHECK(lossless.plane_B == in_double.plane_B);
-    CHECK(lossless.compute_s < in_double.compute_s);
+    CHECK(cost::time_of(cost, 1000, rates).own_s == cost::time_of(cost, 100, rates).own_s);
+    CHECK(cost::time_of(cost, 1, {}).origin == cost::Origin::unknown);
+    // The files, whose rate only a complete case shows, do not make a time unknown.
+    const cost::CaseCost files{.work = {{"steps", 1e3, 1.0}, {"files", 1e5, 1.0}}};
+    CHECK(cost::time_of(files, 1, rates).origin == cost::Origin::measured);
 }
 
 TEST_CASE("twelve cases of a sweep are measured, the others use the step of the nearest",
@@ -112,7 +97,7 @@ TEST_CASE("twelve cases of a sweep are measured, the others use the step of the 
     std::set<double> of_probed, of_others;
     for (const PlannedCase* p : cases)
         (costs.is_probed(p->physics) ? of_probed : of_others)
-            .insert(costs.of(p->physics).compute_s);
+            .insert(costs.time(p->physics, 1).own_s);
     // The steps are those of the probed ones, and the meshes are nearly the same for all.
     CHECK(*of_others.begin() > 0.8 * *of_probed.begin());
     CHECK(*of_others.rbegin() < 1.25 * *of_probed.rbegin());
