@@ -332,8 +332,8 @@ class Study:
         if mask.ndim == 3:
             self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
         elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1
-            if np.any(mask != np.floor(mask)):
-                raise BadInput(f"sensor.mask contains the corner {mask[mask != np.floor(mask)].flat[0]:g}; the corners of cuboids must be "
+            if (fractions := mask[mask % 1 != 0]).size:
+                raise BadInput(f"sensor.mask contains the corner {fractions[0]:g}; the corners of cuboids must be "
                                "whole numbers, the indices of nodes")
             boxes = mask.reshape(6, -1).T.astype(int) - 1
             if np.any(boxes[:, 3:] < boxes[:, :3]):
