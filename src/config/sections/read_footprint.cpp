@@ -31,8 +31,15 @@ const std::array<ArrayPreset, 2>& presets() {
     return all;
 }
 
+/// Samples per wavelength of a pattern, see ArrayField.
+constexpr double samples_a_wavelength = 6.5;
 /// Default reach of the pattern, in multiples of its width.
 constexpr double reach_in_widths = 4.0;
+/// Largest number of samples of a pattern along a side, and largest number of samples times
+/// elements: a second for the properties of the pattern.
+constexpr double most_pattern_side = 600.0, most_products = 3e8;
+/// Largest number of samples of the table of a piston along a side: 128 MB.
+constexpr double most_table_samples = 4000.0;
 
 const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {
@@ -84,6 +91,31 @@ void read_missing(Reader& reader, ArrayFootprint& array) {
         reader.error("missing", "contains every element; at least one must remain");
 }
 
+void check_array(Reader& reader, const ArrayFootprint& array) {
+    const double spacing_m = array.sound_speed_m_s / array.frequency_Hz / samples_a_wavelength;
+    const double side = 2.0 * fading_end_m(array.reach_m) / spacing_m;
+    if (side > most_pattern_side)
+        reader.error("reach_mm",
+                     fmt::format("requires {:.4g} x {:.4g} samples of the pattern, but at most "
+                                 "{:.0f} x {:.0f} are supported; reduce it or the frequency",
+                                 side, side, most_pattern_side, most_pattern_side));
+    const double products = side * side * static_cast<double>(array.columns * array.rows);
+    if (products > most_products)
+        reader.error(
+            "elements",
+            fmt::format("and reach_mm require {:.2g} products of samples and elements, but "
+                        "at most {:.2g} are supported; reduce them",
+                        products, most_products));
+    const double longest_m =
+        static_cast<double>(std::max(array.columns, array.rows)) * array.pitch_m;
+    const double table = side + longest_m / spacing_m;
+    if (table > most_table_samples)
+        reader.error("elements",
+                     fmt::format("and pitch_mm require a table of {:.4g} x {:.4g} samples, but at "
+                                 "most {:.0f} x {:.0f} are supported; reduce them or the frequency",
+                                 table, table, most_table_samples, most_table_samples));
+}
+
 FootprintAndPeak read_array(Reader& reader) {
     const std::size_t before = reader.diagnostics().errors();
     ArrayFootprint array;
@@ -103,6 +135,8 @@ FootprintAndPeak read_array(Reader& reader) {
     reader.finish();
     if (reader.diagnostics().errors() != before) return read;
     array.reach_m = reach_m ? *reach_m : reach_in_widths * fwhm_m(array);
+    check_array(reader, array);
+    if (reader.diagnostics().errors() != before) return read;
     read.footprint = array;
     if (strength_Pa_m) read.peak_Pa = peak_Pa(array, *strength_Pa_m, density_kg_m3);
     return read;

@@ -19,8 +19,10 @@ namespace {
 constexpr double temperature_K = 298.15, humidity = 0.5;
 /// Default reach of the pattern beyond the target, in widths of a focus.
 constexpr double widths_around = 4.0;
-/// Largest lattice: 256 MB per field, about a second per iteration.
-constexpr std::ptrdiff_t largest_side = 4096;
+/// Largest lattice: its fields need 250 MB.
+constexpr std::ptrdiff_t largest_side = 1000;
+/// Largest number of points times corners of the target, each of which takes 16 tests: 1 s.
+constexpr double most_corner_tests = 2e7;
 constexpr std::size_t most_corners = 10000;
 
 std::vector<Vec2> read_points_of(Reader& reader, const char* key, std::size_t least) {
@@ -88,8 +90,16 @@ void check_lens(Reader& reader, const LensFootprint& lens) {
     if (side > largest_side)
         reader.error("aperture_mm",
                      fmt::format("and reach_mm require a lattice of {} x {} points, but at most {} "
-                                 "x {} are supported; reduce them or the frequency",
+                                 "x {} are supported; reduce them, move the target towards the "
+                                 "axis, or increase pixel_mm",
                                  side, side, largest_side, largest_side));
+    const double points = static_cast<double>(side) * static_cast<double>(side);
+    const auto corners = static_cast<double>(lens.polygon_m.size() + lens.foci_m.size());
+    if (side <= largest_side && points * corners > most_corner_tests)
+        reader.error(lens.foci_m.empty() ? "target_polygon_mm" : "target_foci_mm",
+                     fmt::format("has {:.0f} points, which are compared with {} x {} points of the "
+                                 "lattice; at most {:.0f} are supported on it",
+                                 corners, side, side, most_corner_tests / points));
 }
 
 } // namespace
@@ -115,7 +125,12 @@ FootprintAndPeak read_lens(Reader& reader, const FileLoaders& files) {
     lens.reach_m = reach_m.value_or(target_extent_m(lens) + widths_around * focal_width_m(lens));
     check_lens(reader, lens);
     if (reader.diagnostics().errors() != before) return read;
-    lens.design = files.lenses->of(lens);
+    try {
+        lens.design = files.lenses->of(lens);
+    } catch (const UsageError& error) {
+        reader.error("iterations", error.what());
+        return read;
+    }
     const double amplitude_Pa = pressure_Pa.value_or(0.0) * lens.design->gain;
     if (pressure_Pa)
         read.peak_Pa = amplitude_Pa * amplitude_Pa /

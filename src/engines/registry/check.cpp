@@ -30,6 +30,8 @@ constexpr double spectrum_end = 1e-2;
 constexpr double thin_layer_m = 1e-3;
 /// Maximum number of samples along the path: a fraction of a per mille of its length is sufficient.
 constexpr double most_samples = 4000.0;
+/// Largest number of periods of the highest frequency of a load.
+constexpr double most_periods = 1e6;
 /// The share of a wave's energy that a sponge may give back, and the sponge's width that does it,
 /// in wavelengths (case/edge_absorption).
 constexpr double tolerated_return = 0.01;
@@ -85,6 +87,26 @@ void check_focus_resolution(const Case& c, Notes& notes) {
                   "{:.2g} points per width: the spectrum of the focus still has {:.2g} of its peak "
                   "at the shortest shear wave that the grid represents; use {:.3g} mm",
                   milli(width_m), milli(spacing_m), points, share, wanted_mm);
+}
+
+/// Engines sample the load several times per period of its highest frequency. Returns false if
+/// there are too many of them.
+bool check_periods(const Case& c, Notes& notes) {
+    const Load& load = c.scene().load;
+    double highest_Hz = bandwidth_rad_m(load.footprint, spectrum_end) *
+                            greatest_speed_m_s(load.modulation.trajectory) / two_pi +
+                        greatest_envelope_frequency_Hz(load.modulation.envelope);
+    if (const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier))
+        highest_Hz += carrier->frequency_Hz;
+    const double periods = highest_Hz * c.time.duration_s();
+    if (periods <= most_periods) return true;
+    notes.add(
+        Severity::error, "load.modulation",
+        "contains frequencies up to {:.4g} Hz (speeds, gains and their edges and ramps, and a "
+        "resolved carrier), of which {:.3g} periods fit into the run of {:.4g} ms; at most "
+        "{:.0e} are supported: make it slower, its edges longer, or the run shorter",
+        highest_Hz, periods, milli(c.time.duration_s()), most_periods);
+    return false;
 }
 
 /// Frames must not be further apart than half of the shortest period of the load.
@@ -407,6 +429,7 @@ std::vector<Remark> check(const Case& c) {
         check_focal_disc(c, notes);
         return notes.remarks;
     }
+    if (!check_periods(c, notes)) return notes.remarks;
     check_focus_resolution(c, notes);
     check_sampling(c, notes);
     check_focus_in_domain(c, notes);

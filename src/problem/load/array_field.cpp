@@ -26,8 +26,8 @@ template <class F>
 void for_pistons(const ArrayFootprint& array, F f) {
     for (std::ptrdiff_t row = 0; row < array.rows; ++row)
         for (std::ptrdiff_t column = 0; column < array.columns; ++column)
-            if (std::find(array.missing.begin(), array.missing.end(),
-                          column + row * array.columns) == array.missing.end())
+            if (!std::binary_search(array.missing.begin(), array.missing.end(),
+                                    column + row * array.columns))
                 f(column, row);
 }
 

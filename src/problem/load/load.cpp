@@ -167,6 +167,8 @@ namespace {
 
 /// Deviation from a whole number of periods, in periods.
 constexpr double commensurate = 1e-6;
+/// Largest number of periods of the lowest frequency that are tried as a common period.
+constexpr double most_periods = 1e6;
 
 void add_of(const Mover& mover, std::vector<double>& frequencies_Hz) {
     std::visit(overloaded{[](const Hold&) {},
@@ -264,8 +266,8 @@ LoadPeriod least_period(const Load& load, double longest_s) {
     const std::vector<double> frequencies_Hz = frequencies_of(load);
     if (frequencies_Hz.empty())
         return {0.0, "is constant and therefore has no period; use time.regime = \"transient\""};
-    for (double periods = 1.0; periods / frequencies_Hz.front() <= longest_s * (1.0 + 1e-9);
-         ++periods) {
+    const double most = longest_s * (1.0 + 1e-9) * frequencies_Hz.front();
+    for (double periods = 1.0; periods <= std::min(most, most_periods); ++periods) {
         const double period_s = periods / frequencies_Hz.front();
         if (std::ranges::all_of(frequencies_Hz, [&](double frequency_Hz) {
                 const double count = frequency_Hz * period_s;
@@ -273,6 +275,11 @@ LoadPeriod least_period(const Load& load, double longest_s) {
             }))
             return {period_s, ""};
     }
+    if (most > most_periods)
+        return {0.0, fmt::format("has the lowest frequency {:.8g} Hz and no common period of up to "
+                                 "{:.0f} of its periods, the largest number that is supported; use "
+                                 "commensurate or lower frequencies",
+                                 frequencies_Hz.front(), most_periods)};
     return {0.0, fmt::format("has the {} {} Hz, which have no common period of up to {:g} ms; use "
                              "commensurate frequencies, or increase time.longest_period_ms",
                              frequencies_Hz.size() > 1 ? "frequencies" : "frequency",

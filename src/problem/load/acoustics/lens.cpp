@@ -18,15 +18,18 @@ constexpr double points_a_wavelength = 4.0;
 constexpr double points_a_distance = 2.0;
 constexpr double air_impedance_density_kg_m3 = 1.184; // air of 25 degrees
 
-/// The smallest product of 3, 5 and 7 that is at least n.
+/// The smallest product of 3, 5 and 7 that is at least n. Such products are too rare among large
+/// numbers to be searched; lattices of that size are rejected.
 std::ptrdiff_t good_odd_length(std::ptrdiff_t n) {
-    for (;; ++n) {
+    constexpr std::ptrdiff_t most = 1000000;
+    for (; n < most; ++n) {
         std::ptrdiff_t rest = n;
         for (const std::ptrdiff_t factor : {3, 5, 7})
             while (rest % factor == 0)
                 rest /= factor;
         if (rest == 1) return n;
     }
+    return n;
 }
 
 } // namespace
@@ -88,7 +91,8 @@ LensLattice lattice(const LensFootprint& lens) {
     // and points on their edges.
     const double offset_m = 0.5 * lens.aperture_m + fading_end_m(lens.reach_m) + 1.5 * lens.pixel_m;
     const double pixels = std::ceil(2.0 * offset_m / lens.pixel_m);
-    lattice.side = lattice.points_per_pixel * good_odd_length(static_cast<std::ptrdiff_t>(pixels));
+    lattice.side = lattice.points_per_pixel *
+                   good_odd_length(static_cast<std::ptrdiff_t>(std::min(pixels, 1e9)));
     return lattice;
 }
 

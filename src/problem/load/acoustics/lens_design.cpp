@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/acoustics/lens_design.hpp"
 
+#include "base/error.hpp"
 #include "base/units.hpp"
 #include "problem/load/acoustics/plane_propagation.hpp"
 
@@ -8,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 
@@ -255,9 +257,30 @@ std::shared_ptr<const LensDesign> design_of(const LensFootprint& lens) {
     return lens.design ? lens.design : std::make_shared<const LensDesign>(design_lens(lens));
 }
 
+namespace {
+
+/// Largest number of points times iterations for all lenses of a job: about 1.6 s.
+constexpr double most_work = 1.5e7;
+
+double work_of(const LensFootprint& lens) {
+    return std::pow(static_cast<double>(lattice(lens).side), 2) * lens.iterations;
+}
+
+} // namespace
+
 std::shared_ptr<const LensDesign> LensDesigns::of(const LensFootprint& lens) {
     for (const LensFootprint& known : known_)
         if (known == lens) return known.design;
+    double work = work_of(lens);
+    for (const LensFootprint& known : known_)
+        work += work_of(known);
+    if (work > most_work)
+        throw UsageError(fmt::format("results in {:.2g} points times iterations for all lenses of "
+                                     "the job ({} x {} points and {} iterations for this one), but "
+                                     "at most {:.2g} are supported; reduce it, increase pixel_mm, "
+                                     "or use fewer lenses",
+                                     work, lattice(lens).side, lattice(lens).side, lens.iterations,
+                                     most_work));
     known_.push_back(lens);
     known_.back().design = design_of(lens);
     return known_.back().design;

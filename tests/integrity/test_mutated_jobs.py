@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Jobs with random changes: check and plan accept them or report errors, in limited time and memory."""
+import os
+import random
+import shutil
+import signal
+import subprocess
+import threading
+import unittest
+
+from attacks import times
+from mutations import mutated
+from program import ROOT, ProgramTest, changed, command, environment
+
+# Seconds of CPU time of `check`; `plan` also measures the rates of the machine and, for the engine spectral, steps.
+MOST_s = {"check": 2.0, "plan": 20.0}
+MOST_B = 300e6
+PATIENCE_s = 120.0  # of a busy machine
+
+
+def run(verb, folder):
+    """The output, the exit code, the CPU time in s and the memory in bytes of a command."""
+    process = subprocess.Popen(command(verb, "job.toml", "--elsewhere"), cwd=folder, env=environment(),
+                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    timer = threading.Timer(PATIENCE_s, process.kill)
+    timer.start()
+    said = process.stdout.read().decode("utf-8", "replace")
+    _, status, used = os.wait4(process.pid, 0)
+    timer.cancel()
+    process.stdout.close()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return said, process.returncode, used.ru_utime, 1024.0 * used.ru_maxrss
+
+
+class MutatedJobs(ProgramTest):
+    def accepted_or_refused(self, verb, name=""):
+        said, code, core_s, most_B = run(verb, self.folder)
+        about = f"{verb} {name}: {said}"
+        self.assertIn(code, (0, 3), f"killed after {PATIENCE_s} s: {about}" if code == -signal.SIGKILL else about)
+        self.assertNotIn("internal error", said, about)
+        self.assertLess(core_s, MOST_s[verb], about)
+        self.assertLess(most_B, MOST_B, about)
+        return said, code
+
+    def test_mutated_jobs_are_accepted_or_refused_at_once(self):
+        jobs = sorted((ROOT / "jobs").glob("*.toml"))
+        for file in (ROOT / "jobs").glob("*.csv"):
+            shutil.copy(file, self.folder)
+        rng = random.Random(1)
+        found = {0: 0, 3: 0}
+        for number in range(times(40, 500)):
+            job = rng.choice(jobs)
+            text = mutated(job.read_text(encoding="utf-8"), rng)
+            self.write_job(text)
+            for verb in ("check", "plan"):
+                with self.subTest(number=number, job=job.name, verb=verb):
+                    found[self.accepted_or_refused(verb, f"{job.name} number {number}\n{text}")[1]] += 1
+        self.assertGreater(min(found.values()), times(40, 500) // 10, found)
+
+    def test_steady_states_with_hardly_any_loss_are_computed_or_errors_of_the_job(self):
+        text = (ROOT / "jobs" / "reardon-square.toml").read_text(encoding="utf-8")
+        for exponent, code in (("0.27", 0), ("1e-7", 0), ("1e-300", 3)):
+            self.write_job(changed(("exponent = 0.27", f"exponent = {exponent}"), text=text))
+            for verb in ("check", "plan"):
+                with self.subTest(exponent=exponent, verb=verb):
+                    said, ended = self.accepted_or_refused(verb)
+                    self.assertEqual(ended, code, said)
+        self.says(said, "the loss factor of layer", "at 8.333 Hz", "increase its loss")
+
+    def test_work_without_bounds_is_refused_with_the_number_and_the_limit(self):
+        lens = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")
+        steady = (ROOT / "jobs" / "steady-circle.toml").read_text(encoding="utf-8")
+        steady = changed(("[afferents]\nwhere = \"csv\"\nfile = \"circle-afferents.csv\"\ninput = \"stress\"\nperiods = 12\n", ""),
+                         text=steady)
+        gaussian = 'footprint = { shape = "gaussian", fwhm_mm = 8.5 }'
+        array = 'footprint = { shape = "array", elements = [16, 16], pitch_mm = 10.0, radius_mm = 4.5, distance_mm = 200.0'
+        for name, text, words in (
+                ("target far outside", changed(("[24, -16]", "[900, -16]"), ("pixel_mm = 4.0", "pixel_mm = 0.5"), text=lens),
+                 "6075 x 6075 points, but at most 1000 x 1000"),
+                ("iterations", changed(("pixel_mm = 4.0", "pixel_mm = 4.0\niterations = 10000"), text=lens),
+                 "points times iterations"),
+                ("ramp", changed(('am_frequency_Hz = 200.0', 'am_frequency_Hz = 200.0\nramp_ms = 1e-9'),
+                                 ('regime = "periodic"', 'duration_ms = 100.0'), text=steady),
+                 "at most 1e+06 are supported"),
+                ("duration", changed(('regime = "periodic"', 'duration_ms = 1e6\n'), ("output_interval_us = 250.0",
+                                     "output_interval_us = 1000.0"), text=steady), "at most"),
+                ("samples", changed(('engine = "layered"', 'engine = "layered"\n[solver.layered]\ntime_step_us = 0.01'),
+                                    ('regime = "periodic"', 'duration_ms = 1e5'),
+                                    ("output_interval_us = 250.0", "output_interval_us = 1000.0"), text=steady),
+                 "samples of the load in time"),
+                ("common period", changed(("[25, 50, 75, 100, 125, 150]", "[25.00000001]"),
+                                          ('regime = "periodic"', 'regime = "periodic"\nlongest_period_ms = 1e7'),
+                                          ("am_frequency_Hz = 200.0", "am_frequency_Hz = 1e5"), ("[0.0, 1.0]", "[1.0]"),
+                                          text=steady), "no common period"),
+                ("array", changed((gaussian, f"{array}, reach_mm = 500.0, frequency_kHz = 200.0 }}"), text=steady),
+                 "samples of the pattern, but at most")):
+            self.write_job(text)
+            for verb in ("check", "plan"):
+                with self.subTest(name=name, verb=verb):
+                    said, code = self.accepted_or_refused(verb)
+                    self.assertEqual(code, 3, said)
+                    self.says(said, words)
+
+
+if __name__ == "__main__":
+    unittest.main()
