@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files of users that jobs refer to: maps of material properties and imported k-Wave studies."""
+"""Files of users: the links that no reader follows, maps of material properties and imported k-Wave studies."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,6 +7,59 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+
+
+ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
+
+
+class BadLink(OSError):
+    """A file refers to another file, or claims far more values than it stores."""
+
+
+def open_self_contained(path: Path) -> h5py.File:
+    """Opens the HDF5 file of a user for reading. Raises OSError, and BadLink if one of its links leads to another file, if
+    the values of a dataset are in other files, or if a compressed or unwritten dataset claims more than ALLOWED_B and
+    MOST_COMPRESSION times what it stores."""
+    if not Path(path).is_file():
+        raise OSError(f"{path} is not a regular file" if Path(path).exists() else f"{path} does not exist")
+    file = h5py.File(path, "r")
+    try:
+        _refuse_links(file)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def _refuse_links(file: h5py.File) -> None:
+    seen, groups = set(), [file]
+    while groups:
+        group = groups.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            where = f"{group.name.rstrip('/')}/{name}"
+            if isinstance(link, h5py.ExternalLink):
+                raise BadLink(f"the link {where} leads to another file, {link.filename}, which is not read")
+            if not isinstance(link, h5py.HardLink):
+                continue
+            item = group[name]
+            address = h5py.h5o.get_info(item.id).addr
+            if address in seen:
+                continue
+            seen.add(address)
+            if isinstance(item, h5py.Group):
+                groups.append(item)
+            elif isinstance(item, h5py.Dataset):
+                _refuse_claims(item, where)
+
+
+def _refuse_claims(data: h5py.Dataset, where: str) -> None:
+    if data.external or data.is_virtual:
+        raise BadLink(f"the dataset {where} stores its values in another file, which is not read")
+    claimed, stored = data.nbytes, data.id.get_storage_size()
+    if claimed > max(ALLOWED_B, MOST_COMPRESSION * stored):
+        raise BadLink(f"the dataset {where} has {data.size} values ({claimed / 1e6:.0f} MB) but stores {stored / 1e3:.3g} kB; at "
+                      f"most {ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read")
 
 
 @dataclass(frozen=True)
@@ -33,14 +86,14 @@ class GridStudy:
 
 def read_map(path: Path) -> MaterialMap:
     """The shear-wave speed of a map. Raises OSError, and KeyError if the map does not contain it."""
-    with h5py.File(path, "r") as file:
+    with open_self_contained(path) as file:
         axes = [np.atleast_1d(file[name][()]) for name in ("x_m", "y_m", "z_m")]
         return MaterialMap(axes[0], axes[1], axes[2], file["c_s_m_s"][()])
 
 
 def study_grid(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """The numbers of points and the spacings in m of a study along x, y and z. Raises OSError and KeyError."""
-    with h5py.File(path, "r") as file:
+    with open_self_contained(path) as file:
         return file["grid/points"][()].astype(int), file["grid/spacing_m"][()]
 
 
@@ -48,7 +101,7 @@ def read_study(path: Path) -> GridStudy:
     """The grid and the nodes of a study. Raises OSError and KeyError."""
     none = np.empty((0, 3), dtype=int)
     points, spacing_m = study_grid(path)
-    with h5py.File(path, "r") as file:
+    with open_self_contained(path) as file:
         sources = [file[name]["nodes"][()].astype(int) for name in file if name.startswith("source_") and "nodes" in file[name]]
         sensors = file["sensor/nodes"][()].astype(int) if "sensor/nodes" in file else none
         return GridStudy(points, spacing_m, file["medium/c_s_m_s"][()], np.concatenate([none, *sources]), sensors)

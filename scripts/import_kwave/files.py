@@ -103,9 +103,41 @@ def of_hdf5(item, level=0):
     return fields
 
 
+ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
+
+
+def refuse_links(file):
+    """Raises BadInput for links to other files, values in other files, and datasets that claim far more than they store.
+    Follows only hard links."""
+    seen, groups = set(), [file]
+    while groups:
+        group = groups.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                raise BadInput(f"the link {group.name}/{name} leads to another file, {link.filename}, which is not read")
+            if not isinstance(link, h5py.HardLink):
+                continue
+            item = group[name]
+            address = h5py.h5o.get_info(item.id).addr
+            if address in seen:
+                continue
+            seen.add(address)
+            if isinstance(item, h5py.Group):
+                groups.append(item)
+            elif isinstance(item, h5py.Dataset):
+                if item.external or item.is_virtual:
+                    raise BadInput(f"{item.name} stores its values in another file, which is not read")
+                stored = item.id.get_storage_size()
+                if item.nbytes > max(ALLOWED_B, MOST_COMPRESSION * stored):
+                    raise BadInput(f"{item.name} claims {item.nbytes / 1e6:.0f} MB but stores {stored / 1e3:.3g} kB; at most "
+                                   f"{ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read")
+
+
 def read_hdf5(path):
     """The values of the structures, and notes."""
     with h5py.File(path, "r") as file:
+        refuse_links(file)
         if decoded(file.attrs.get("schema", b"")).startswith(STUDY):
             raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
                            "k-Wave")
@@ -233,6 +265,8 @@ def structures(path):
     """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist; and notes."""
     if path.suffix == ".toml" and path.is_file():
         raise BadInput(f"{path} is a job, not a k-Wave simulation; shearwake run {path} computes it")
+    if path.exists() and not path.is_file():
+        raise BadInput(f"{path} is not a regular file")
     with open(path, "rb"):  # reports a missing file
         pass
     try:

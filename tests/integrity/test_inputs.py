@@ -152,6 +152,22 @@ class Files(ProgramTest):
                 done = self.shearwake("check", "job.toml", expect=None)
                 self.assertIn(done.returncode, (2, 3, 6), done.said)
                 self.assertIn("map.h5", done.said)
+                self.says(done.said, "c_s_m_s", "another file")
+
+    def test_links_of_motions_are_named_and_not_followed(self):
+        os.mkfifo(self.folder / "pipe.h5")  # opening it would block
+        with h5py.File(self.folder / "motion.h5", "w") as file:
+            file["traces"] = h5py.ExternalLink("pipe.h5", "/")
+        done = self.shearwake("respond", "motion.h5", expect=2, timeout_s=60.0)
+        self.says(done.said, 'the link "traces" leads to another file')
+
+    def test_datasets_that_claim_far_more_than_they_store_are_refused(self):
+        with h5py.File(self.folder / "motion.h5", "w") as file:
+            file.create_dataset("trace_mm", (4, 50_000_000), "f8", chunks=(4, 1000), compression="gzip")
+            file["pin_xy_mm"] = numpy.zeros((4, 2))
+            file.attrs["fs_hz"] = 1000.0
+        done = self.shearwake("respond", "motion.h5", expect=2, timeout_s=60.0)
+        self.says(done.said, '"trace_mm" contains 200000000 numbers (1600 MB)', "at most 64 MB, or 100 times what is stored")
 
     def test_motions_with_absurd_times_are_refused(self):
         for step_ms in (1e-12, 1e15):

@@ -364,6 +364,58 @@ class Hostile(ScanTest):
         with self.assertRaisesRegex(BadScan, "time has 1250000000 values"):
             read_scan(path)
 
+    def test_links_to_other_files_are_named_and_not_followed(self):
+        import h5py
+
+        scan, path = some_scan(), self.folder / "links.h5"
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["v"] = file["g/velocity"] = scan.velocity_m_s
+        (self.folder / "raw").write_bytes(scan.velocity_m_s.tobytes())
+
+        def virtual(file):
+            layout = h5py.VirtualLayout(scan.velocity_m_s.shape, "f8")
+            layout[...] = h5py.VirtualSource("other.h5", "v", scan.velocity_m_s.shape)
+            file.create_virtual_dataset("velocity", layout)
+
+        def soft(file):
+            file["away"], file["velocity"] = h5py.ExternalLink("other.h5", "/g"), h5py.SoftLink("/away/velocity")
+
+        for make, words in (
+                (lambda file: file.__setitem__("velocity", h5py.ExternalLink("other.h5", "/v")),
+                 "the link /velocity leads to another file, other.h5"),
+                (soft, "the link /away leads to another file, other.h5"),
+                (lambda file: file.__setitem__("vibrometer", h5py.ExternalLink("other.h5", "/g")),
+                 "the link /vibrometer leads to another file, other.h5"),
+                (lambda file: file.create_dataset("velocity", scan.velocity_m_s.shape, "f8",
+                                                  external=[("raw", 0, scan.velocity_m_s.nbytes)]),
+                 "the dataset /velocity stores its values in another file"),
+                (virtual, "the dataset /velocity stores its values in another file")):
+            with h5py.File(path, "w") as file:
+                for name, values in (("time", scan.time_s), ("x", scan.x_m), ("y", scan.y_m)):
+                    file[name] = values
+                make(file)
+            with self.subTest(words=words), self.assertRaises(BadScan) as caught:
+                read_scan(path)
+            self.assertIn(words, str(caught.exception))
+
+    def test_files_that_grow_by_decompression_are_refused(self):
+        import h5py
+        import scipy.io
+
+        n = 10_000_000
+        path = self.folder / "bomb.h5"
+        with h5py.File(path, "w") as file:
+            file.create_dataset("time", (n,), "f8", chunks=(1000,), compression="gzip")
+            file.create_dataset("velocity", data=np.zeros((1, n)), chunks=(1, n // 10), compression="gzip")
+            file["x"] = file["y"] = np.zeros(1)
+        with self.assertRaisesRegex(BadScan, "10000000 values .80 MB. but stores 0 kB; at most 64 MB, or 100 times"):
+            read_scan(path)
+        path = self.folder / "bomb.mat"
+        scipy.io.savemat(path, {"time": np.zeros(4 * n), "velocity": np.zeros((1, 1))}, do_compression=True)
+        self.assertLess(path.stat().st_size, 1_000_000)
+        with self.assertRaisesRegex(BadScan, "needs more memory than the limit"):
+            read_scan(path)
+
     def test_matlab_and_hdf5_files_with_wrong_contents_are_refused(self):
         import h5py
         import scipy.io

@@ -7,20 +7,26 @@ Octave read. Units are SI.
 """
 import csv
 import difflib
+import importlib
 import io
 import math
 import os
 import pickle
+import resource
+import signal
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..inputs import ALLOWED_B, BadLink, open_self_contained
 from .scan import MOST_VALUES, BadScan, Scan
 from .scan_uff import LENGTHS, TIMES, read_uff, speed_of, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
+SLOWEST_B_S = 20_000_000  # libraries that need longer are caught in a loop
+BUFFERS_B = 50_000_000  # address space of the buffers of a library
 Getter = Callable[[str], Any]
 NOT_A_SCAN = "it is not a scan: "
 
@@ -68,25 +74,45 @@ def read_scan(path: str | Path) -> Scan:
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
         return checked(in_child(read_hdf5, path))
     if start.startswith(b"MATLAB 5.0"):
-        return checked(in_child(read_mat5, path))
+        return checked(in_child(read_mat5, path, "scipy.io"))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
         return checked(read_uff(path.read_bytes()))
     return checked(read_csv(path.read_bytes()))
 
 
-def in_child(read: Callable[[Path], Scan], path: Path) -> Scan:
-    """read(path) in a forked process: a damaged file can crash the library that reads it."""
+def limit_child(seconds: int, more_B: int) -> None:
+    """Limits the CPU time of this process, its time, and the memory that it may allocate from now on."""
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(10 * seconds)  # busy machines and network file systems
+    used_B = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    most_B = used_B + more_B
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    resource.setrlimit(resource.RLIMIT_AS, (most_B if hard == resource.RLIM_INFINITY else min(most_B, hard), hard))
+
+
+def in_child(read: Callable[[Path], Scan], path: Path, library: str = "h5py") -> Scan:
+    """read(path) in a forked process with limits of time and memory: a damaged file can crash the library that reads it,
+    or keep it busy."""
+    size_B = path.stat().st_size
+    seconds = 8 + size_B // SLOWEST_B_S
+    most_B = 3 * ALLOWED_B + BUFFERS_B + 20 * size_B  # three copies of the values, and a compression to a seventh
     source, sink = os.pipe()
     child = os.fork()
     if child == 0:
         code = 1
         try:
+            importlib.import_module(library)  # what it allocates for itself is not limited
+            limit_child(seconds, most_B)
             os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # messages of the C library about damaged memory
             answer: Scan | BadScan
             try:
                 answer = read(path)
             except BadScan as error:
                 answer = error
+            except MemoryError:
+                answer = BadScan(f"the file is damaged, or does not fit into memory: its {size_B} bytes need more than "
+                                 f"{most_B / 1e6:.0f} MB, the limit for a file of this size")
             with os.fdopen(sink, "wb") as out:
                 pickle.dump(answer, out, protocol=5)
             code = 0
@@ -95,7 +121,10 @@ def in_child(read: Callable[[Path], Scan], path: Path) -> Scan:
     os.close(sink)
     with os.fdopen(source, "rb") as file:
         content = file.read()
-    if os.waitpid(child, 0)[1] != 0:
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGALRM):
+        raise BadScan(f"it takes more than {seconds} s to read, more than its size explains; it is damaged")
+    if status != 0:
         raise BadScan("the library that reads such files fails at it; the file is damaged, or does not fit into memory")
     answer = pickle.loads(content)
     if isinstance(answer, BadScan):
@@ -192,7 +221,7 @@ def read_hdf5(path: Path) -> Scan:
     import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        with open_self_contained(path) as file:
             group = file["vibrometer"] if "vibrometer" in file else file
             notes: list[str] = []
 
@@ -202,8 +231,6 @@ def read_hdf5(path: Path) -> Scan:
                     return None
                 if data.size is None or data.size > MOST_VALUES:
                     raise BadScan(f"{name} has {data.size} values, but at most {MOST_VALUES} are supported")
-                if data.external:
-                    raise BadScan(f"{name} is stored in another file")
                 values = data[()]
                 if data.dtype.kind in "fiu" and (factor := stated_factor(data, name, notes)) != 1.0:
                     values = factor * values
@@ -213,6 +240,8 @@ def read_hdf5(path: Path) -> Scan:
             velocity = next((group[name] for name in ("velocity", "v") if name in group), None)
             is_known = velocity is not None and "DIMENSION_LIST" in velocity.attrs
             return from_names(group, get, notes, is_known)
+    except BadLink as error:
+        raise BadScan(str(error)) from error
     except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
         raise BadScan(f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else error!r}") from error
 
@@ -222,6 +251,9 @@ def read_mat5(path: Path) -> Scan:
 
     try:
         content = scipy.io.loadmat(path)
+    except MemoryError as error:
+        raise BadScan("it cannot be read as a MATLAB file: it needs more memory than the limit for a file of this size") \
+            from error
     except Exception as error:  # noqa: BLE001 - scipy raises many types for damaged files
         raise BadScan(f"it cannot be read as a MATLAB file: {str(error).splitlines()[0] if str(error) else error!r}") \
             from error

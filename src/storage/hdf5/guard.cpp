@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <initializer_list>
 #include <new>
 #include <string>
@@ -62,8 +63,15 @@ bool survives(const std::function<void()>& work, double seconds) {
 }
 
 void must_survive(const std::filesystem::path& file, const std::function<void()>& read) {
-    if (!survives(read))
-        throw Error(file.string() + " is damaged in a way that crashes the HDF5 library");
+    // A library that needs longer is caught in a loop.
+    constexpr double slowest_B_s = 20e6;
+    std::error_code unknown;
+    const auto size_B = static_cast<double>(std::filesystem::file_size(file, unknown));
+    const double seconds = 5.0 + (unknown ? 0.0 : size_B / slowest_B_s);
+    if (!survives(read, seconds))
+        throw Error(fmt::format("{} is damaged in a way that crashes the HDF5 library or keeps it "
+                                "busy for more than {:.0f} s",
+                                file.string(), seconds));
 }
 
 } // namespace shearwake::storage

@@ -71,6 +71,38 @@ void must_hold_its_numbers(const Id& dataset, const std::string& name) {
         throw Error("dataset " + name + " stores its values in another file, which is not read");
 }
 
+/// Throws Error with the name of the first link of the file that leads to another file, or of the
+/// first dataset whose values are stored in other files. Follows no link.
+void require_self_contained(hid_t file) {
+    std::string reason;
+    const auto visit = [](hid_t root, const char* name, const H5L_info_t* link,
+                          void* out) -> herr_t {
+        auto& found = *static_cast<std::string*>(out);
+        if (link->type > H5L_TYPE_SOFT) {
+            found =
+                fmt::format("the link \"{:.200}\" leads to another file, which is not read", name);
+            return 1;
+        }
+        if (link->type != H5L_TYPE_HARD) return 0;
+        const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
+        if (object < 0) return -1;
+        const Id opened(object, H5Oclose, "");
+        if (H5Iget_type(object) != H5I_DATASET) return 0;
+        const hid_t creation = H5Dget_create_plist(object);
+        if (creation < 0) return -1;
+        const Id properties(creation, H5Pclose, "");
+        const bool is_elsewhere =
+            H5Pget_external_count(creation) > 0 || H5Pget_layout(creation) == H5D_VIRTUAL;
+        if (is_elsewhere)
+            found = fmt::format("dataset \"{:.200}\" stores its values in another file, which is "
+                                "not read",
+                                name);
+        return is_elsewhere ? 1 : 0;
+    };
+    check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &reason), "list the links");
+    if (!reason.empty()) throw Error(reason);
+}
+
 /// The attribute must be a single value.
 void must_be_single(const Id& attribute, const std::string& name) {
     const Id space(H5Aget_space(attribute.raw()), H5Sclose, "inspect attribute " + name);
@@ -167,8 +199,9 @@ Id open_file(const std::filesystem::path& path, Access access) {
     check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "disable the sieve buffer");
     if (access != Access::create) {
         const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
-        return Id(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose,
-                  "open " + path.string());
+        Id file(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose, "open " + path.string());
+        if (access == Access::read) require_self_contained(file.raw());
+        return file;
     }
     // The order of creation is stored, as netCDF-4 readers expect.
     const Id creation = property(H5P_FILE_CREATE);
