@@ -17,7 +17,7 @@ PATIENCE_s = 120.0  # of a busy machine
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
 MAP = ('base = "rigid"\n', 'base = "rigid"\nmap = "input.h5"\n')
 LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
-RECEPTORS = ("-S", 'afferents.where="finger"')
+RECEPTORS = ("-S", 'afferents.where="fingertip"')
 
 
 def mutated(content, rng):
@@ -80,7 +80,7 @@ class MutatedFiles(ProgramTest):
 
     def test_paths_in_csv(self):
         self.write_job(changed(LINE))
-        points = "".join(f"{-14 + n},{n % 3}\n" for n in range(29))
+        points = "x_mm,y_mm\n" + "".join(f"{-14 + n},{n % 3}\n" for n in range(29))
         self.attack("input.csv", points.encode(), command("check", "job.toml", "--elsewhere"))
 
     def test_scans(self):
