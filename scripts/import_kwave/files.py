@@ -265,7 +265,7 @@ def structures(path):
     """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist; and notes."""
     if path.suffix == ".toml" and path.is_file():
         raise BadInput(f"{path} is a job, not a k-Wave simulation; shearwake run {path} computes it")
-    if path.exists() and not path.is_file():
+    if path.exists() and not path.is_file() and not path.is_dir():
         raise BadInput(f"{path} is not a regular file")
     with open(path, "rb"):  # reports a missing file
         pass
