@@ -148,7 +148,8 @@ class Study:
             raise BadInput("kgrid.t_array must contain the times of all steps")
         self.time_step_s, self.steps = float(times[-1] - times[0]) / (times.size - 1), times.size
         # Half a unit of the last place of each time, if all are numbers of single precision.
-        rounding_s = float(np.finfo(np.float32).eps * np.max(np.abs(times))) if np.all(times == times.astype(np.float32)) else 0.0
+        is_single = np.all(times == times.astype(np.float32))
+        rounding_s = float(np.finfo(np.float32).eps * np.max(np.abs(times))) if is_single else 0.0
         tolerance_s = 1e-6 * abs(self.time_step_s) + rounding_s
         if np.any(np.abs(np.diff(times) - self.time_step_s) > tolerance_s):
             raise BadInput("kgrid.t_array must be uniformly spaced")
@@ -332,9 +333,9 @@ class Study:
         if mask.ndim == 3:
             self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
         elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1
-            if (fractions := mask[mask % 1 != 0]).size:
-                raise BadInput(f"sensor.mask contains the corner {fractions[0]:g}; the corners of cuboids must be "
-                               "whole numbers, the indices of nodes")
+            if np.any(between := mask % 1.0 != 0.0):
+                raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
+                               "numbers, the indices of nodes")
             boxes = mask.reshape(6, -1).T.astype(int) - 1
             if np.any(boxes[:, 3:] < boxes[:, :3]):
                 raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "

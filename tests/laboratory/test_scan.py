@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from shearwake.laboratory.measure_scan import Alignment
-from shearwake.laboratory.scan import BadScan, Scan
+from shearwake.laboratory.scan import BadScan, Scan, half_unit, plain_step_s
 from shearwake.laboratory.scan_files import in_child, read_scan, write_scan
+from shearwake.laboratory.scan_motion import one_period
 
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat"}
 
@@ -102,6 +103,13 @@ class Names(ScanTest):
             with self.subTest(remark=remark):
                 self.refused(f"# {remark}\n" + "".join(lines), "trigger_delay" if "delay" in remark else "direction_z", ".csv")
 
+    def test_a_byte_order_mark_is_passed_over(self):
+        for kind in ("csv", "uff"):
+            with self.subTest(kind=kind):
+                scan = read_scan(self.file(b"\xef\xbb\xbf" + self.written(kind).read_bytes(), KINDS[kind]))
+                np.testing.assert_allclose(scan.x_m, some_scan().x_m, rtol=1e-12)
+                self.assertFalse(any("assumed" in note for note in scan.notes), scan.notes)  # data set 164 comes first
+
     def test_names_and_units_in_matlab_and_hdf5_files(self):
         import h5py
         import scipy.io
@@ -164,6 +172,24 @@ class Order(ScanTest):
                     read = read_scan(path)
                     np.testing.assert_array_equal(read.velocity_m_s, scan.velocity_m_s)
                     self.assertEqual(any("first index of velocity" in note for note in read.notes), len(scan.x_m) == 30)
+
+    def test_dimension_scales_state_the_order(self):
+        import h5py
+
+        scan = self.square()
+        path = self.folder / "scales.h5"
+        for order in (("point", "time"), ("time", "point")):
+            with h5py.File(path, "w") as file:
+                for name, values in {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "point": np.arange(30.0)}.items():
+                    file[name] = values
+                file["velocity"] = scan.velocity_m_s if order[0] == "point" else scan.velocity_m_s.T
+                for name, dimension in zip(order, file["velocity"].dims):
+                    file[name].make_scale(name)
+                    dimension.attach_scale(file[name])
+            with self.subTest(order=order):
+                read = read_scan(path)
+                np.testing.assert_array_equal(read.velocity_m_s, scan.velocity_m_s)
+                self.assertEqual(read.notes, [])
 
     def test_the_points_of_matrices_are_counted_as_by_matlab(self):
         import scipy.io
@@ -339,6 +365,45 @@ class OtherPrograms(ScanTest):
                             (self.text().replace("    15\n", "    16\n"), "node 9 has no coordinates")):
             with self.subTest(words=words):
                 self.refused(text, words)
+
+
+class Rounding(OtherPrograms):
+    """Times with six digits have the sampling rate from which they are rounded."""
+
+    def test_the_plain_rate_is_found(self):
+        for rate_Hz, found_Hz in ((51200.0, 51200.0), (44100.0, 44100.0), (96e3, 96e3), (32768.0, 32768.0), (1e8 / 2048, 1e8 / 2048),
+                                  (1234.56789, 1234.57)):
+            printed = f"{1.0 / rate_Hz:13.5E}"
+            with self.subTest(rate_Hz=rate_Hz):
+                # Rounding of 1 / (1 / f); six digits of an arbitrary rate remain six digits.
+                self.assertAlmostEqual(plain_step_s(float(printed), half_unit(printed)) * found_Hz, 1.0,
+                                       places=14 if found_Hz == rate_Hz else 5)
+
+    def test_a_scan_of_whole_periods_is_accepted(self):
+        rate_Hz, count = 51200.0, 1024
+        tone = "".join(f"{np.sin(2 * np.pi * 200 * n / rate_Hz):13.5E}" + ("\n" if n % 6 == 5 else "") for n in range(count)) + "\n"
+        text = self.text(count=count, values=tone).replace(f"{1e-4:13.5E}", f"{1.0 / rate_Hz:13.5E}")
+        scan = read_scan(self.file(text))
+        self.assertAlmostEqual(scan.rate_Hz / rate_Hz, 1.0, places=12)
+        self.assertIn("agrees with the rounded time step", "; ".join(scan.notes))
+        period, periods = one_period(scan, 5e-3)  # 256 samples
+        self.assertEqual((period.shape, periods), ((1, 256), 4))
+        # A period of 300 samples at a rate without a plain value.
+        other = read_scan(self.file(text.replace(f"{1.0 / rate_Hz:13.5E}", f"{1.0 / 51987.6543:13.5E}")))
+        period_s = 300 / 51987.6543
+        one_period(other.with_rate_of(period_s), period_s)
+        with self.assertRaisesRegex(BadScan, "is not a whole number of samples"):
+            one_period(scan.with_rate_of(5.001e-3), 5.001e-3)
+
+    def test_printed_times_of_csv_are_rounded_alike(self):
+        rate_Hz, points, samples = 51200.0, 3, 2048
+        rows = ["x_m,y_m,quality," + ",".join(f"{n / rate_Hz:.6g}" for n in range(samples))]
+        rows += [f"{0.001 * p},0,1," + ",".join(["0.5"] * samples) for p in range(points)]
+        scan = read_scan(self.file("\n".join(rows), ".csv"))
+        self.assertAlmostEqual(scan.rate_Hz / rate_Hz, 1.0, places=12)
+        self.assertIn("agrees with the rounded times", "; ".join(scan.notes))
+        rows[0] = rows[0].replace(f",{100 / rate_Hz:.6g},", f",{100.5 / rate_Hz:.6g},")
+        self.refused("\n".join(rows), "not uniformly spaced", ".csv")
 
 
 class Hostile(ScanTest):

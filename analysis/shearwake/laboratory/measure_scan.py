@@ -133,6 +133,8 @@ def main(data: str, request_file: str, prefix: str) -> int:
         scan = read_scan(data)
         if request.get("outwards"):
             scan = scan.along_z(z_outwards=True)
+        if request["periodic"]:
+            scan = scan.with_rate_of(request["period_s"])
         alignment = Alignment(scan, request)
         good = usable_points(scan, request)
         content = Path(data).read_bytes()

@@ -1,15 +1,46 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A scan of a laser vibrometer: velocities of points of the skin along a line of sight. Units are SI."""
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+LEAST_DIGITS = 4
 MOST_POINTS, MOST_VALUES = 1_000_000, 500_000_000
 
 
 class BadScan(Exception):
     """A file is not a usable scan; the text states why."""
+
+
+def half_unit(text: str) -> float:
+    """Half a unit of the last digit of a printed number: its largest error by rounding."""
+    mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
+    digits = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** (int(exponent or 0) - digits)
+
+
+def rounding_of(words: Iterable[str]) -> float:
+    """The largest error of printed numbers by rounding. Numbers of fewer than four digits are not taken as rounded."""
+    largest, most = 0.0, 0
+    for word in words:
+        mantissa = word.strip().lower().partition("e")[0].lstrip("+-")
+        most = max(most, len(mantissa.replace(".", "").lstrip("0")))
+        largest = max(largest, abs(float(word)))
+    return 0.5 * 10.0 ** (math.floor(math.log10(largest)) - most + 1) if most >= LEAST_DIGITS and 0.0 < largest < math.inf else 0.0
+
+
+def plain_step_s(step_s: float, rounding_s: float) -> float:
+    """The time step of the rate with the fewest digits that agrees with a rounded step, if it has fewer digits than the step:
+    1.95312e-05 s is 1 / 51200 Hz."""
+    def digits(value: float) -> int:
+        return len(f"{value:.9e}".partition("e")[0].rstrip("0").replace(".", ""))
+
+    rates = (float(f"{1.0 / step_s:.{n}e}") for n in range(9))
+    found = next((rate for rate in rates if abs(1.0 / rate - step_s) <= 1.000001 * rounding_s), None)
+    return 1.0 / found if found is not None and digits(found) < digits(step_s) else step_s
 
 
 @dataclass
@@ -23,6 +54,7 @@ class Scan:
     direction: tuple = (0.0, 0.0, 1.0)  # of positive velocities, with z into the skin; read_scan makes its z positive
     notes: list = field(default_factory=list)  # how a file was read
     states_direction: bool = False  # the file contains the direction
+    rate_rounding: float = 0.0  # the largest relative error of the rate by rounding of the printed times
 
     def __post_init__(self) -> None:
         if self.quality is None:
@@ -37,6 +69,14 @@ class Scan:
             return self
         sign = -1.0 if z < 0.0 else 1.0
         return replace(self, velocity_m_s=sign * self.velocity_m_s, direction=(sign * x, sign * y, sign * z))
+
+    def with_rate_of(self, period_s: float) -> "Scan":
+        """With the rate that has a whole number of samples in a period, if the printed times allow it; otherwise unchanged."""
+        samples = period_s * self.rate_Hz
+        count = round(samples)
+        if count < 2 or abs(samples - count) > self.rate_rounding * samples:
+            return self
+        return replace(self, time_s=self.time_s[0] + np.arange(len(self.time_s)) * (period_s / count))
 
     @property
     def rate_Hz(self) -> float:

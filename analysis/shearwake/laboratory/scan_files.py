@@ -5,6 +5,7 @@
 (version 5 through scipy, 7.3 through h5py) and HDF5; `write_scan` writes UFF, CSV and HDF5 that MATLAB and
 Octave read. Units are SI.
 """
+import codecs
 import csv
 import difflib
 import importlib
@@ -21,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ..inputs import ALLOWED_B, BadLink, open_self_contained
-from .scan import MOST_VALUES, BadScan, Scan
+from .scan import MOST_VALUES, BadScan, Scan, plain_step_s, rounding_of
 from .scan_uff import LENGTHS, TIMES, read_uff, speed_of, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
@@ -31,8 +32,8 @@ Getter = Callable[[str], Any]
 NOT_A_SCAN = "it is not a scan: "
 
 
-def checked(scan: Scan) -> Scan:
-    """The same scan, or BadScan if its arrays do not belong together."""
+def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
+    """The same scan, or BadScan if its arrays do not belong together. `rounding_s`: the largest error of the printed times."""
     velocity = scan.velocity_m_s
     if velocity.ndim != 2 or velocity.shape != (len(scan.x_m), len(scan.time_s)):
         raise BadScan(f"it has {len(scan.x_m)} points and {len(scan.time_s)} times, but velocities of the shape "
@@ -49,7 +50,7 @@ def checked(scan: Scan) -> Scan:
     if not np.all(np.isfinite((*scan.direction, scan.trigger_delay_s))) or not any(scan.direction):
         raise BadScan("the direction and the trigger delay must be finite numbers, and the direction must not be 0")
     step = np.diff(scan.time_s)
-    if not np.all(step > 0.0) or np.max(np.abs(step - np.mean(step))) > 1e-3 * np.mean(step):
+    if not np.all(step > 0.0) or np.max(np.abs(step - np.mean(step))) > 1e-3 * np.mean(step) + 2.0 * rounding_s:
         raise BadScan("the times are not uniformly spaced in ascending order")
     if np.max(np.abs(np.concatenate((scan.x_m, scan.y_m)))) > 10.0:
         raise BadScan("a point is more than 10 m from the origin; coordinates must be in metres")
@@ -70,14 +71,14 @@ def read_scan(path: str | Path) -> Scan:
     if size > MOST_BYTES:
         raise BadScan(f"it has {size} bytes, but at most {MOST_BYTES} are supported")
     with path.open("rb") as file:
-        start = file.read(128)
+        start = file.read(128).removeprefix(codecs.BOM_UTF8)
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
         return checked(in_child(read_hdf5, path))
     if start.startswith(b"MATLAB 5.0"):
         return checked(in_child(read_mat5, path, "scipy.io"))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
-        return checked(read_uff(path.read_bytes()))
-    return checked(read_csv(path.read_bytes()))
+        return checked(read_uff(path.read_bytes().removeprefix(codecs.BOM_UTF8)))
+    return read_csv(path.read_bytes())
 
 
 def limit_child(seconds: int, more_B: int) -> None:
@@ -217,6 +218,13 @@ def stated_factor(data: Any, name: str, notes: list) -> float:
     return factor or 1.0
 
 
+def scales_of(data: Any) -> list[str]:
+    """The names of the scales of two dimensions; empty if one has none."""
+    if "DIMENSION_LIST" not in data.attrs or data.ndim != 2:
+        return []
+    return [dimension[0].name.rpartition("/")[2] for dimension in data.dims if len(dimension)]
+
+
 def read_hdf5(path: Path) -> Scan:
     import h5py
 
@@ -235,11 +243,12 @@ def read_hdf5(path: Path) -> Scan:
                 if data.dtype.kind in "fiu" and (factor := stated_factor(data, name, notes)) != 1.0:
                     values = factor * values
                 # MATLAB, which writes this attribute, stores the indices in reverse.
-                return values.T if "MATLAB_class" in data.attrs else values
+                if "MATLAB_class" in data.attrs:
+                    return values.T
+                return values.T if scales_of(data)[:1] in (["time"], ["t"]) else values
 
-            velocity = next((group[name] for name in ("velocity", "v") if name in group), None)
-            is_known = velocity is not None and "DIMENSION_LIST" in velocity.attrs
-            return from_names(group, get, notes, is_known)
+            velocity = next((group[name] for name in ("velocity", "v") if isinstance(group.get(name), h5py.Dataset)), None)
+            return from_names(group, get, notes, velocity is not None and len(scales_of(velocity)) == 2)
     except BadLink as error:
         raise BadScan(str(error)) from error
     except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
@@ -263,6 +272,7 @@ def read_mat5(path: Path) -> Scan:
     return from_names(content, content.get, [])
 
 
+MOST_ROUNDING = 0.2  # of the spacing of printed times
 CSV_HEADER = ["x_m", "y_m", "quality"]
 
 
@@ -294,8 +304,17 @@ def read_csv(data: bytes) -> Scan:
         times = np.array([float(word) for word in rows[0][3:]])
     except ValueError as error:
         raise BadScan(f"it contains a field that is not a number: {error}") from error
-    return Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
+    scan = Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
                 **settings(remarks, lambda value, _: value, notes))
+    rounding_s = rounding_of(rows[0][3:])
+    scan = checked(scan, min(rounding_s, MOST_ROUNDING * float(np.mean(np.diff(times)))) if len(times) > 1 else 0.0)
+    step_s = (times[-1] - times[0]) / (len(times) - 1)
+    scan.rate_rounding = 2.0 * rounding_s / (times[-1] - times[0])
+    plain_s = plain_step_s(step_s, scan.rate_rounding * step_s)
+    if abs(plain_s - step_s) > 1e-9 * step_s:
+        scan.time_s = times[0] + plain_s * np.arange(len(times))
+        scan.notes.append(f"the sampling rate {1.0 / plain_s:.9g} Hz agrees with the rounded times")
+    return scan
 
 
 def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:

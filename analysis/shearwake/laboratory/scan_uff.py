@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan
+from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, half_unit, plain_step_s
 
 TIME_RESPONSE, GENERAL = 1, 0
 TIME, UNKNOWN, GENERAL_QUANTITY = 17, 0, 1
@@ -243,9 +243,16 @@ class Function:
         self.read_quantity(head[8], head[9])
         own = exact(head)
         first, step = (to_s * field(head[6], at, 13, what, float) for at, what in ((30, "the first time"), (43, "the time step")))
-        self.start_s, self.step_s = own.get("t0", [first])[0], own.get("dt", [step])[0]
-        if not self.step_s > 0.0:
+        if not step > 0.0:
             raise BadScan("the time step is not positive")
+        rounding_s = to_s * half_unit(head[6][43:56])
+        exact_s = own.get("dt", [0.0])[0]
+        self.is_exact = abs(exact_s - step) <= 2.0 * rounding_s  # another program may have sampled again
+        self.step_s = exact_s if self.is_exact else plain_step_s(step, rounding_s)
+        self.start_s = own["t0"][0] if self.is_exact and "t0" in own else first
+        self.rate_rounding = 0.0 if self.is_exact else rounding_s / step
+        if self.step_s != step and not self.is_exact:
+            self.notes.append(f"the sampling rate {1.0 / self.step_s:.9g} Hz agrees with the rounded time step {step:g} s")
         self.quality = own.get("q", [1.0])[0]
         self.delay_s = own.get("delay", [0.0])[0]
         self.read_direction(head[5], own.get("direction"))
@@ -389,4 +396,4 @@ def joined(functions: list[Function], nodes: dict, per_metre: float | None) -> S
     quality = np.array([function.quality for function in functions])
     velocity[quality == 0.0] = np.nan
     return Scan(one.start_s + one.step_s * np.arange(one.count), places[:, 0], places[:, 1], velocity, quality,
-                one.delay_s, one.direction, notes, one.states_direction)
+                one.delay_s, one.direction, notes, one.states_direction, one.rate_rounding)

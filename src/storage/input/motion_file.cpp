@@ -8,6 +8,7 @@
 #include "storage/hdf5/h5.hpp"
 #include "storage/hdf5/h5_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -34,22 +35,42 @@ double unit(std::string_view name, std::string_view quantity, std::string_view e
     return found->to_SI;
 }
 
-/// Sampling rate of uniform times. Rounding of printed numbers is tolerated.
-double rate_Hz_of(const std::vector<double>& times_s) {
+/// The number of significant digits of a printed number.
+std::ptrdiff_t digits_of(std::string_view text) {
+    text = text.substr(0, text.find_first_of("eE"));
+    text = text.substr(std::min(text.find_first_of("123456789"), text.size()));
+    return std::ranges::count_if(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// The largest error of numbers that are printed with so many digits. Numbers of fewer than four
+/// digits are not taken as rounded.
+double rounding_of(const std::vector<double>& values, std::ptrdiff_t digits) {
+    double largest = 0.0;
+    for (const double value : values)
+        largest = std::max(largest, std::abs(value));
+    if (digits < 4 || largest == 0.0 || !std::isfinite(largest)) return 0.0;
+    return 0.5 *
+           std::pow(10.0, std::floor(std::log10(largest)) + 1.0 - static_cast<double>(digits));
+}
+
+/// Sampling rate of uniform times, which are rounded by up to `rounding_s`.
+double rate_Hz_of(const std::vector<double>& times_s, double rounding_s = 0.0) {
     if (times_s.size() < 2) throw UsageError("a motion requires at least 2 times");
     const double span_s = times_s.back() - times_s.front();
     const double step_s = span_s / static_cast<double>(times_s.size() - 1);
     if (!std::isfinite(step_s) || !(step_s > 0.0))
         throw UsageError("its times must be in ascending order");
+    const double tolerance_s = 1e-3 * step_s + std::min(2.0 * rounding_s, 0.2 * step_s);
     for (std::size_t k = 0; k < times_s.size(); ++k) {
         const double regular_s = times_s.front() + static_cast<double>(k) * step_s;
-        if (!(std::abs(times_s[k] - regular_s) <= 1e-3 * step_s))
+        if (!(std::abs(times_s[k] - regular_s) <= tolerance_s))
             throw UsageError(fmt::format(
                 "its times must be uniformly spaced: number {} is {:.9g} s, expected {:.9g} s", k,
                 times_s[k], regular_s));
     }
     const double rate_Hz = 1.0 / step_s, whole = std::round(rate_Hz);
-    return std::abs(rate_Hz - whole) <= 1e-6 * rate_Hz ? whole : rate_Hz;
+    const double allowed = 1e-6 + 2.0 * rounding_s / span_s;
+    return std::abs(rate_Hz - whole) <= allowed * rate_Hz ? whole : rate_Hz;
 }
 
 /// Reads the lines of a CSV file in sequence.
@@ -66,6 +87,7 @@ public:
         if (std::isalpha(static_cast<unsigned char>(cells[0].empty() ? '0' : cells[0].front())))
             return places(cells, line);
         times_s_.push_back(number(cells[0], line) * units_[0]);
+        digits_ = std::max(digits_, digits_of(cells[0]));
         for (std::size_t p = 1; p < cells.size(); ++p)
             lines_[p - 1].push_back(number(cells[p], line) * units_[p]);
     }
@@ -78,7 +100,8 @@ public:
             throw UsageError(fmt::format("it has {} points but not their positions: add the lines "
                                          "x_mm,... and y_mm,... below the header",
                                          lines_.size()));
-        PointMotion motion{.rate_Hz = rate_Hz_of(times_s_), .u_m = std::move(lines_)};
+        PointMotion motion{.rate_Hz = rate_Hz_of(times_s_, rounding_of(times_s_, digits_)),
+                           .u_m = std::move(lines_)};
         for (std::size_t p = 0; p < xs_m_.size(); ++p)
             motion.at_m.push_back({xs_m_[p], ys_m_[p]});
         return motion;
@@ -89,7 +112,7 @@ public:
         if (!xs_m_.empty() || !ys_m_.empty())
             throw UsageError("the positions of receptors are given by [afferents], not by lines "
                              "x_mm,... or y_mm,...");
-        return {rate_Hz_of(times_s_), std::move(lines_)};
+        return {rate_Hz_of(times_s_, rounding_of(times_s_, digits_)), std::move(lines_)};
     }
 
 private:
@@ -123,6 +146,7 @@ private:
     std::string_view quantity_, example_;
     std::vector<double> units_; // of all columns; empty: the header has not been read
     std::vector<double> times_s_, xs_m_, ys_m_;
+    std::ptrdiff_t digits_ = 0;              // of the printed times
     std::vector<std::vector<double>> lines_; // one per column except the times
 };
 

@@ -12,7 +12,9 @@ namespace shearwake::laboratory {
 
 nlohmann::ordered_json scan_request(const ScanArguments& arguments, const Case& c) {
     nlohmann::ordered_json request = {{"least_quality", arguments.least_quality},
-                                      {"outwards", arguments.outwards}};
+                                      {"outwards", arguments.outwards},
+                                      {"periodic", c.time.regime == Regime::periodic},
+                                      {"period_s", c.time.duration_s()}};
     if (!c.vibrometer) return request;
     const VibrometerOptions& o = *c.vibrometer;
     const Vec3 along = o.line_of_sight();

@@ -74,8 +74,6 @@ Json request_of(const MeasureArguments& arguments, const MeasuredJob& measured) 
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
         frames.push_back(c.time.frame_s(n));
     request["frames_s"] = frames;
-    request["periodic"] = c.time.regime == Regime::periodic;
-    request["period_s"] = c.time.duration_s();
     request["high_pass_Hz"] = arguments.high_pass_Hz;
     request["gaps"] = arguments.gaps;
     request["repetitions"] = arguments.repetitions;

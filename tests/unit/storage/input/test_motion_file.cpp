@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace test_motion_file {
 
@@ -80,6 +81,16 @@ TEST_CASE("an error in the CSV file of a motion is reported with its line", "[mo
     CHECK_THROWS_WITH(storage::motion_of_csv("t_ms,u_um\n1,0\n0,0\n"),
                       Catch::Contains("must be in ascending order"));
     CHECK_THROWS_WITH(storage::motion_of_csv("t_ms,u_um\n0,0\n"), Catch::Contains("2 times"));
+}
+
+TEST_CASE("times with few digits have the rate that they are rounded from", "[motion]") {
+    // 3 kHz in ms with two decimals, as 5 digits allow after 100 ms.
+    std::string text = "t_ms,u_um\n";
+    for (int k = 0; k <= 600; ++k)
+        text += fmt::format("{:.2f},0\n", k / 3.0);
+    CHECK(storage::motion_of_csv(text).rate_Hz == 3000.0);
+    CHECK_THROWS_WITH(storage::motion_of_csv(text + "200.50,0\n"),
+                      Catch::Contains("must be uniformly spaced"));
 }
 
 TEST_CASE("the stress at receptors is read from CSV in its units, without positions", "[motion]") {
