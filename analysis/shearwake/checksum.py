@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -30,9 +31,12 @@ def verify_case(path: str | os.PathLike[str]) -> None:
         size = file.seek(0, 2)
         file.seek(max(0, size - LINE_LENGTH))
         found = LINE.fullmatch(file.read())
+        before = size - LINE_LENGTH
+        if found is None:  # HDF5 removes the line when a program opens the file for writing
+            found, before = recorded_line(path), size
         if found is None:
-            raise Damaged("the checksum at its end is missing")
-        covered, before = int(found[2]), size - LINE_LENGTH
+            raise Damaged("the checksum at its end is missing: it is truncated, or another program has opened it for writing")
+        covered = int(found[2])
         file.seek(min(covered, before))
         if covered > before or file.read(before - covered) not in (b"", b"\n"):
             raise Damaged(f"it has {before} bytes, but its checksum covers {covered} bytes")
@@ -43,6 +47,22 @@ def verify_case(path: str | os.PathLike[str]) -> None:
             left -= len(piece)
     if hash_now.hexdigest().encode() != found[1]:
         raise Damaged("its bytes do not match its checksum")
+
+
+def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:
+    """The last line of a case file according to the journals of its output folder; None if they do not contain it."""
+    case, found = Path(path).absolute(), None
+    for journal in sorted(case.parent.parent.glob("journal*.jsonl")):
+        for text in journal.read_text(encoding="utf-8", errors="surrogateescape").splitlines():
+            if '"file_checksum"' not in text or case.stem not in text:
+                continue
+            try:
+                entry = read_json(text)
+            except ValueError:
+                continue
+            if entry.get("id") == case.stem:
+                found = LINE.fullmatch(f"{entry.get('file_checksum')}\n".encode()) or found
+    return found
 
 
 def open_case(path: str | os.PathLike[str]) -> h5py.File:

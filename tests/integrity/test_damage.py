@@ -10,6 +10,7 @@ import h5py
 from attacks import times
 from program import JOB, ProgramTest, case_files, plan, table
 
+from shearwake.checksum import LINE_LENGTH
 from shearwake.report import load
 
 
@@ -51,10 +52,25 @@ class CaseFiles(ProgramTest):
             self.victim.write_bytes(damaged)
             self.notice("flipped bit in a case file", self.readers())
 
+    def test_a_file_that_was_opened_for_writing_is_kept_if_it_is_unchanged(self):
+        h5py.File(self.victim, "r+").close()
+        self.assertEqual(self.victim.read_bytes(), self.sound[:-LINE_LENGTH - 1])
+        self.shearwake("verify", self.out)
+        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+        self.shearwake("reduce", self.out)
+        self.assertEqual(load.load(self.out).by_id(self.victim.stem).status, "complete")
+        with h5py.File(self.victim, "r+") as file:
+            name = next(name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.shape == ())
+            file[name][()] = 2.0 * file[name][()] + 1.0
+        self.says(self.shearwake("verify", self.out, expect=4).said, "another program has opened it for writing and changed it")
+        self.says(self.shearwake("run", "job.toml").said, f"case {self.victim.stem} is damaged", "1 computed now, 3 already complete")
+
     def test_every_truncation_is_detected(self):
         for n in range(times(8, 210)):
             # Also within the line of the checksum, and all of it.
             keep = len(self.sound) - 1 - n if n % 2 else self.chance.randrange(len(self.sound))
+            if keep == len(self.sound) - LINE_LENGTH - 1:
+                continue  # all bytes of HDF5, which the journal verifies
             self.victim.write_bytes(self.sound[:keep])
             self.notice("truncated case file", self.readers())
 

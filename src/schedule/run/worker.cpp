@@ -9,6 +9,7 @@
 #include "schedule/run/run_arguments.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_index.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 
@@ -216,7 +217,8 @@ bool Worker::compute(const PlannedCase& planned) {
     const storage::CaseTimes times{outcome->seconds, estimated_s(planned),
                                    engine_name(planned.physics.solver)};
     on_root(team_, [&] {
-        journal_.finished(planned.id, times);
+        journal_.finished(planned.id, times,
+                          storage::checksum_in(list_.folder.case_file(planned.id)));
         storage::add_to_index(list_.folder.index(list_.part, host_),
                               list_.folder.case_file(planned.id));
         std::error_code none;
@@ -319,7 +321,8 @@ void Worker::say(const std::string& text) {
 /// STOP file. Roots call this between the steps of a case, so it reads the memory of rank 0 only
 /// every 50 ms.
 bool Worker::stop_asked() {
-    if (!signal_told_ && (stop_requested() || list_.deadline.left_s() <= 0.0)) {
+    const bool is_signalled = stop_requested();
+    if (!signal_told_ && (is_signalled || list_.deadline.left_s() <= 0.0)) {
         signal_told_ = true;
         counters_.fetch_add(signalled, 1);
     }

@@ -29,9 +29,18 @@ inline constexpr const char* checksum_promise =
 /// Reads the file once and appends the line. Throws UsageError (environment). Not collective.
 void append_checksum(const std::filesystem::path& path);
 
-/// Reads the file once, at the speed of the disk. Throws UsageError (environment) when it cannot be
-/// read. Not collective.
+/// Reads the file once, at the speed of the disk. A case file without its line, which HDF5 removes
+/// when a program opens the file for writing, is compared with the line that the journal of its
+/// output folder has recorded. Throws UsageError (environment) when it cannot be read. Not
+/// collective.
 IntegrityCheck check_integrity(const std::filesystem::path& path);
+
+/// The last line of a protected file without its end; empty if it has none. Throws UsageError
+/// (environment). Not collective.
+std::string checksum_in(const std::filesystem::path& path);
+
+/// The member of a line of the journal that contains the last line of a case file.
+inline constexpr const char* recorded_checksum = "file_checksum";
 
 /// The line for these bytes, without its end, as append_checksum() writes it.
 std::string checksum_line(std::string_view bytes);

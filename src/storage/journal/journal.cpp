@@ -118,12 +118,14 @@ void Journal::resumed(const std::string& id, long step) const {
     append_line(path_, seal(line.text()));
 }
 
-void Journal::finished(const std::string& id, const CaseTimes& times) const {
+void Journal::finished(const std::string& id, const CaseTimes& times,
+                       const std::string& checksum) const {
     JsonLine line = event("finished");
     line.add("id", id);
     line.add("seconds", times.seconds);
     line.add("estimated_seconds", times.estimated_seconds);
     line.add("engine", times.engine);
+    if (!checksum.empty()) line.add(recorded_checksum, checksum);
     append_line(path_, seal(line.text()));
 }
 

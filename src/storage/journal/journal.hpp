@@ -52,7 +52,9 @@ public:
     void started(const std::string& id, int ranks) const;
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
-    void finished(const std::string& id, const CaseTimes& times) const;
+    /// `checksum`: the last line of the case file.
+    void finished(const std::string& id, const CaseTimes& times,
+                  const std::string& checksum = "") const;
     void failed(const std::string& id, const std::string& reason, Cause cause) const;
     /// The case file was damaged and was moved aside.
     void damaged(const std::string& id, const std::string& reason) const;

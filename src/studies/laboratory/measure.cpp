@@ -6,6 +6,7 @@
 #include "pipeline/case_content.hpp"
 #include "pipeline/run_case.hpp"
 #include "schedule/run/job_source.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "studies/evaluate.hpp"
@@ -179,7 +180,8 @@ void write_case(const PlannedCase& planned, const config::Job& job,
                            engine, world, folder.case_file(planned.id), checkpoints, [] {});
     on_root(world, [&] {
         journal.started(planned.id, world.size());
-        journal.finished(planned.id, {outcome ? outcome->seconds : 0.0, 0.0, "measurement"});
+        journal.finished(planned.id, {outcome ? outcome->seconds : 0.0, 0.0, "measurement"},
+                         storage::checksum_in(folder.case_file(planned.id)));
     });
 }
 
