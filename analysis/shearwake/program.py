@@ -11,6 +11,12 @@ from typing import Any, Sequence
 
 from .errors import BY_EXIT_CODE, Diagnostic, ProgramError, ProgramNotFound
 
+# Variables of Open MPI, PRRTE, PMIx, MPICH and Intel MPI; among them those that users set, and of these those of a launcher.
+OF_LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDI_", "HYDRA_", "MPI_LOCAL")
+OF_USERS = ("OMPI_MCA_", "OMPI_ALLOW_RUN_AS_ROOT", "PMIX_MCA_", "PRTE_MCA_", "PRTE_ALLOW_RUN_AS_ROOT", "HYDRA_LAUNCHER",
+            "HYDRA_HOST_FILE")
+OF_RANKS = ("OMPI_MCA_orte_", "OMPI_MCA_ess", "OMPI_MCA_pmix", "OMPI_MCA_initial_wdir")
+
 
 def find() -> str:
     """The path of the program: the environment variable SHEARWAKE, next to the package in a source tree or an installation,
@@ -26,6 +32,13 @@ def find() -> str:
                           "variable SHEARWAKE to its path. Reading results does not need it")
 
 
+def environment() -> dict[str, str]:
+    """The environment without the variables by which a process joins the MPI program that has started this one: the program would
+    otherwise become one of its ranks."""
+    return {name: value for name, value in os.environ.items()
+            if not name.startswith(OF_LAUNCHERS) or (name.startswith(OF_USERS) and not name.startswith(OF_RANKS))}
+
+
 def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | None = None) -> list[str]:
     """The command that starts the program on `ranks` ranks, with mpirun or with the words of `launch`."""
     prefix = list(launch) if launch is not None else ["mpirun", "-n", str(ranks)] if ranks > 1 else []
@@ -36,7 +49,7 @@ def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | N
 
 def call(arguments: Sequence[str], accept: Sequence[int] = (0,)) -> subprocess.CompletedProcess[str]:
     """Runs a command on one rank to its end. Raises the ProgramError of any exit code that is not accepted."""
-    done = subprocess.run(launched(arguments), stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
+    done = subprocess.run(launched(arguments), env=environment(), stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
                           errors="replace", check=False)
     if done.returncode not in accept:
         raise error_of(done.returncode, done.stderr or done.stdout)

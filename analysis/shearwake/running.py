@@ -80,7 +80,8 @@ def run_and_watch(arguments: Sequence[str], ranks: int, launch: Sequence[str] | 
         with open(said, "w", encoding="utf-8") as text:
             command = program.launched([*arguments, "--log-json", str(log)], ranks, launch)
             # In a group of its own, so that the interrupt of a terminal does not kill it before it has stopped.
-            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=text, stderr=text, start_new_session=True)
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=text, stderr=text, start_new_session=True,
+                                       env=program.environment())
         try:
             watch(process, log, report)
         except BaseException:

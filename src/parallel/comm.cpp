@@ -4,6 +4,8 @@
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <ctime>
 #include <limits>
 #include <numeric>
 
@@ -100,7 +102,40 @@ int Comm::agree(int failed) const {
     return worst == 0 ? 0 : std::numeric_limits<int>::max() - worst;
 }
 
+namespace {
+
+std::atomic<double> last_progress_s = 0.0, longest_gap_s = 0.0;
+std::atomic<int> unwatched = 0;
+static_assert(std::atomic<double>::is_always_lock_free, "read by a signal handler");
+
+double monotonic_s() {
+    struct timespec now {};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+} // namespace
+
+void Comm::mark_progress() {
+    const double now_s = monotonic_s(), before_s = last_progress_s.exchange(now_s);
+    if (before_s > 0.0) longest_gap_s = std::max(longest_gap_s.load(), now_s - before_s);
+}
+
+Comm::Unwatched::Unwatched() {
+    ++unwatched;
+}
+Comm::Unwatched::~Unwatched() {
+    mark_progress();
+    --unwatched;
+}
+
+double Comm::overdue_s() {
+    if (unwatched > 0) return 0.0;
+    return monotonic_s() - last_progress_s - longest_gap_s;
+}
+
 void Comm::before_collective() const {
+    mark_progress();
     if (shared_->depth == 0) return;
     if (const int depth = agree(0); depth != 0) throw PeerFailed(depth);
 }

@@ -55,6 +55,20 @@ public:
     /// this call and the collective one may throw.
     void before_collective() const;
 
+    /// Records that this process has made progress.
+    static void mark_progress();
+    /// Seconds since the last progress of this process, minus the longest time without progress
+    /// until then. A signal handler may call it.
+    static double overdue_s();
+    /// While one exists, the time that passes is not overdue: large files are written.
+    class Unwatched {
+    public:
+        Unwatched();
+        ~Unwatched();
+        Unwatched(const Unwatched&) = delete;
+        Unwatched& operator=(const Unwatched&) = delete;
+    };
+
     void barrier() const;
     /// Reductions return the same result on every rank.
     double sum(double value) const;

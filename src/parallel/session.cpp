@@ -15,9 +15,11 @@
 #include <cstring>
 #include <exception>
 #include <fcntl.h>
+#include <filesystem>
 #include <fmt/format.h>
 #include <sstream>
 #include <string>
+#include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 #include <utility>
@@ -120,6 +122,44 @@ void choose_instruction_set(const Comm& world) {
     });
 }
 
+/// Two runs that a program with MPI has started may have joined one world. Collective.
+void require_one_run(const Comm& world, int argc, char** argv) {
+    std::string arguments;
+    for (int i = 1; i < argc; ++i)
+        arguments += std::string(argv[i]) + '\0';
+    std::error_code none;
+    const std::string folder = std::filesystem::current_path(none).string();
+    struct stat info {};
+    const long node = ::stat(".", &info) == 0 ? static_cast<long>(info.st_ino) : 0;
+    const bool other_arguments = world.broadcast(std::string(arguments)) != arguments;
+    const bool other_name = world.broadcast(std::string(folder)) != folder,
+               other_node = world.broadcast(node) != node; // nodes may have other names for it
+    const bool other_folder = other_name && other_node;
+    if (world.max(other_arguments || other_folder ? 1 : 0) != 0)
+        throw UsageError(fmt::format(
+            "the {} ranks of this MPI program have different {}: separate runs have joined one "
+            "world, since they were started inside of another MPI program. Start each of them by "
+            "mpirun -n 1, or without the variables of the other program: env -u "
+            "OMPI_COMM_WORLD_SIZE -u PMIX_NAMESPACE -u PMIX_RANK -u PMI_RANK -u PMI_SIZE "
+            "shearwake ...",
+            world.size(),
+            world.max(other_arguments ? 1 : 0) != 0 ? "arguments" : "working folders"));
+}
+
+/// Warns of srun without PMI, which starts independent copies of the program.
+void warn_of_lone_tasks(const Comm& world, int argc, char** argv) {
+    constexpr std::array parallel{"run", "optimise", "converge", "fit"};
+    const char* tasks = std::getenv("SLURM_NTASKS");
+    if (world.size() > 1 || !tasks || std::atoi(tasks) < 2 || argc < 2 ||
+        std::ranges::none_of(parallel,
+                             [&](const char* name) { return argv[1] == std::string(name); }))
+        return;
+    fmt::print(stderr,
+               "warning: Slurm has {} tasks, but this run has one rank: start it with mpirun -n "
+               "{}, or with srun --mpi=pmix\n",
+               tasks, tasks);
+}
+
 } // namespace
 
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
@@ -131,6 +171,8 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
     const Comm world = Comm::world();
     int code = static_cast<int>(ExitCode::internal);
     try {
+        require_one_run(world, argc, argv);
+        warn_of_lone_tasks(world, argc, argv);
         choose_instruction_set(world);
         code = static_cast<int>(program(world));
     } catch (const UsageError& error) {
@@ -168,6 +210,7 @@ void sleeping_barrier(const Comm& comm) {
     for (int done = 0; code == MPI_SUCCESS;) {
         code = MPI_Test(&request, &done, MPI_STATUS_IGNORE);
         if (done) return;
+        Comm::mark_progress(); // waits on purpose
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     throw Error("MPI: a barrier cannot be completed");

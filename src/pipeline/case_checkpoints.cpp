@@ -125,6 +125,7 @@ void CaseCheckpoints::progressed(double share) {
 }
 
 void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
+    const Comm::Unwatched writing;
     const auto paths = paths_of(stem_);
     const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];
     storage::CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,

@@ -136,6 +136,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const double solve_s = seconds_since(began) - before_solve_s;
 
     const auto solved = Clock::now();
+    const Comm::Unwatched writing;
     const CaseResults results = case_results(planned, recorder, team);
     const double receptors_s = seconds_since(solved);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Failing cases, damaged files, and disks that are full or not writable."""
+import contextlib
 import os
+import signal
 import subprocess
 import unittest
+from unittest import mock
 
 import h5py
+import pytest
 
-from program import (PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, plan, plan_ids, processor_s,
+from program import (PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, environment, plan, plan_ids, processor_s,
                      started, table, without_reference)
 
 X = 'x = "load.modulation.am_frequency_Hz"'
@@ -14,6 +18,54 @@ OVERFLOWING = without_reference((SWEEP, '"load.peak_Pa" = [100.0, 1e200]'), (X, 
 ABSURD = without_reference((SWEEP, '"domain.spacing_mm" = [1.5, 0.005]'), (X, 'x = "domain.spacing_mm"'),
                            ("extent_mm = [64.0, 48.0]", "extent_mm = [60.0, 60.0]"), ("frames = true", ""))
 NOBODY = 65534
+
+
+class JoinedWorlds(ProgramTest):
+    """Runs that a program with MPI has started become ranks of one world."""
+
+    def joined(self, *words):
+        done = subprocess.run(["mpirun", *words], cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False,
+                              stdin=subprocess.DEVNULL)
+        return done.returncode, done.stdout + done.stderr
+
+    def test_ranks_with_other_arguments_or_folders_end_at_once(self):
+        self.write_job()
+        other = self.folder / "other"
+        other.mkdir()
+        (other / "job.toml").write_text((self.folder / "job.toml").read_text())
+        run = [str(PROGRAM), "run", "job.toml"]
+        code, said = self.joined("-n", "1", *run, "--out", "a", ":", "-n", "1", *run, "--out", "b")
+        self.assertEqual(code, 2, said)
+        self.says(said, "have different arguments", "env -u OMPI_COMM_WORLD_SIZE")
+        code, said = self.joined("-n", "1", *run, ":", "-n", "1", "-wdir", str(other), *run)
+        self.assertEqual(code, 2, said)
+        self.says(said, "have different working folders")
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
+
+    def test_tasks_of_slurm_without_mpi_are_warned_of(self):
+        self.write_job(without_reference())
+        with mock.patch.dict(os.environ, {"SLURM_NTASKS": "8"}):
+            self.says(self.shearwake("run", "job.toml").said, "warning: Slurm has 8 tasks, but this run has one rank")
+            self.assertNotIn("Slurm", self.shearwake("check", "job.toml").said)
+
+    @pytest.mark.long
+    def test_a_blocked_rank_ends_after_a_stop_signal(self):
+        self.write_job(ABSURD.replace("0.005", "0.25"))
+        with subprocess.Popen(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml", "--ranks-per-case", "2"], cwd=self.folder,
+                              env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8") as run:
+            self.wait_for(lambda: started(self.out), "the first case")
+            ranks = [int(pid) for pid in subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True,
+                                                        check=True).stdout.split()]
+            os.kill(ranks[1], signal.SIGSTOP)
+            os.kill(ranks[0], signal.SIGTERM)
+            try:
+                # 15 s, and the longest time between two collective calls before.
+                said = run.communicate(timeout=60)[1]
+            finally:
+                for rank in ranks:
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(rank, signal.SIGKILL)
+        self.says(said, "a rank has been blocked since the stop signal")
 
 
 class FailingCase(ProgramTest):

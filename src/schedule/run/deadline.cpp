@@ -14,6 +14,8 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace shearwake::schedule {
@@ -111,6 +113,9 @@ volatile std::sig_atomic_t stop_signalled = 0;
 
 volatile std::sig_atomic_t last_signal_s = 0;
 
+volatile std::sig_atomic_t may_be_blocked = 0;
+constexpr double blocked_s = 15.0; // half of the time that Slurm leaves after a signal
+
 /// Seconds of a monotonic clock, which a signal handler may read.
 std::sig_atomic_t now_s() {
     struct timespec now {};
@@ -127,16 +132,34 @@ void on_signal(int signal) {
     }
     stop_signalled = 1;
     last_signal_s = now_s();
+    if (may_be_blocked != 0) ::alarm(1);
+}
+
+/// Ends a rank that waits for others, which will not come: after a stop signal, it has made no
+/// progress for much longer than ever before. Saved results and checkpoints are complete.
+void on_alarm(int) {
+    if (Comm::overdue_s() > blocked_s) {
+        constexpr std::string_view text =
+            "shearwake: a rank has been blocked since the stop signal and is ended; rerun the "
+            "command to resume\n";
+        [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
+        ::_exit(static_cast<int>(ExitCode::stopped_early));
+    }
+    ::alarm(1);
 }
 
 } // namespace
 
-void watch_for_stop_signals() {
+void watch_for_stop_signals(const Comm& world) {
+    Comm::mark_progress();
+    may_be_blocked = world.size() > 1 ? 1 : 0;
+    if (may_be_blocked != 0) std::signal(SIGALRM, on_alarm);
     for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
         std::signal(signal, on_signal);
 }
 
 bool stop_requested() {
+    Comm::mark_progress();
     return stop_signalled != 0;
 }
 

@@ -285,7 +285,7 @@ ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
 
 ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
                  Json* document) {
-    watch_for_stop_signals();
+    watch_for_stop_signals(world);
     const std::string part = part_name(arguments); // usage errors precede warnings
     const Deadline deadline(arguments.walltime, world);
     const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
