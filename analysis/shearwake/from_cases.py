@@ -41,7 +41,7 @@ def attempt(path: Path) -> dict[str, Any]:
 def tables(text: str) -> dict[str, Any]:
     """The tables of a TOML text; none if the text is truncated or not valid TOML."""
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
     except tomllib.TOMLDecodeError:
         return {}
 

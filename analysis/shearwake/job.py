@@ -22,6 +22,7 @@ from .sweep import Sweep
 if TYPE_CHECKING:
     import pandas as pd
 
+BYTE_ORDER_MARK = "\ufeff"  # of editors of Windows
 Source = str | os.PathLike[str] | Mapping[str, Any] | None
 
 
@@ -91,11 +92,11 @@ class Job:
         elif source is None:
             found, text = {}, None
         elif isinstance(source, str) and "\n" in source:
-            found, text = {}, source
+            found, text = {}, source.removeprefix(BYTE_ORDER_MARK)
         else:
             self._path = Path(source).resolve()
             self.folder = self._path.parent
-            found, text = {}, self._path.read_text(encoding="utf-8")
+            found, text = {}, self._path.read_text(encoding="utf-8-sig")
         self._text = text
         if tables or text is None:
             self._tables = found if text is None else tomllib.loads(text)

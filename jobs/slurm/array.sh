@@ -5,7 +5,7 @@
 #SBATCH --array=1-@SHARDS@
 #SBATCH --ntasks=@RANKS@
 #SBATCH --time=@TIME@
-#SBATCH --output=@OUT@/slurm/%x-%A-%a.log
+#SBATCH --output=@LOGS@/slurm/%x-%A-%a.log
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@@WARNING@

@@ -4,7 +4,7 @@
 #SBATCH --job-name=@NAME@-report
 #SBATCH --ntasks=1
 #SBATCH --time=1:00:00
-#SBATCH --output=@OUT@/slurm/%x-%j.log
+#SBATCH --output=@LOGS@/slurm/%x-%j.log
 #SBATCH --dependency=afterok:@AFTER@
 #SBATCH --kill-on-invalid-dep=yes
 cd @FOLDER@ || exit 6

@@ -4,7 +4,7 @@
 #SBATCH --job-name=@NAME@
 #SBATCH --ntasks=@RANKS@
 #SBATCH --time=@TIME@
-#SBATCH --output=@OUT@/slurm/%x-%j.log
+#SBATCH --output=@LOGS@/slurm/%x-%j.log
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --signal=B:USR1@@WARNING@

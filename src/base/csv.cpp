@@ -16,6 +16,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::optional<double> number_in(std::string_view cell) {
     double value = 0.0;
+    if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-') cell.remove_prefix(1);
     const char* end = cell.data() + cell.size();
     const auto [stopped, error] = std::from_chars(cell.data(), end, value);
     return error == std::errc() && stopped == end ? std::optional(value) : std::nullopt;

@@ -7,6 +7,7 @@ import sys
 import tomllib
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from study import AM, InFolder, job, program, shearwake
 
@@ -48,6 +49,21 @@ class Jobs(InFolder):
             for line in str(caught.exception).splitlines():
                 self.assertIn(line, printed.stdout + printed.stderr)
             self.assertIn("did you mean peak_Pa?", str(caught.exception))
+
+    def test_the_program_does_not_join_the_mpi_program_around_it(self):
+        around = {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1", "PMIX_NAMESPACE": "x", "PMI_RANK": "1",
+                  "PMI_SIZE": "2", "OMPI_MCA_ess_base_vpid": "1", "OMPI_MCA_orte_hnp_uri": "x", "HYDI_CONTROL_FD": "9"}
+        of_users = {"OMPI_MCA_btl": "self", "OMPI_ALLOW_RUN_AS_ROOT": "1", "SHEARWAKE_OTHER": "1"}
+        with mock.patch.dict(os.environ, {**around, **of_users}):
+            found = shearwake.program.environment()
+            self.assertEqual([name for name in around if name in found], [])
+            self.assertEqual({name: found[name] for name in of_users}, of_users)
+
+    def test_a_byte_order_mark_is_passed_over(self):
+        Path("mark.toml").write_bytes(b"\xef\xbb\xbf" + program.JOB.encode())
+        for made in (shearwake.Job("mark.toml"), shearwake.Job("\ufeff" + program.JOB), shearwake.Job("mark.toml", title="other")):
+            self.assertEqual(made.name, "small")
+            self.assertFalse(made.text.startswith("\ufeff") and made._path is None)
 
     def test_warnings_are_returned(self):
         warnings = job(("spacing_mm = 1.5", "spacing_mm = 2.0")).check()

@@ -48,6 +48,23 @@ class Submit(ProgramTest):
         self.assertNotIn(f"{copy} run", script.read_text(encoding="utf-8"))
         self.assertTrue(copy.exists())
 
+    def test_a_percent_sign_in_the_output_folder_is_not_a_symbol_of_slurm(self):
+        self.submit("--out", "50%j done")
+        for name in ("single.sh", "report.sh"):
+            script = (self.folder / "50%j done" / "slurm" / name).read_text(encoding="utf-8")
+            logs = next(line for line in script.splitlines() if line.startswith("#SBATCH --output="))
+            self.assertIn("50%%j done", logs)
+            self.assertEqual(logs.count("%%"), 1)
+        self.assertIn("50%j done", script.splitlines()[-1])
+
+    def test_a_byte_order_mark_is_passed_over(self):
+        self.write_job()
+        job = self.folder / "job.toml"
+        text = job.read_bytes()
+        self.write_job = lambda: job.write_bytes(b"\xef\xbb\xbf" + text)
+        self.submit()
+        self.assertTrue((self.out / "slurm" / "single.sh").is_file())
+
     def test_control_characters_and_leading_dashes_in_names_are_rejected(self):
         for words in (["--out", "a\ntouch /tmp/written"], ["--out", "a\x1b[2J"], ["--run=--quiet\ntrue"],
                       ["--", "--account=a\nb"]):

@@ -50,7 +50,7 @@ def weights(at, nodes):
 def keys_in(text):
     """A job, or one override, as a dictionary; empty if it is not TOML."""
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
     except tomllib.TOMLDecodeError:
         return {}
 

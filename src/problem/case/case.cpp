@@ -4,6 +4,8 @@
 #include "base/text.hpp"
 #include "problem/case/text_walk.hpp"
 
+#include <algorithm>
+
 namespace shearwake {
 bool wants_tangential(const Case& c) {
     return c.vibrometer && c.vibrometer->is_tilted();
@@ -44,8 +46,16 @@ std::string canonical_text(const Case& c) {
     return text.take();
 }
 
+std::string unmistakable(std::string id) {
+    const auto digits = std::ranges::count_if(id, [](char c) { return c >= '0' && c <= '9'; });
+    const bool is_number =
+        digits == std::ssize(id) || (digits + 1 == std::ssize(id) && id.find('e') != id.npos);
+    if (is_number && id.front() != 'e') id.front() = "abcdf"[(id.front() - '0') % 5];
+    return id;
+}
+
 std::string case_id(const Case& c) {
-    return hex(stable_hash(canonical_text(c)));
+    return unmistakable(hex(stable_hash(canonical_text(c))));
 }
 
 } // namespace shearwake

@@ -364,5 +364,8 @@ std::string canonical_text(const Case& c);
 
 /// Sixteen hexadecimal digits: the hash of the canonical text.
 std::string case_id(const Case& c);
+/// The id, with another first digit if it consists of digits and at most one e, which programs that
+/// read tables would take as a number.
+std::string unmistakable(std::string id);
 
 } // namespace shearwake
