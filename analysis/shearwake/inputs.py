@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 
+AXES = ("x_m", "y_m", "z_m")
 ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
 
 
@@ -87,8 +88,20 @@ class GridStudy:
 def read_map(path: Path) -> MaterialMap:
     """The shear-wave speed of a map. Raises OSError, and KeyError if the map does not contain it."""
     with open_self_contained(path) as file:
-        axes = [np.atleast_1d(file[name][()]) for name in ("x_m", "y_m", "z_m")]
-        return MaterialMap(axes[0], axes[1], axes[2], file["c_s_m_s"][()])
+        axes = [file[name][()].ravel() for name in AXES]
+        return MaterialMap(*axes, in_order(file["c_s_m_s"], tuple(len(axis) for axis in axes)))
+
+
+def in_order(data: h5py.Dataset, shape: tuple[int, ...]) -> np.ndarray:
+    """The values with the indices (x, y, z), as the program reads them: MATLAB stores them in reverse, and dimension scales state
+    their order."""
+    values = data[()]
+    if "MATLAB_class" in data.attrs:
+        return values.T
+    scales = [dimension[0].name.rpartition("/")[2] if len(dimension) else "" for dimension in data.dims]
+    if sorted(scales) == sorted(AXES):
+        return values.transpose([scales.index(axis) for axis in AXES])
+    return values.T if values.shape != shape and values.shape == shape[::-1] else values
 
 
 def study_grid(path: Path) -> tuple[np.ndarray, np.ndarray]:

@@ -115,7 +115,8 @@ void print_errors(const std::string& command, const UsageError& error) {
                    {"cases", nullptr},
                    {"errors", errors.size()},
                    {"warnings", 0},
-                   {"diagnostics", config::json_of(errors)}};
+                   {"diagnostics", config::json_of(errors)},
+                   {"files", nlohmann::ordered_json::array()}};
     else
         members["errors"] = config::json_of(errors);
     fmt::print("{}", json_document(command, members));

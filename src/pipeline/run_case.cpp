@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "engines/registry/check.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
@@ -146,6 +147,8 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     if (team.is_root())
         facts.warnings =
             case_warnings(c, recorder.solver().warnings, results.afferents, recorder.mean_u2());
+    const std::vector<std::string> files = files_read(c);
+    facts.solver.notes.insert(facts.solver.notes.end(), files.begin(), files.end());
     facts.solver.notes.insert(facts.solver.notes.end(), results.afferents.begin(),
                               results.afferents.end());
     // The case file is written last: if it exists, all other files do.

@@ -2,6 +2,7 @@
 #include "app/commands/commands.hpp"
 
 #include "base/json.hpp"
+#include "engines/registry/check.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/job_source.hpp"
@@ -19,6 +20,15 @@ struct CheckArguments : schedule::JobArguments {
     schedule::Target target = schedule::Target::this_machine;
 };
 
+/// How the files of all cases were read, each line once.
+std::vector<std::string> files_of(const config::Job& job) {
+    std::vector<std::string> lines;
+    for (const PlannedCase& planned : job.plan.cases)
+        for (std::string& line : files_read(planned.physics))
+            if (std::ranges::find(lines, line) == lines.end()) lines.push_back(std::move(line));
+    return lines;
+}
+
 void print_json(const CheckArguments& arguments, const std::optional<config::Job>& job,
                 const std::vector<config::Diagnostic>& diagnostics) {
     const auto errors =
@@ -30,6 +40,7 @@ void print_json(const CheckArguments& arguments, const std::optional<config::Job
     members["errors"] = errors;
     members["warnings"] = std::ssize(diagnostics) - errors;
     members["diagnostics"] = config::json_of(diagnostics);
+    members["files"] = job ? files_of(*job) : std::vector<std::string>();
     fmt::print("{}", json_document("check", members));
 }
 
@@ -67,6 +78,8 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
         print_json(arguments, job, diagnostics);
         return is_bad ? ExitCode::bad_job : ExitCode::done;
     }
+    for (const std::string& line : files_of(*job))
+        fmt::print("{}\n", line);
     for (std::size_t i = 0; i < of_job; ++i)
         fmt::print("{}\n", config::text(diagnostics[i]));
     if (!error.empty()) {

@@ -3,6 +3,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
@@ -135,7 +136,10 @@ void add_choices(Estimates& e, const cost::CaseCosts& costs) {
         const Case& c = cost.planned->physics;
         if (!costs.is_probed(c)) continue;
         ++e.probed;
-        for (const std::string& note : engines::make_engine(c.solver)->choices(c)) {
+        std::vector<std::string> notes = files_read(c);
+        for (std::string& choice : engines::make_engine(c.solver)->choices(c))
+            notes.push_back(std::move(choice));
+        for (const std::string& note : notes) {
             const auto known = std::find_if(e.choices.begin(), e.choices.end(),
                                             [&](const Choice& n) { return n.text == note; });
             if (known == e.choices.end())

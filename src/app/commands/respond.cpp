@@ -117,6 +117,13 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
                                          motion.pins.u_m.size()));
         text = "motion: " + range_text("pin(s)", motion.pins.u_m, motion.pins.rate_Hz, 1e6, "um");
     }
+    const auto& lines = motion.compression_Pa.empty() ? motion.pins.u_m : motion.compression_Pa;
+    const std::size_t samples = lines.empty() ? 0 : lines.front().size();
+    // Rest may have been prepended.
+    if (!carrier && arguments.motion.extension() != ".csv" && lines.size() > 1 &&
+        (samples == lines.size() || samples == lines.size() + 1))
+        text += "; the first index of the array is taken as that of the point, the second as that "
+                "of the time";
     motion.path_m = options.pins_m;
     return {std::move(motion), std::move(text)};
 }

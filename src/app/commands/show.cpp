@@ -153,7 +153,7 @@ std::string samples(const Modulation& modulation, double span_s) {
         x.push_back(at.x);
         y.push_back(at.y);
         speed.push_back(norm(velocity(modulation.trajectory, t_s)));
-        strength.push_back(gain(modulation.envelope, t_s));
+        strength.push_back(gain(modulation.envelope, t_s) * level(modulation.trajectory, t_s));
     }
     return fmt::format(R"({{"t_s": [{:.9g}], "x_m": [{:.9g}], "y_m": [{:.9g}], )"
                        R"("speed_m_s": [{:.9g}], "gain": [{:.9g}]}})",

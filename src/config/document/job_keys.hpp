@@ -78,7 +78,8 @@ void walk_fields(Walk& walk, Keys&) {
               .given = Given::required,
               .type = "file",
               .meaning = "CSV file of points; its path is relative to the job file. It has the "
-                         "header `x_mm,y_mm` and one point per line"});
+                         "header `x_mm,y_mm` and one point per line; with the further column "
+                         "`dwell_ms` or `t_ms` the focus rests at each point"});
     walk.key({.key = "closed",
               .type = "boolean",
               .fallback = "false",

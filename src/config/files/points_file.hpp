@@ -12,12 +12,18 @@ namespace shearwake::config {
 /// The points of a CSV file, or the reason why it was rejected.
 struct PointsFile {
     std::vector<Vec2> points_m;
+    std::vector<double> rests_s; // at each point; empty: the file states none
+    std::vector<double> levels;  // at each point, 0 to 1; empty: the file states none
     std::string problem;
 };
 
 /// The first line names the columns with their unit, such as "x_mm,y_mm", followed by one point per
 /// line; empty lines and lines that begin with # are ignored. At least 2 points and at most 100
-/// 000, all finite and each different from the previous one.
-PointsFile read_points(std::string_view csv);
+/// 000, all finite and each different from the previous one. With `Columns::rests`, it may have a
+/// column dwell_ms with the rest at each point, or t_ms with the time at which each rest begins,
+/// from 0 on, and level; the last rest then lasts as long as the one before it, and points may be
+/// equal.
+enum class Columns { places, rests };
+PointsFile read_points(std::string_view csv, Columns columns = Columns::places);
 
 } // namespace shearwake::config

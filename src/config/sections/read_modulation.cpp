@@ -149,6 +149,9 @@ Travel read_pattern(Reader& reader, const PathContext& context) {
         reader.number("pattern_frequency_Hz", range_of<Modulation>("pattern_frequency_Hz"));
     const PathAndEnd read = read_path(reader.table("pattern"), context, LeastLength::none);
     Travel travel{.path = read.path, .at_end = read.at_end};
+    if (read.rests)
+        reader.error("pattern", "has a file with the time at each point, but pattern_frequency_Hz "
+                                "states the speed; remove the columns");
     if (!is_closed(read.path) && !read.end_is_given) travel.at_end = AtEnd::back_and_forth;
     if (travel.at_end == AtEnd::off || travel.at_end == AtEnd::hold)
         reader.error("pattern",

@@ -24,6 +24,7 @@ struct Context {
     Reader& reader;
     const PathContext& path;
     LeastLength least;
+    std::optional<Rests> rests; // of a file of points
 };
 
 Curve read_line(Context& c) {
@@ -131,6 +132,32 @@ Curve read_lissajous(Context& c) {
     return Lissajous(shape);
 }
 
+/// A path through the points of a file that states how long the focus rests at each of them.
+/// Points that are equal to the previous one prolong its rest.
+Curve path_with_rests(Context& c, const PointsFile& file, Ends ends) {
+    std::vector<Vec2> places_m;
+    std::vector<std::size_t> place;
+    Rests rests{.levels = file.levels};
+    for (std::size_t i = 0; i < file.points_m.size(); ++i) {
+        if (places_m.empty() || places_m.back() != file.points_m[i])
+            places_m.push_back(file.points_m[i]);
+        place.push_back(places_m.size() - 1);
+        rests.ends_s.push_back((i == 0 ? 0.0 : rests.ends_s.back()) + file.rests_s[i]);
+    }
+    if (ends == Ends::closed && places_m.size() > 1 && places_m.front() == places_m.back()) {
+        places_m.pop_back(); // the path returns there by itself
+        for (std::size_t& of : place)
+            of %= places_m.size();
+    }
+    Curve path = checked_polyline(c, "file", std::move(places_m), ends);
+    const auto* line = std::get_if<Polyline>(&path.shape);
+    if (!line) return path;
+    for (const std::size_t of : place)
+        rests.arcs_m.push_back(line->arc_m(of));
+    c.rests = std::move(rests);
+    return path;
+}
+
 Curve read_csv(Context& c) {
     const bool closed = c.reader.find_flag("closed").value_or(false);
     if (!c.reader.has("file")) c.reader.missing("file");
@@ -141,7 +168,9 @@ Curve read_csv(Context& c) {
         return {};
     }
     try {
-        PointsFile file = read_points(c.path.load_text(*name));
+        PointsFile file = read_points(c.path.load_text(*name), Columns::rests);
+        if (file.problem.empty() && !file.rests_s.empty())
+            return path_with_rests(c, file, closed ? Ends::closed : Ends::open);
         if (file.problem.empty())
             return checked_polyline(c, "file", std::move(file.points_m),
                                     closed ? Ends::closed : Ends::open);
@@ -189,9 +218,10 @@ PathAndEnd read_path(Reader reader, const PathContext& context, LeastLength leas
         if (!reader.has("shape")) reader.error("shape", "is missing");
         return read;
     }
-    Context c{reader, context, least};
+    Context c{reader, context, least, {}};
     for (const Shape& shape : shapes)
         if (*name == shape.name) read.path = shape.read(c);
+    read.rests = std::move(c.rests);
     reader.finish();
     read.end_is_given = end.has_value();
     read.at_end = is_closed(read.path) ? AtEnd::repeat : AtEnd::off;

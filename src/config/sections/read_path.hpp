@@ -6,6 +6,8 @@
 #include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/medium.hpp"
 
+#include <optional>
+
 namespace shearwake::config {
 
 /// Context of the readers of paths, in addition to their table.
@@ -23,6 +25,7 @@ struct PathAndEnd {
     Curve path;
     AtEnd at_end = AtEnd::off;
     bool end_is_given = false;
+    std::optional<Rests> rests; // of a file that states the time at each point
 };
 PathAndEnd read_path(Reader reader, const PathContext& context,
                      LeastLength least = LeastLength::some);

@@ -100,6 +100,18 @@ Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed) 
     const bool oscillates = speed == SpeedKind::oscillating ||
                             (speed == SpeedKind::either &&
                              (reader.has("speed_deviation_m_s") || reader.has("sm_frequency_Hz")));
+    if (read.rests) {
+        for (const char* key : {"speed_m_s", "mach", "draw_frequency_Hz", "corner_dwell_ms",
+                                "corner_slow_mm", "corner_slow_to"})
+            if (reader.has(key))
+                reader.error(key, "does not apply, since the file of the path states the time at "
+                                  "each point");
+        if (oscillates)
+            reader.error("path", "has a file with the time at each point, which cannot be combined "
+                                 "with an oscillating speed");
+        travel.motion = *read.rests;
+        return travel;
+    }
     const bool takes_corners = speed != SpeedKind::oscillating;
     if (takes_corners) travel.corners = read_corners(reader);
     const std::size_t before_speed = reader.diagnostics().errors();

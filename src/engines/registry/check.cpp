@@ -577,6 +577,60 @@ std::string with_name(const Body& body, std::size_t i, const std::string& messag
 
 } // namespace
 
+namespace {
+
+/// Whether all sides of a closed path have the same length, as those of a regular polygon.
+bool is_regular(const Polyline& path) {
+    const std::size_t count = path.points_m().size();
+    if (path.ends() == Ends::open) return false;
+    const double side_m = path.length_m() / static_cast<double>(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (std::abs(path.arc_m(i + 1) - path.arc_m(i) - side_m) > 1e-6 * side_m) return false;
+    return true;
+}
+
+/// How a list of points is followed.
+std::string path_text(const Travel& travel, const Polyline& path) {
+    const auto* rests = std::get_if<Rests>(&travel.motion);
+    if (!rests)
+        return fmt::format("load.modulation.path: {} points, followed along straight lines of "
+                           "{:.6g} mm without rests; columns dwell_ms or t_ms of a CSV file make "
+                           "the focus rest at each point",
+                           path.points_m().size(), milli(path.length_m()));
+    double least_s = rests->ends_s.front(), most_s = least_s;
+    for (std::size_t i = 1; i < rests->ends_s.size(); ++i) {
+        least_s = std::min(least_s, rests->ends_s[i] - rests->ends_s[i - 1]);
+        most_s = std::max(most_s, rests->ends_s[i] - rests->ends_s[i - 1]);
+    }
+    std::string text = fmt::format(
+        "load.modulation.path: the focus rests at {} points for {:.6g} to {:.6g} ms "
+        "each and jumps between them; a pass takes {:.6g} ms (at_end = \"{}\")",
+        rests->ends_s.size(), milli(least_s), milli(most_s), milli(rests->ends_s.back()),
+        names_of(std::type_identity<AtEnd>{})[static_cast<std::size_t>(travel.at_end)]);
+    if (!rests->levels.empty()) {
+        const auto [low, high] = std::ranges::minmax(rests->levels);
+        text += fmt::format("; level {:.6g} to {:.6g} of the force", low, high);
+    }
+    return text;
+}
+
+} // namespace
+
+std::vector<std::string> files_read(const Case& c) {
+    if (c.study()) return {};
+    std::vector<std::string> lines;
+    if (c.scene().medium.map)
+        lines.push_back(fmt::format("medium.map {}: {}", c.scene().medium.map->file,
+                                    c.scene().medium.map->contents));
+    for (const Mover& part : c.scene().load.modulation.trajectory.parts) {
+        const auto* travel = std::get_if<Travel>(&part);
+        if (const auto* points = travel ? std::get_if<Polyline>(&travel->path.shape) : nullptr;
+            points && !is_regular(*points))
+            lines.push_back(path_text(*travel, *points));
+    }
+    return lines;
+}
+
 std::vector<Remark> check_variation(const Case& c) {
     std::vector<Remark> remarks;
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {

@@ -4,6 +4,7 @@
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
 
+#include <string>
 #include <vector>
 
 namespace shearwake {
@@ -13,6 +14,9 @@ namespace shearwake {
 /// domain, waves that wrap around within the run, periods that do not fit, times off the run, and
 /// the limits of the engine. Not collective.
 std::vector<Remark> check(const Case& c);
+
+/// How the files of a case were read and what they contain, for the user. Not collective.
+std::vector<std::string> files_read(const Case& c);
 
 /// The part of `check` about bodies and maps: bodies that the grid does not resolve or that cross
 /// the periodic edges, and maps outside the domain.

@@ -93,8 +93,13 @@ private:
     void put(const std::string& key, const std::optional<Vec2>& value, const Field&) {
         if (value) text_.put(key, *value);
     }
-    void put(const std::string& key, const std::vector<double>& values, const Field&) {
-        text_.put(key, values);
+    void put(const std::string& key, const std::vector<double>& values, const Field& field) {
+        if (values.size() <= field.most_in_text) return text_.put(key, values);
+        std::string all;
+        for (const double value : values)
+            all += exact(value) + "\n";
+        text_.put(key + "_count", std::ssize(values));
+        text_.put(key + "_hash", hex(stable_hash(all)));
     }
     void put(const std::string& key, const std::vector<std::ptrdiff_t>& values, const Field&) {
         text_.put(key, std::vector<double>(values.begin(), values.end()));

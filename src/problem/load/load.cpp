@@ -119,7 +119,7 @@ double amplitude(const Load& load, double t_s) {
                                     },
                                 },
                                 load.carrier);
-    return gain(load.modulation.envelope, t_s) * c;
+    return gain(load.modulation.envelope, t_s) * level(load.modulation.trajectory, t_s) * c;
 }
 
 double strength(const Load& load, double t_s) {

@@ -24,6 +24,7 @@ struct MaterialMap {
     // Value (i, j, k) stands at [(i counts[1] + j) counts[2] + k]: z fastest. Empty: the property
     // of the layer applies.
     std::vector<double> c_s_m_s, c_p_m_s, density_kg_m3, viscosity_Pa_s;
+    std::string contents; // what was read, for the user; one line
     bool operator==(const MaterialMap& other) const { return content_hash == other.content_hash; }
 };
 

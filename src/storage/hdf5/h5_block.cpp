@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
+#include <hdf5_hl.h>
+#include <numeric>
 #include <utility>
 
 namespace shearwake::h5 {
@@ -98,6 +100,25 @@ std::string text_of(hid_t object, const std::string& name) {
     return copy;
 }
 
+/// The name of the first scale of each dimension, without its group; empty if one has none.
+std::vector<std::string> scales_of(hid_t dataset, std::size_t dimensions) {
+    std::vector<std::string> names;
+    if (!h5::has_attribute(dataset, "DIMENSION_LIST")) return names;
+    for (unsigned n = 0; n < dimensions; ++n) {
+        if (H5DSget_num_scales(dataset, n) < 1) return {};
+        const auto first = [](hid_t, unsigned, hid_t scale, void* out) -> herr_t {
+            char name[256] = "";
+            H5Iget_name(scale, name, sizeof name);
+            const std::string_view path = name;
+            *static_cast<std::string*>(out) = path.substr(path.find_last_of('/') + 1);
+            return 1; // no further scale
+        };
+        names.emplace_back();
+        h5::check(H5DSiterate_scales(dataset, n, nullptr, first, &names.back()), "find a scale");
+    }
+    return names;
+}
+
 /// The factor from the unit of a dataset, such as "mm/s", to `unit`; 1 if it states none.
 double factor_of(hid_t dataset, const std::string& path, std::string_view unit) {
     std::string text = "_" + text_of(dataset, "units");
@@ -113,16 +134,19 @@ double factor_of(hid_t dataset, const std::string& path, std::string_view unit) 
     return stated->to_SI / expected->to_SI;
 }
 
-/// The same array with the order of its indices reversed.
-NumberBlock reversed(const NumberBlock& block) {
-    NumberBlock turned{
-        {block.shape.rbegin(), block.shape.rend()}, std::vector<double>(block.values.size()), true};
-    std::vector<std::size_t> at(block.shape.size(), 0); // in the file
+} // namespace
+
+NumberBlock with_indices(const NumberBlock& block, const std::vector<std::size_t>& order) {
+    NumberBlock turned{.values = std::vector<double>(block.values.size())};
+    std::vector<std::size_t> stride(order.size()), at(order.size(), 0); // of the block's dimensions
+    std::size_t step = 1;
+    for (std::size_t n = order.size(); n-- > 0; step *= block.shape[order[n]])
+        stride[order[n]] = step;
+    for (const std::size_t axis : order)
+        turned.shape.push_back(block.shape[axis]);
     for (const double value : block.values) {
-        std::size_t place = 0;
-        for (std::size_t axis = at.size(); axis-- > 0;)
-            place = place * block.shape[axis] + at[axis];
-        turned.values[place] = value;
+        turned.values[std::inner_product(at.begin(), at.end(), stride.begin(), std::size_t{0})] =
+            value;
         for (std::size_t axis = at.size(); axis-- > 0;) {
             if (++at[axis] < block.shape[axis]) break;
             at[axis] = 0;
@@ -131,7 +155,11 @@ NumberBlock reversed(const NumberBlock& block) {
     return turned;
 }
 
-} // namespace
+NumberBlock with_reversed_indices(const NumberBlock& block) {
+    std::vector<std::size_t> order(block.shape.size());
+    std::iota(order.rbegin(), order.rend(), std::size_t{0});
+    return with_indices(block, order);
+}
 
 NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view unit) {
     if (!exists(file, path)) throw UsageError(fmt::format("the dataset \"{}\" is missing", path));
@@ -165,8 +193,11 @@ NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view u
     if (const double factor = factor_of(dataset.raw(), path, unit); factor != 1.0)
         for (double& value : block.values)
             value *= factor;
-    if (h5::has_attribute(dataset.raw(), "MATLAB_class")) return reversed(block);
-    block.order_is_known = h5::has_attribute(dataset.raw(), "DIMENSION_LIST");
+    if (h5::has_attribute(dataset.raw(), "MATLAB_class")) {
+        block = with_reversed_indices(block);
+        block.is_of_matlab = true;
+    } else
+        block.scales = scales_of(dataset.raw(), block.shape.size());
     return block;
 }
 

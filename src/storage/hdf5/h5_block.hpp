@@ -16,7 +16,8 @@ namespace shearwake::storage {
 struct NumberBlock {
     std::vector<std::size_t> shape; // none: a single number
     std::vector<double> values;
-    bool order_is_known = false; // by MATLAB's attributes or by dimension scales
+    bool is_of_matlab = false;       // its indices have the order that MATLAB shows
+    std::vector<std::string> scales; // the name of each dimension's scale; empty: not all have one
 };
 
 /// Reads a dataset of any number type, compressed or not, with at most 2^28 values. The order of
@@ -25,6 +26,10 @@ struct NumberBlock {
 /// the same quantity are converted to it. Not collective. Throws UsageError if it is missing, not
 /// numeric, too large, or has units of another quantity, and Error if it cannot be read.
 NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view unit = "");
+
+/// The same array with other indices: number n of the result is number order[n] of the block.
+NumberBlock with_indices(const NumberBlock& block, const std::vector<std::size_t>& order);
+NumberBlock with_reversed_indices(const NumberBlock& block);
 
 } // namespace shearwake::storage
 

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/hdf5/h5_block.hpp"
@@ -39,6 +40,14 @@ std::string words(const std::vector<hsize_t>& shape) {
     return fmt::format("({})", fmt::join(shape, ", "));
 }
 
+/// The number of values, in floating point, where the claims of a file do not overflow.
+double size_of(const std::vector<hsize_t>& shape) {
+    double size = 1.0;
+    for (const hsize_t extent : shape)
+        size *= static_cast<double>(extent);
+    return size;
+}
+
 struct Axis {
     std::ptrdiff_t count;
     double first_m;
@@ -46,12 +55,16 @@ struct Axis {
 };
 
 Axis read_axis(hid_t file, const std::string& name) {
-    const auto shape = h5::shape(h5::open_dataset(file, name));
-    if (shape.size() != 1 || shape[0] == 0 || shape[0] > most_points)
+    const h5::Id dataset = h5::open_dataset(file, name);
+    const auto shape = h5::shape(dataset);
+    const double count = size_of(shape);
+    const bool is_list = shape.size() == 1 || h5::has_attribute(dataset.raw(), "MATLAB_class");
+    if (!is_list || shape.empty() || count == 0.0 || count > static_cast<double>(most_points) ||
+        count != static_cast<double>(*std::max_element(shape.begin(), shape.end())))
         throw UsageError(
             fmt::format("{} must be a list of 1 to {} coordinates, but has the shape {}", name,
                         most_points, words(shape)));
-    const std::vector<double> at_m = read_numbers(file, name).values;
+    const std::vector<double> at_m = read_numbers(file, name, "_m").values;
     const auto last = at_m.size() - 1;
     for (const double x_m : at_m)
         if (!std::isfinite(x_m)) throw UsageError(name + " contains a number that is not finite");
@@ -67,7 +80,7 @@ Axis read_axis(hid_t file, const std::string& name) {
                 fmt::format("{} must be uniformly spaced: number {} is {}, expected {}", name, i,
                             at_m[i], regular_m));
     }
-    return {static_cast<std::ptrdiff_t>(shape[0]), at_m[0], spacing_m};
+    return {std::ssize(at_m), at_m[0], spacing_m};
 }
 
 void check_names(const std::vector<std::string>& names) {
@@ -99,18 +112,78 @@ void check_values(const std::vector<double>& values, const Property& property,
     }
 }
 
-void read_property(hid_t file, const Property& property, MaterialMap& map) {
+/// The order in which a block has the axes x, y and z, and how this is known, for the user; no text
+/// if the file states it or no other order fits.
+struct Order {
+    std::vector<std::size_t> indices;
+    std::string note;
+};
+
+Order order_of(const NumberBlock& block, const std::vector<std::size_t>& expected) {
+    Order order{{0, 1, 2}, ""};
+    if (block.is_of_matlab) return order;
+    if (std::is_permutation(block.scales.begin(), block.scales.end(), axes.begin(), axes.end())) {
+        for (std::size_t axis = 0; axis < axes.size(); ++axis)
+            order.indices[axis] = static_cast<std::size_t>(
+                std::ranges::find(block.scales, axes[axis]) - block.scales.begin());
+        return order;
+    }
+    const std::vector<std::size_t> reversed(expected.rbegin(), expected.rend());
+    if (block.shape != expected && block.shape == reversed)
+        return {{2, 1, 0},
+                "its arrays have the order (z, y, x), as h5write of MATLAB stores (x, y, z)"};
+    if (expected == reversed && expected[0] > 1)
+        order.note = "the order (x, y, z) of its indices is assumed, since x and z have the same "
+                     "number of points; h5write of MATLAB would store (z, y, x)";
+    return order;
+}
+
+void read_property(hid_t file, const Property& property, MaterialMap& map, std::string& note) {
     const auto shape = h5::shape(h5::open_dataset(file, property.name));
-    const bool fits = shape.size() == 3 &&
-                      std::equal(shape.begin(), shape.end(), map.counts.begin(),
-                                 [](hsize_t a, std::ptrdiff_t b) { return std::cmp_equal(a, b); });
-    if (!fits)
+    const std::vector<std::size_t> expected(map.counts.begin(), map.counts.end());
+    const auto refuse = [&] {
         throw UsageError(
             fmt::format("{} has the shape {}, but x_m, y_m and z_m have {}, {} and {} coordinates",
                         property.name, words(shape), map.counts[0], map.counts[1], map.counts[2]));
-    auto& values = map.*property.values;
-    values = read_numbers(file, property.name).values;
-    check_values(values, property, map);
+    };
+    if (shape.size() != 3 || size_of(shape) != size_of({expected.begin(), expected.end()}))
+        refuse();
+    NumberBlock block = read_numbers(file, property.name, unit_of(property.name)->suffix);
+    const Order order = order_of(block, expected);
+    if (note.empty()) note = order.note;
+    if (!std::ranges::is_sorted(order.indices)) block = with_indices(block, order.indices);
+    if (block.shape != expected) refuse();
+    map.*property.values = std::move(block.values);
+    check_values(map.*property.values, property, map);
+}
+
+/// The points and extents of a map, and the range of each property with its mean at up to five
+/// depths.
+std::string contents_text(const MaterialMap& map) {
+    constexpr std::ptrdiff_t most_depths = 5;
+    const std::array first_m = {map.origin_m.x, map.origin_m.y, map.origin_m.z},
+                     spacing_m = {map.spacing_m.x, map.spacing_m.y, map.spacing_m.z};
+    std::string text = fmt::format("{} points", fmt::join(map.counts, " x "));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        text += fmt::format(
+            ", {} {:.6g} to {:.6g} mm", "xyz"[axis], milli(first_m[axis]),
+            milli(first_m[axis] + static_cast<double>(map.counts[axis] - 1) * spacing_m[axis]));
+    for (const Property& property : properties) {
+        const std::vector<double>& values = map.*property.values;
+        if (values.empty()) continue;
+        const auto [low, high] = std::ranges::minmax(values);
+        text += fmt::format("; {} {:.6g} to {:.6g}, mean by depth:", property.name, low, high);
+        const std::ptrdiff_t last = map.counts[2] - 1, shown = std::min(last, most_depths - 1);
+        for (std::ptrdiff_t n = 0; n <= shown; ++n) {
+            const std::ptrdiff_t k = shown == 0 ? 0 : n * last / shown;
+            double sum = 0.0, count = 0.0;
+            for (auto at = k; at < std::ssize(values); at += map.counts[2], ++count)
+                sum += values[static_cast<std::size_t>(at)];
+            text += fmt::format("{} {:.6g} at {:.6g} mm", n == 0 ? "" : ",", sum / count,
+                                milli(first_m[2] + static_cast<double>(k) * spacing_m[2]));
+        }
+    }
+    return text;
 }
 
 MaterialMap read_from(hid_t file) {
@@ -129,11 +202,13 @@ MaterialMap read_from(hid_t file) {
         throw UsageError(fmt::format("it has {:.4g} points, but at most {} are supported, since "
                                      "every rank stores all of them",
                                      points, most_points));
+    std::string note;
     for (const Property& property : properties)
         if (std::find(names.begin(), names.end(), property.name) != names.end())
-            read_property(file, property, map);
+            read_property(file, property, map, note);
     if (names.size() == axes.size())
         throw UsageError("it contains none of c_s_m_s, c_p_m_s, density_kg_m3 and viscosity_Pa_s");
+    map.contents = contents_text(map) + (note.empty() ? "" : "; " + note);
     return map;
 }
 
@@ -160,6 +235,7 @@ MaterialMap read_map_file(const std::filesystem::path& path, const Comm& comm) {
     for (const Property& property : properties)
         comm.broadcast(map.*property.values);
     map.content_hash = comm.broadcast(std::move(map.content_hash));
+    map.contents = comm.broadcast(std::move(map.contents));
     return map;
 }
 

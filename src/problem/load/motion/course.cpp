@@ -137,6 +137,27 @@ double end_of_oscillating_s(const OscillatingSpeed& motion, double length_m) {
     return high;
 }
 
+/// The time within a pass and the number of the pass; there and back are two halves of one.
+PathProgress at_rest(const Travel& travel, const Rests& rests, double t_s) {
+    const double run_s = rests.ends_s.back();
+    PathProgress now;
+    double within_s = t_s;
+    if (travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth) {
+        const double runs = std::floor(t_s / run_s);
+        within_s = t_s - runs * run_s;
+        now.pass = travel.at_end == AtEnd::repeat ? runs : 0.5 * runs;
+    }
+    std::size_t rest = rests.at(within_s);
+    if (now.pass != std::floor(now.pass)) { // on the way back, the rests follow in reverse
+        rest = rests.ends_s.size() - 1;
+        while (rest > 0 && run_s - within_s <= rests.ends_s[rest - 1])
+            --rest;
+    }
+    now.arc_m = rests.arcs_m[rest];
+    now.stage = static_cast<std::ptrdiff_t>(rest);
+    return now;
+}
+
 /// Returns from the far end where the pass reverses.
 PathProgress folded(const Travel& travel, PathProgress in_run) {
     const double length = length_m(travel.path);
@@ -173,6 +194,8 @@ double shortest_between_stops_m(const Travel& travel) {
 }
 
 double cycle_s(const Travel& travel) {
+    if (const auto* rests = std::get_if<Rests>(&travel.motion))
+        return rests->ends_s.back() * (travel.at_end == AtEnd::back_and_forth ? 2.0 : 1.0);
     if (const auto* oscillating = std::get_if<OscillatingSpeed>(&travel.motion))
         return oscillating->mean_m_s > 0.0 ? end_of_oscillating_s(*oscillating, cycle_m(travel))
                                            : never;
@@ -188,6 +211,7 @@ double speed_of_cycle_m_s(const Travel& travel, double cycle_s) {
 }
 
 PathProgress progress(const Travel& travel, double t_s) {
+    if (const auto* rests = std::get_if<Rests>(&travel.motion)) return at_rest(travel, *rests, t_s);
     const Timetable table(travel);
     const bool again = travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth;
     const double whole_m = table.cycle_m();

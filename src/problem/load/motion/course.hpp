@@ -12,7 +12,7 @@ struct PathProgress {
     double arc_m = 0.0;
     double speed_m_s = 0.0;
     double pass = 0.0;
-    std::ptrdiff_t stage = 0;
+    std::ptrdiff_t stage = 0; // of rests: the number of the rest
 };
 
 /// Continues beyond the end of a path that is traversed once, independent of AtEnd.

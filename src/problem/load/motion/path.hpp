@@ -68,6 +68,8 @@ public:
     const std::vector<Vec2>& points_m() const { return points_m_; }
     Ends ends() const { return ends_; }
     double length_m() const { return arcs_m_.back(); }
+    /// The arc length at a point.
+    double arc_m(std::size_t point) const { return arcs_m_[point]; }
     /// Beyond an end, it continues along the last tangent.
     Vec2 at(double arc_m) const;
     Vec2 tangent(double arc_m) const;

@@ -17,7 +17,8 @@ bool runs_again(const Travel& travel) {
 }
 
 bool has_ended(const Travel& travel, double t_s) {
-    return travel.at_end == AtEnd::hold && t_s >= cycle_s(travel);
+    return travel.at_end == AtEnd::hold && !std::holds_alternative<Rests>(travel.motion) &&
+           t_s >= cycle_s(travel);
 }
 
 /// The wave that starts at 0 with slope 2 pi f or 4 f: a sine, or a triangle with the same turning
@@ -63,6 +64,7 @@ double arc_length_m(const Motion& motion, double t_s) {
                                                 std::sin(m.phase_rad + half) * std::sin(half)
                                           : m.deviation_m_s * std::sin(m.phase_rad) * t_s);
                           },
+                          [&](const Rests& m) { return m.arcs_m[m.at(t_s)]; },
                       },
                       motion);
 }
@@ -75,6 +77,7 @@ double speed_m_s(const Motion& motion, double t_s) {
                                      m.deviation_m_s *
                                          std::sin(two_pi * m.frequency_Hz * t_s + m.phase_rad);
                           },
+                          [](const Rests&) { return 0.0; },
                       },
                       motion);
 }
@@ -85,6 +88,7 @@ double greatest_speed_m_s(const Motion& motion) {
                           [](const OscillatingSpeed& m) {
                               return std::abs(m.mean_m_s) + std::abs(m.deviation_m_s);
                           },
+                          [](const Rests&) { return 0.0; },
                       },
                       motion);
 }
@@ -138,6 +142,22 @@ void add_smooth_pieces(const Trajectory& trajectory, double t_s, std::vector<dou
                        of_travel,
                    },
                    part);
+}
+
+std::size_t Rests::at(double t_s) const {
+    const auto next = std::upper_bound(ends_s.begin(), ends_s.end(), t_s);
+    return std::min(static_cast<std::size_t>(next - ends_s.begin()), ends_s.size() - 1);
+}
+
+double level(const Trajectory& trajectory, double t_s) {
+    double product = 1.0;
+    for (const Mover& part : trajectory.parts) {
+        const auto* travel = std::get_if<Travel>(&part);
+        const auto* rests = travel ? std::get_if<Rests>(&travel->motion) : nullptr;
+        if (rests && !rests->levels.empty())
+            product *= rests->levels[static_cast<std::size_t>(progress(*travel, t_s).stage)];
+    }
+    return product;
 }
 
 double off_time_s(const Trajectory& trajectory) {

@@ -92,7 +92,25 @@ void walk_fields(Walk& walk, Speed& speed) {
                            .text = "speed_phase_rad",
                            .meaning = "of SM-STM: phase of the speed"});
 }
-using Motion = std::variant<ConstantSpeed, OscillatingSpeed>;
+/// The focus rests at one place after the other and jumps between them.
+struct Rests {
+    std::vector<double> arcs_m; // the places, as arc lengths of the path
+    std::vector<double> ends_s; // of the rests, ascending, from the beginning of a pass
+    std::vector<double> levels; // factors of the force; empty: 1
+    bool operator==(const Rests&) const = default;
+
+    /// The number of the rest at a time within a pass.
+    std::size_t at(double t_s) const;
+};
+
+template <class Walk, Is<Rests> R>
+void walk_fields(Walk& walk, R& rests) {
+    walk(rests.arcs_m, {.text = "rests_m", .most_in_text = 100});
+    walk(rests.ends_s, {.text = "rest_ends_s", .most_in_text = 100});
+    walk(rests.levels, {.text = "rest_levels", .most_in_text = 100});
+}
+
+using Motion = std::variant<ConstantSpeed, OscillatingSpeed, Rests>;
 
 /// What happens at the end of the path: the focus is switched off, rests, starts again at the
 /// beginning (an open path with a jump), or turns back.
@@ -204,6 +222,8 @@ Vec2 position(const Trajectory& trajectory, double t_s);
 Vec2 velocity(const Trajectory& trajectory, double t_s);
 /// Appends numbers that do not change while `position` is a smooth function of time.
 void add_smooth_pieces(const Trajectory& trajectory, double t_s, std::vector<double>& numbers);
+/// The factor of the force that the rests of the focus state.
+double level(const Trajectory& trajectory, double t_s);
 /// When the focus goes out because a path has ended; infinity if never [s].
 double off_time_s(const Trajectory& trajectory);
 /// Largest speed that the focus ever reaches [m/s].

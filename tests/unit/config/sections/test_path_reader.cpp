@@ -183,6 +183,74 @@ TEST_CASE("a path can come from a file of points", "[config][path]") {
           Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
 }
 
+namespace {
+
+/// The path of a file with such a text.
+Travel travel_of_file(const std::string& csv, std::string_view path = "",
+                      std::string_view more = "") {
+    const config::Job read =
+        config::read_job(stm("shape = \"csv\", file = \"a.csv\"" + std::string(path), more),
+                         "job.toml", {}, nullptr, [&](const std::string&) { return csv; });
+    return std::get<Travel>(
+        read.plan.cases.at(0).physics.scene().load.modulation.trajectory.parts.at(0));
+}
+
+/// The errors of a job with such a file.
+std::string errors_of_file(const std::string& csv, std::string_view more = "") {
+    try {
+        travel_of_file(csv, "", more);
+    } catch (const config::BadJob& bad) {
+        return bad.what();
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("a focus rests at the points of a file with times", "[config][path]") {
+    // Six of eight points lie within a millimetre: they have 75 % of the time.
+    std::string csv = "x_mm,y_mm,dwell_ms,level\n";
+    for (const char* point : {"0,0", "0.2,0", "0.4,0", "0.6,0", "0.8,0", "1,0", "20,0", "20,20"})
+        csv += std::string(point) + ",5,0.5\n";
+    const Travel travel = travel_of_file(csv);
+    int near = 0;
+    for (int n = 0; n < 400; ++n) {
+        const Vec2 at = position({{travel}}, (n + 0.5) * 1e-4);
+        near += norm(at) < 1.001e-3 ? 1 : 0;
+    }
+    CHECK(near == 300);
+    CHECK(level({{travel}}, 0.012) == 0.5);
+    CHECK(off_time_s({{travel}}) == Approx(0.040));
+
+    const Travel times = travel_of_file("x_mm,y_mm,t_ms\n+3,0,0\n+3.0,0,1\n1,4,2.5\n");
+    const auto& rests = std::get<Rests>(times.motion);
+    // Equal points prolong the rest; the last rest is as long as the one before it.
+    CHECK(rests.ends_s == std::vector{0.001, 0.0025, 0.004});
+    CHECK(rests.arcs_m[0] == rests.arcs_m[1]);
+    CHECK(position({{times}}, 0.0024) == Vec2{0.003, 0.0});
+    CHECK(position({{times}}, 0.0026) == Vec2{0.001, 0.004});
+    const Travel closed =
+        travel_of_file("x_mm,y_mm,t_s\n0,0,0\n3,0,1\n3,4,2\n0,0,3\n", ", closed = true");
+    CHECK(closed.at_end == AtEnd::repeat);
+    CHECK(std::get<Rests>(closed.motion).arcs_m.back() == 0.0);
+}
+
+TEST_CASE("errors in a file of points with times are reported", "[config][path]") {
+    const auto has = [](const std::string& text, std::string_view part) {
+        INFO(text);
+        return text.find(part) != std::string::npos;
+    };
+    CHECK(has(errors_of_file("x_mm,y_mm,t_ms\n0,0,0\n1,0,2\n2,0,2\n"), "that of point 3 does not"));
+    CHECK(has(errors_of_file("x_mm,y_mm,t_ms\n0,0,1\n1,0,2\n"), "the first time must be 0"));
+    CHECK(has(errors_of_file("x_mm,y_mm,dwell_ms\n0,0,1\n1,0,0\n"), "line 3: has a dwell"));
+    CHECK(has(errors_of_file("x_mm,y_mm,dwell_ms,level\n0,0,1,2\n1,0,1,1\n"), "between 0 and 1"));
+    CHECK(
+        has(errors_of_file("x_mm,y_mm,level\n0,0,1\n1,0,1\n"), "dwell_ms or t_ms, and then level"));
+    CHECK(has(errors_of_file("x_mm,y_mm,dwell_mm\n0,0,1\n1,0,1\n"), "line 1: must name"));
+    CHECK(has(errors_of_file("x_mm,y_mm,dwell_ms\n0,0,1\n1,0,1\n", "speed_m_s = 7\n"),
+              "speed_m_s does not apply, since the file of the path states the time"));
+}
+
 TEST_CASE("an error in a file of points is reported with its line", "[config][path]") {
     const auto [csv, said] = GENERATE(table<std::string, std::string>({
         {"", "must contain at least 2 points below a header that names its columns, as in "

@@ -205,7 +205,9 @@ std::vector<Case> samples() {
                         travel(Line{{}, {0.1, 0.0}}, ConstantSpeed{7.0}),
                         travel(Arc{{}, 0.01, 0.0, 1.0}, OscillatingSpeed{7.0, 1.0, 200.0}),
                         travel(Example<Lissajous>::make(), ConstantSpeed{1.0}),
-                        travel(Polyline(spiral(4), Ends::closed), ConstantSpeed{1.0})}},
+                        travel(Polyline(spiral(4), Ends::closed), ConstantSpeed{1.0}),
+                        travel(Polyline(spiral(4), Ends::open),
+                               Rests{{0.0, 1e-3}, {1e-3, 2e-3}, {0.5, 1.0}})}},
         .envelope = {{SineGain{200.0}, RampGain{0.01}, RampGain{0.01, 0.0, 0.2}, SquareGain{20.0},
                       WindowGain{0.0, 0.1}, SampledGain{.values = {0.5, 1.0}, .interval_s = 1e-3}}},
         .foci_m = {{1e-3, 0.0}, {-1e-3, 0.0}}};
@@ -225,7 +227,9 @@ std::vector<Case> samples() {
     second.scene().load.footprint = GaussianFootprint{0.003};
     second.scene().load.carrier = AveragedCarrier{};
     second.scene().load.modulation.trajectory.parts = {
-        travel(Polyline(spiral(101), Ends::open), ConstantSpeed{1.0})};
+        travel(Polyline(spiral(101), Ends::open), ConstantSpeed{1.0}),
+        travel(Polyline(spiral(101), Ends::open),
+               Rests{std::vector(101, 1e-3), std::vector(101, 1e-3), std::vector(101, 0.5)})};
     second.scene().load.modulation.foci_m = {};
     second.record.volumes_s = {};
     second.record.volume_fields = {};
@@ -289,6 +293,18 @@ TEST_CASE("a grid study and its scene are different cases", "[fields][case]") {
     std::string text = canonical_text(study);
     CHECK_THAT(text, Catch::Contains("engine = \"pstd\"\n" + line));
     CHECK(text.replace(text.find(line), line.size(), "") == canonical_text(scene));
+}
+
+TEST_CASE("an id is never a number for programs that read tables", "[fields]") {
+    for (const char* number : {"68169e2466327440", "0012345678901234", "1234567890123456"}) {
+        const std::string id = unmistakable(number);
+        INFO(id);
+        CHECK(id.size() == 16);
+        CHECK(std::isalpha(static_cast<unsigned char>(id.front())) != 0);
+        CHECK(id.substr(1) == std::string(number).substr(1));
+    }
+    for (const char* id : {"0c563b767c5d4791", "e123456789012345", "12e456e890123456"})
+        CHECK(unmistakable(id) == id);
 }
 
 } // namespace test_fields

@@ -8,7 +8,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -105,6 +107,76 @@ TEST_CASE("a map is read as it was written", "[map_file]") {
     CHECK(map.content_hash == hash_of(map));
     // [1][0][1] of the file is the point at x = 1, y = -2, z = 4 mm.
     CHECK(sample(map, {1e-3, -2e-3, 4e-3}).c_s_m_s.value() == Approx(8.0).epsilon(1e-12));
+}
+
+TEST_CASE("the order of indices is that which a file states", "[map_file]") {
+    // 2 x 3 x 2 points with x and z alike: the value is 100 x + 10 y + z.
+    const Values ordered = {111, 112, 121, 122, 131, 132, 211, 212, 221, 222, 231, 232},
+                 turned = {111, 211, 121, 221, 131, 231, 112, 212, 122, 222, 132, 232};
+    const test::TemporaryFolder folder;
+    const auto path = folder / "map.h5";
+    const auto map_of = [&](const Values& values,
+                            const std::function<void(const h5::Id&)>& change) {
+        Datasets datasets = with("c_s_m_s", {{2, 3, 2}, values});
+        datasets.erase("viscosity_Pa_s");
+        write(path, datasets);
+        const h5::Id file = h5::open_file(path, h5::Access::read_write);
+        change(file);
+    };
+    const auto read = [&] { return storage::read_map_file(path); };
+    const auto scales = [](const h5::Id& file, std::array<const char*, 3> names) {
+        for (unsigned n = 0; n < 3; ++n) {
+            const h5::Id scale = h5::open_dataset(file.raw(), names[n]);
+            h5::make_scale(scale, names[n]);
+            h5::attach_scale(h5::open_dataset(file.raw(), "c_s_m_s"), scale, n);
+        }
+    };
+    map_of(ordered, [](const h5::Id&) {});
+    CHECK(read().c_s_m_s == ordered);
+    CHECK(has(read().contents, "the order (x, y, z) of its indices is assumed"));
+    map_of(turned, [](const h5::Id& file) {
+        h5::put_attribute(h5::open_dataset(file.raw(), "c_s_m_s").raw(), "MATLAB_class",
+                          std::string("double"));
+        // A row of MATLAB.
+        H5Ldelete(file.raw(), "z_m", H5P_DEFAULT);
+        const h5::Id row = h5::create_dataset(file.raw(), "z_m", std::vector<hsize_t>{2, 1});
+        h5::write_all(row, Values{1e-3, 4e-3});
+        h5::put_attribute(row.raw(), "MATLAB_class", std::string("double"));
+    });
+    CHECK(read().c_s_m_s == ordered);
+    CHECK_FALSE(has(read().contents, "assumed"));
+    map_of(turned, [&](const h5::Id& file) { scales(file, {"z_m", "y_m", "x_m"}); });
+    CHECK(read().c_s_m_s == ordered);
+    CHECK_FALSE(has(read().contents, "assumed"));
+    map_of(ordered, [&](const h5::Id& file) { scales(file, {"x_m", "y_m", "z_m"}); });
+    CHECK(read().c_s_m_s == ordered);
+    CHECK(has(read().contents, "2 x 3 x 2 points, x -1 to 1 mm, y -2 to 2 mm, z 1 to 4 mm; c_s_m_s "
+                               "111 to 232, mean by depth: 171 at 1 mm, 172 at 4 mm"));
+}
+
+TEST_CASE("a map whose only possible order is (z, y, x) is read in it", "[map_file]") {
+    Datasets reversed = good();
+    reversed["z_m"] = {{3}, {1e-3, 4e-3, 7e-3}};
+    reversed["c_s_m_s"] = {{3, 3, 2}, Values(18, 5.0)};
+    reversed["c_s_m_s"].values[1] = 7.0; // z 1, x 2
+    reversed.erase("viscosity_Pa_s");
+    const test::TemporaryFolder folder;
+    write(folder / "map.h5", reversed);
+    const MaterialMap map = storage::read_map_file(folder / "map.h5");
+    CHECK(map.c_s_m_s[9] == 7.0);
+    CHECK(has(map.contents, "have the order (z, y, x), as h5write of MATLAB stores"));
+}
+
+TEST_CASE("a unit that a map states is used", "[map_file]") {
+    const test::TemporaryFolder folder;
+    Datasets in_mm = good();
+    in_mm["x_m"].values = {-1.0, 1.0};
+    write(folder / "map.h5", in_mm);
+    {
+        const h5::Id file = h5::open_file(folder / "map.h5", h5::Access::read_write);
+        h5::put_attribute(h5::open_dataset(file.raw(), "x_m").raw(), "units", std::string("mm"));
+    }
+    CHECK(storage::read_map_file(folder / "map.h5").origin_m.x == Approx(-1e-3));
 }
 
 TEST_CASE("the content of the file matters, not its name", "[map_file]") {

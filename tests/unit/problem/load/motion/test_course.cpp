@@ -128,6 +128,39 @@ TEST_CASE("the velocity along a path with corners is the position's derivative",
     }
 }
 
+TEST_CASE("a focus rests at its points and jumps between them", "[course]") {
+    const Polyline path({{0.0, 0.0}, {0.01, 0.0}, {0.01, 0.02}}, Ends::open);
+    Travel travel{path, Rests{{0.0, 0.01, 0.03}, {0.002, 0.003, 0.007}, {0.2, 1.0, 0.5}}};
+    const auto at = [&](double t_s) { return position({{travel}}, t_s); };
+    const Vec2 first, second{0.01, 0.0}, third{0.01, 0.02};
+    travel.at_end = AtEnd::repeat;
+    CHECK(cycle_s(travel) == 0.007);
+    for (const double pass_s : {0.0, 0.007, 0.7}) {
+        CHECK(are_near(at(pass_s + 0.0019), first));
+        CHECK(are_near(at(pass_s + 0.0029), second));
+        CHECK(are_near(at(pass_s + 0.0031), third));
+        CHECK(level({{travel}}, pass_s + 0.0025) == 1.0);
+    }
+    CHECK(norm(velocity({{travel}}, 0.0025)) == 0.0);
+    travel.at_end = AtEnd::back_and_forth;
+    CHECK(cycle_s(travel) == 0.014);
+    CHECK(are_near(at(0.0109), third));
+    CHECK(are_near(at(0.0115), second));
+    CHECK(are_near(at(0.0125), first));
+    CHECK(level({{travel}}, 0.0105) == 0.5);
+    travel.at_end = AtEnd::hold;
+    CHECK(are_near(at(1.0), third));
+    CHECK(std::isinf(off_time_s({{travel}})));
+    travel.at_end = AtEnd::off;
+    CHECK(off_time_s({{travel}}) == 0.007);
+    std::vector<double> before, after, within;
+    add_smooth_pieces({{travel}}, 0.00199, before);
+    add_smooth_pieces({{travel}}, 0.00201, after);
+    add_smooth_pieces({{travel}}, 0.00299, within);
+    CHECK(before != after);
+    CHECK(after == within);
+}
+
 TEST_CASE("a pattern of radius zero moves as its centre does", "[course]") {
     const Travel slow{square(), ConstantSpeed{0.1}, AtEnd::repeat, {.dwell_s = 0.05}};
     const Travel point{Arc{{}, 0.0, 0.0, 2.0 * pi}, ConstantSpeed{0.0}, AtEnd::repeat};
