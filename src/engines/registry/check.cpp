@@ -327,7 +327,7 @@ void check_units(const Case& c, Notes& notes) {
                 what, milli(length_m), milli(width_m));
     };
     const auto check_time = [&](const char* key, double time_s) {
-        if (time_s > 0.0 && time_s < interval_s)
+        if (time_s > 0.0 && time_s < interval_s * (1.0 - 1e-9))
             notes.add(Severity::warning, key,
                       "{:.3g} ms is shorter than the output interval of {:.3g} us and has no "
                       "effect on what is recorded; the time is in ms",
