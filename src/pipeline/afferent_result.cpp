@@ -290,13 +290,19 @@ std::vector<measures::Column> columns_of(const ReceptorMotion& motion,
 
 } // namespace
 
-neural::Repetitions receptor_repetitions(const Case& c) {
-    if (!c.afferents || c.time.regime != Regime::periodic) return {};
-    return neural::repetitions_of(neural::make_scene(*c.afferents).afferents, c.time.duration_s(),
+std::optional<Scene> receptors_of(const Case& c) {
+    if (!c.afferents) return {};
+    return neural::make_scene(*c.afferents);
+}
+
+neural::Repetitions receptor_repetitions(const Case& c, const Scene& scene) {
+    if (c.time.regime != Regime::periodic) return {};
+    return neural::repetitions_of(scene.afferents, c.time.duration_s(),
                                   static_cast<std::size_t>(c.afferents->periods));
 }
 
-ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
+ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder,
+                               const Scene& scene) {
     const Case& c = planned.physics;
     ReceptorMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
                           .modulation_Hz =
@@ -306,7 +312,7 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
         motion.modulation_Hz = carrier->am_frequency_Hz;
         motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
     }
-    motion.repetitions = receptor_repetitions(c);
+    motion.repetitions = receptor_repetitions(c, scene);
     const auto from_rest = [&](const measures::TraceSeries& series) {
         // The first sample is at t = 0: at rest, or in the state at the end of the period.
         std::vector<double> line = {motion.repetitions.is_periodic() ? series.u_m.back() : 0.0};
@@ -324,21 +330,19 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
     return motion;
 }
 
-void keep_receptors(const Case& c, SurfaceRecorder& recorder) {
+void keep_receptors(const Case& c, const std::optional<Scene>& scene, SurfaceRecorder& recorder) {
     if (stress_depths_m(c).empty()) return;
-    const Scene scene = neural::make_scene(*c.afferents);
     std::vector<Vec2> at_m;
     std::vector<std::size_t> depths;
-    for (const neural::Afferent& one : scene.afferents) {
-        at_m.push_back(on_patch_m(scene.patch, one.at_mm));
+    for (const neural::Afferent& one : scene->afferents) {
+        at_m.push_back(on_patch_m(scene->patch, one.at_mm));
         depths.push_back(static_cast<std::size_t>(one.kind)); // classes by their depth
     }
     recorder.keep_stress(at_m, std::move(depths));
 }
 
 AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
-                         const Comm& team) {
-    const Scene scene = neural::make_scene(options);
+                         const Scene& scene, const Comm& team) {
     const std::size_t n = scene.afferents.size();
     const auto ranks = static_cast<std::size_t>(team.size()),
                rank = static_cast<std::size_t>(team.rank());
@@ -408,15 +412,15 @@ struct Counts {
     double counted_s = 0.0; // the part whose spikes count
 };
 
-Counts counts_of(const Case& c) {
+Counts counts_of(const Case& c, const Scene& scene) {
     const AfferentOptions& options = *c.afferents;
     double rate_Hz = 1.0 / c.time.interval_s;
     if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
         rate_Hz = carrier->sampling_Hz;
-    const neural::Repetitions repetitions = receptor_repetitions(c);
+    const neural::Repetitions repetitions = receptor_repetitions(c, scene);
     const double seconds =
         static_cast<double>(repetitions.total()) * c.time.duration_s() + 2.0 * options.silence_s;
-    return {.afferents = static_cast<double>(neural::make_scene(options).afferents.size()),
+    return {.afferents = static_cast<double>(scene.afferents.size()),
             .pins = static_cast<double>(options.pins_m.size()),
             .samples = seconds * rate_Hz,
             .seconds = seconds,
@@ -425,9 +429,9 @@ Counts counts_of(const Case& c) {
 
 } // namespace
 
-engines::Work receptors_work(const Case& c) {
+engines::Work receptors_work(const Case& c, const Scene& scene) {
     const AfferentOptions& options = *c.afferents;
-    const Counts n = counts_of(c);
+    const Counts n = counts_of(c, scene);
     const bool by_stress = std::holds_alternative<StressInput>(options.input);
     // Each afferent sums the waves of all pins at each sample, then its neuron is simulated.
     return {fmt::format("receptors{}{}", by_stress ? " stress" : " pins",
@@ -436,8 +440,9 @@ engines::Work receptors_work(const Case& c) {
             n.samples + n.seconds * neural::neuron_rate_Hz};
 }
 
-std::vector<engines::TimedWork> timed_receptors(const Case& c, double seconds, const Comm& team) {
-    if (!c.afferents) return {};
+std::vector<engines::TimedWork> timed_receptors(const Case& c, const std::optional<Scene>& scene,
+                                                double seconds, const Comm& team) {
+    if (!scene) return {};
     constexpr std::ptrdiff_t first = 16, growth = 4;
     Case brief = c;
     brief.time.regime = Regime::transient;
@@ -448,23 +453,22 @@ std::vector<engines::TimedWork> timed_receptors(const Case& c, double seconds, c
             .name = "probe"};
         const std::vector<double> still(static_cast<std::size_t>(brief.time.frames));
         if (std::holds_alternative<StressInput>(c.afferents->input))
-            motion.compression_Pa.assign(neural::make_scene(*c.afferents).afferents.size(), still);
+            motion.compression_Pa.assign(scene->afferents.size(), still);
         motion.pins.u_m.assign(std::holds_alternative<CarrierInput>(c.afferents->input)
                                    ? 1
                                    : c.afferents->pins_m.size(),
                                still);
         const auto began = Clock::now();
-        perceived(motion, *c.afferents, team);
+        perceived(motion, *c.afferents, *scene, team);
         const double took_s = seconds_since(began);
         const bool is_last =
             brief.time.frames == c.time.frames || static_cast<double>(growth) * took_s > seconds;
-        if (team.broadcast(is_last)) return {{receptors_work(brief), took_s}};
+        if (team.broadcast(is_last)) return {{receptors_work(brief, *scene), took_s}};
     }
 }
 
-double afferents_memory_B(const Case& c, int ranks) {
-    if (!c.afferents) return 0.0;
-    const Counts n = counts_of(c);
+double afferents_memory_B(const Case& c, const Scene& scene, int ranks) {
+    const Counts n = counts_of(c, scene);
     const bool by_stress = std::holds_alternative<StressInput>(c.afferents->input);
     // The motion of all pins with silence, its load and load rate; or the stress at all receptors,
     // that of a group of receptors with silence, and its rate. In addition, three lines for each of
@@ -475,9 +479,8 @@ double afferents_memory_B(const Case& c, int ranks) {
     return (frames + (lines + 28.0) * n.samples) * sizeof(double);
 }
 
-double afferents_file_B(const Case& c) {
-    if (!c.afferents) return 0.0;
-    const Counts n = counts_of(c);
+double afferents_file_B(const Case& c, const Scene& scene) {
+    const Counts n = counts_of(c, scene);
     double numbers =
         9.0 * n.afferents + 2.0 * spikes_per_s * n.counted_s * n.afferents + 5.0 * n.pins;
     if (std::holds_alternative<PinInput>(c.afferents->input))

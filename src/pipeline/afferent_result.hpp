@@ -3,6 +3,7 @@
 
 #include "engines/checkpoint.hpp"
 #include "measures/summary.hpp"
+#include "neural/hand/scene.hpp"
 #include "neural/respond.hpp"
 #include "neural/response.hpp"
 #include "parallel/comm.hpp"
@@ -11,6 +12,7 @@
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,37 +36,45 @@ struct ReceptorMotion {
     std::string name;                // the key of the noise: a case's id
 };
 
+/// The places of the afferents and pins of a case, which are made once per case and handed on;
+/// nothing without afferents. Not collective.
+std::optional<neural::Scene> receptors_of(const Case& c);
+
 /// The motion of the pins of a case from t = 0, where nothing has moved, to the last but one frame,
 /// with one sample per interval of the run, and the other inputs of its afferents. In the periodic
 /// regime, one period of the motion, and how often it is repeated.
-ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder);
+ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder,
+                               const neural::Scene& scene);
 
 /// How often the receptors of a case feel the run: once, or in the periodic regime the run-in, the
 /// counted periods, and a run-out. Not collective.
-neural::Repetitions receptor_repetitions(const Case& c);
+neural::Repetitions receptor_repetitions(const Case& c, const neural::Scene& scene);
 
 /// Makes the recorder store the stress at the receptors, if the case requests it. Call before the
 /// run; collective.
-void keep_receptors(const Case& c, SurfaceRecorder& recorder);
+void keep_receptors(const Case& c, const std::optional<neural::Scene>& scene,
+                    SurfaceRecorder& recorder);
 
 /// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
 /// elsewhere. The spikes do not depend on the number of ranks. Throws CaseFailure on all ranks if
 /// pins or traces are not valid. Collective.
 AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
-                         const Comm& team);
+                         const neural::Scene& scene, const Comm& team);
 
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);
 
 /// The work of all ranks for the afferents of a case.
-engines::Work receptors_work(const Case& c);
+engines::Work receptors_work(const Case& c, const neural::Scene& scene);
 /// The time of the afferents of a case for a motion without amplitude, which is made longer until
 /// it takes about `seconds`; nothing without afferents. Collective.
-std::vector<engines::TimedWork> timed_receptors(const Case& c, double seconds, const Comm& team);
+std::vector<engines::TimedWork> timed_receptors(const Case& c,
+                                                const std::optional<neural::Scene>& scene,
+                                                double seconds, const Comm& team);
 
 /// Memory per rank for the afferents of a case, in addition to the engine [B].
-double afferents_memory_B(const Case& c, int ranks);
+double afferents_memory_B(const Case& c, const neural::Scene& scene, int ranks);
 /// Size of their groups in the case file, for the average number of spikes under vibration [B].
-double afferents_file_B(const Case& c);
+double afferents_file_B(const Case& c, const neural::Scene& scene);
 
 } // namespace shearwake::pipeline

@@ -267,10 +267,12 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
 }
 
 CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
-                         const Comm& team) {
+                         const std::optional<neural::Scene>& receptors, const Comm& team) {
     const Case& c = planned.physics;
     AfferentResult afferents;
-    if (c.afferents) afferents = perceived(receptor_motion(planned, recorder), *c.afferents, team);
+    if (receptors)
+        afferents = perceived(receptor_motion(planned, recorder, *receptors), *c.afferents,
+                              *receptors, team);
     CaseResults results;
     on_root(team, [&] {
         results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),

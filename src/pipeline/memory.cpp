@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
-#include "engines/registry/make_engine.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
 #include "pipeline/afferent_result.hpp"
@@ -90,27 +89,6 @@ double resident_memory_B() {
     return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
-double memory_needed_B(const Case& c, int ranks) {
-    return memory_needed_B(c, ranks, *engines::make_engine(c.solver));
-}
-
-double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine) {
-    const double plane =
-        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
-    // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
-    // and another plane for the sharpness.
-    double recorder = 2.0 * plane / ranks + 3.0 * plane;
-    if (!c.record.volumes_s.empty()) recorder += plane / ranks; // transposed for the file
-    double scan = 0.0; // displacements on each rank, velocities on rank 0
-    if (c.vibrometer) {
-        const double rate_Hz = std::max(c.vibrometer->rate_Hz, 1.0 / c.time.interval_s);
-        scan = static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
-               (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s());
-    }
-    return engine.estimate(c, ranks).memory_per_rank_B + recorder + scan +
-           afferents_memory_B(c, ranks);
-}
-
 namespace {
 
 /// Superblock, groups, about seventy variables with names, units and notes, attributes with the
@@ -125,9 +103,12 @@ bool has_mean(const Case& c) {
         .fits();
 }
 
-} // namespace
+constexpr const char* files_kind = "files";
+constexpr const char* receptors_kind = "receptors"; // begins the name
 
-double case_file_B(const Case& c, double engine_B) {
+/// Size of the case file in bytes, including the overhead of HDF5; `engine_B` of it is written by
+/// the engine.
+double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors, double engine_B) {
     const double plane = static_cast<double>(c.domain.nx * c.domain.ny);
     const double depths = static_cast<double>(c.measure.depths_m.size());
     const double frames = static_cast<double>(c.time.frames);
@@ -146,8 +127,54 @@ double case_file_B(const Case& c, double engine_B) {
     }
     if (c.afferents) groups += 3.0;
     if (!c.record.volumes_s.empty()) groups += 1.0;
-    return empty_file_B + groups * of_group_B + numbers * sizeof(double) + afferents_file_B(c) +
-           engine_B;
+    return empty_file_B + groups * of_group_B + numbers * sizeof(double) + engine_B +
+           (receptors ? afferents_file_B(c, *receptors) : 0.0);
+}
+
+/// The data of the recorder.
+double recorder_B(const Case& c, int ranks) {
+    const double plane =
+        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
+    // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
+    // and another plane for the sharpness.
+    double bytes = 2.0 * plane / ranks + 3.0 * plane;
+    if (!c.record.volumes_s.empty()) bytes += plane / ranks; // transposed for the file
+    if (!c.vibrometer) return bytes;
+    // Displacements on each rank, velocities on rank 0.
+    const double rate_Hz = std::max(c.vibrometer->rate_Hz, 1.0 / c.time.interval_s);
+    return bytes + static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
+                       (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s());
+}
+
+} // namespace
+
+CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine) {
+    CasePlan plan{.receptors = receptors_of(c), .needs = engine.estimate(c, ranks)};
+    engines::Estimate& all = plan.needs;
+    all.written_B = case_file_B(c, plan.receptors, all.written_B);
+    all.memory_per_rank_B += recorder_B(c, ranks);
+    if (plan.receptors) {
+        all.memory_per_rank_B += afferents_memory_B(c, *plan.receptors, ranks);
+        all.work.push_back(receptors_work(c, *plan.receptors));
+    }
+    all.work.push_back({files_kind, all.written_B});
+    return plan;
+}
+
+bool can_be_probed(const engines::Work& part) {
+    return part.kind != files_kind;
+}
+
+std::vector<engines::TimedWork> times_of_parts(const CasePlan& plan,
+                                               std::vector<engines::TimedWork> of_engine,
+                                               double receptors_s, double seconds) {
+    std::vector<engines::TimedWork> times = std::move(of_engine);
+    for (const engines::Work& part : plan.needs.work)
+        if (part.kind.starts_with(receptors_kind)) times.push_back({part, receptors_s});
+    for (const engines::TimedWork& part : times)
+        seconds -= part.seconds;
+    times.push_back({{files_kind, plan.needs.written_B}, seconds});
+    return times;
 }
 
 } // namespace shearwake::pipeline

@@ -2,8 +2,12 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "neural/hand/scene.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
+
+#include <optional>
+#include <vector>
 
 namespace shearwake::pipeline {
 
@@ -18,14 +22,22 @@ double peak_memory_B();
 /// The current memory of this rank. Not collective.
 double resident_memory_B();
 
-/// The memory that a case requires on one rank of a team: the estimate of the engine and the data
-/// of the recorder.
-double memory_needed_B(const Case& c, int ranks);
-/// The same if the engine is already known, which then need not repeat its estimate.
-double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine);
+/// What a case needs on a team, decided once and handed on.
+struct CasePlan {
+    std::optional<neural::Scene> receptors; // see receptors_of()
+    /// Of engine, recorder, receptors and files; written_B is the size of the case file.
+    engines::Estimate needs;
+};
+/// Not collective.
+CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine);
 
-/// Size of the case file in bytes, including the overhead of HDF5; `engine_B` of it is written by
-/// the engine. Not collective.
-double case_file_B(const Case& c, double engine_B);
+/// Whether the rate of a part of the work can be measured without writing a case file. Not
+/// collective.
+bool can_be_probed(const engines::Work& part);
+/// The times of the parts of a case that has taken `seconds`: those of the engine, of the
+/// receptors, and the rest as that of the files. Not collective.
+std::vector<engines::TimedWork> times_of_parts(const CasePlan& plan,
+                                               std::vector<engines::TimedWork> of_engine,
+                                               double receptors_s, double seconds);
 
 } // namespace shearwake::pipeline

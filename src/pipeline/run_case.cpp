@@ -19,28 +19,8 @@
 namespace shearwake::pipeline {
 namespace {
 
-constexpr const char* files_kind = "files";
-
-/// The times of the parts of a case that has taken `seconds`: those of the engine, of the
-/// receptors, and the rest as that of the files.
-std::vector<engines::TimedWork> times_of_case(const Case& c, std::vector<engines::TimedWork> times,
-                                              double receptors_s, const std::filesystem::path& path,
-                                              double seconds) {
-    std::error_code error;
-    const auto written_B = static_cast<double>(std::filesystem::file_size(path, error));
-    if (error) return times;
-    double files_s = seconds;
-    for (const engines::Work& part : work_beside_engine(c, written_B))
-        if (part.kind != files_kind) times.push_back({part, receptors_s});
-    for (const engines::TimedWork& part : times)
-        files_s -= part.seconds;
-    times.push_back({{files_kind, written_B}, files_s});
-    return times;
-}
-
 /// Checked in advance, since Linux grants more memory than it has and then kills the process.
-void refuse_too_large(const Case& c, const Comm& team, double available_B) {
-    const double needed_B = memory_needed_B(c, team.size());
+void refuse_too_large(double needed_B, double available_B) {
     if (needed_B <= available_B) return;
     throw CaseFailure(fmt::format("out of memory: a rank needs {:.1f} GB and may use {:.1f} GB; "
                                   "enlarge domain.spacing_mm, shrink domain.extent_mm, or use "
@@ -122,7 +102,8 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
                    .ranks = team.size(),
                    .started = storage::timestamp()};
     const Case& c = planned.physics;
-    refuse_too_large(c, team, job.memory_per_rank_B);
+    const CasePlan plan = plan_case(c, team.size(), engine);
+    refuse_too_large(plan.needs.memory_per_rank_B, job.memory_per_rank_B);
 
     const storage::SurfaceLayout layout = layout_of(c);
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
@@ -130,7 +111,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     checkpoints.keep_with([&writer] { return writer.part_record(); });
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
-    keep_receptors(c, recorder);
+    keep_receptors(c, plan.receptors, recorder);
     const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
@@ -138,7 +119,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 
     const auto solved = Clock::now();
     const Comm::Unwatched writing;
-    const CaseResults results = case_results(planned, recorder, team);
+    const CaseResults results = case_results(planned, recorder, plan.receptors, team);
     const double receptors_s = seconds_since(solved);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
@@ -160,20 +141,10 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     checkpoints.discard();
     return CaseOutcome{
         facts.wall_s, solve_s, facts.solver,
-        times_of_case(c, checkpoints.times(), receptors_s, path, seconds_since(began))};
+        times_of_parts(plan, checkpoints.times(), receptors_s, seconds_since(began))};
 }
 
 } // namespace
-
-std::vector<engines::Work> work_beside_engine(const Case& c, double written_B) {
-    std::vector<engines::Work> work = {{files_kind, written_B}};
-    if (c.afferents) work.push_back(receptors_work(c));
-    return work;
-}
-
-bool can_be_probed(const engines::Work& part) {
-    return part.kind != files_kind;
-}
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
                                     engines::Engine& engine, const Comm& team,

@@ -43,12 +43,6 @@ struct CaseOutcome {
     std::vector<engines::TimedWork> times; // of the parts that this run has computed
 };
 
-/// The work of a case outside the engine: the receptors and the files, with a case file of
-/// `written_B` bytes. Not collective.
-std::vector<engines::Work> work_beside_engine(const Case& c, double written_B);
-/// Whether the rate of the part can be measured without writing a case file. Not collective.
-bool can_be_probed(const engines::Work& part);
-
 /// Computes one case on a team, from its newest checkpoint if it has one, and writes its file.
 /// Returns nothing if it was saved to be resumed later. Collective over the team. Throws
 /// CaseFailure or UsageError on all its ranks, even if only one has failed; partial files are

@@ -72,7 +72,7 @@ Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,
 
 Solver::Solver(const Limits& limits, const Comm& world) : limits_(limits), world_(world) {}
 
-void Solver::refuse_unsuitable(const Case& c) const {
+pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
     if (!std::holds_alternative<LayeredOptions>(c.solver))
         throw UsageError(fmt::format("solver.engine: serve computes with engine \"layered\" only, "
                                      "not with \"{}\"; use run",
@@ -84,17 +84,20 @@ void Solver::refuse_unsuitable(const Case& c) const {
                                      "serve computes at most {:.3g}",
                                      c.domain.nx, c.domain.ny, c.time.frames, values,
                                      limits_.values));
-    const double receptors = c.afferents ? pipeline::receptors_work(c).amount() : 0.0;
+    pipeline::CasePlan plan = pipeline::plan_case(c, world_.size(), *engine_);
+    const double receptors =
+        plan.receptors ? pipeline::receptors_work(c, *plan.receptors).amount() : 0.0;
     if (!(receptors <= limits_.receptor_values))
         throw UsageError(fmt::format("the receptors need {:.3g} values, of each fibre, pin and "
                                      "sample; serve computes at most {:.3g}",
                                      receptors, limits_.receptor_values));
     const double frames_B = 2.0 * values * sizeof(float);
-    const double needed_B = pipeline::memory_needed_B(c, world_.size(), *engine_) + frames_B;
+    const double needed_B = plan.needs.memory_per_rank_B + frames_B;
     if (!(needed_B <= limits_.memory_per_rank_B))
         throw UsageError(fmt::format("the case needs {:.2f} GB per rank; serve uses at most {:.2f} "
                                      "GB",
                                      needed_B / 1e9, limits_.memory_per_rank_B / 1e9));
+    return plan;
 }
 
 bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answer) {
@@ -103,17 +106,17 @@ bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answ
     const PlannedCase& planned = job.plan.cases.front();
     const Case& c = planned.physics;
     if (!engine_) engine_ = engines::make_engine(LayeredOptions{});
-    refuse_unsuitable(c);
+    const pipeline::CasePlan plan = suitable_plan(c);
     check_receptors(c);
     pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
-    pipeline::keep_receptors(c, recorder);
+    pipeline::keep_receptors(c, plan.receptors, recorder);
     FrameKeeper keeper(c, world_, recorder, rows_);
     fail_together(world_, [&] { engine_->run(c, world_, keeper, &interrupt); });
     if (interrupt.stop()) return false;
     pipeline::CaseResults results;
     fail_together(world_, [&] {
         recorder.finish();
-        results = pipeline::case_results(planned, recorder, world_);
+        results = pipeline::case_results(planned, recorder, plan.receptors, world_);
         keeper.gather(frames_);
     });
     on_root(world_, [&] {

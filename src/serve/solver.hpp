@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "pipeline/memory.hpp"
 #include "problem/case/volume.hpp"
 #include "serve/line_input.hpp"
 #include "serve/output.hpp"
@@ -63,8 +64,9 @@ public:
     bool compute(const std::string& job, Interrupt& interrupt, Answer& answer);
 
 private:
-    /// Throws UsageError. Not collective; all ranks come to the same result.
-    void refuse_unsuitable(const Case& c) const;
+    /// The plan of the case. Throws UsageError if the case exceeds the limits. Not collective; all
+    /// ranks come to the same result.
+    pipeline::CasePlan suitable_plan(const Case& c) const;
 
     Limits limits_;
     const Comm& world_;

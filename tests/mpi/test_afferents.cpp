@@ -39,9 +39,10 @@ TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neura
     AfferentOptions options;
     options.noise = Switch::on;
     options.pins_m = {{-3e-3, 0.0}, {3e-3, 0.0}};
-    const pipeline::AfferentResult shared = pipeline::perceived(vibration(), options, world);
+    const neural::Scene scene = neural::make_scene(options);
+    const pipeline::AfferentResult shared = pipeline::perceived(vibration(), options, scene, world);
     const pipeline::AfferentResult alone =
-        pipeline::perceived(vibration(), options, world.split(world.rank()));
+        pipeline::perceived(vibration(), options, scene, world.split(world.rank()));
     // Every rank computes all spikes alone. Rank 0 compares, and the result is broadcast.
     long same = 1;
     if (world.is_root())
@@ -56,7 +57,8 @@ TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {
     const Comm world = Comm::world();
     AfferentOptions options;
     options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // one metre outside of the hand
-    CHECK_THROWS_AS(pipeline::perceived(vibration(), options, world), CaseFailure);
+    const neural::Scene scene = neural::make_scene(options);
+    CHECK_THROWS_AS(pipeline::perceived(vibration(), options, scene, world), CaseFailure);
 }
 
 } // namespace test_afferents

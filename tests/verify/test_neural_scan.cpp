@@ -37,8 +37,9 @@ TEST_CASE("first spikes along a scan are delayed by the travel time of the focus
     pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
     engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
-    const pipeline::AfferentResult result =
-        pipeline::perceived(pipeline::receptor_motion(planned, recorder), *c.afferents, alone);
+    const neural::Scene scene = neural::make_scene(*c.afferents);
+    const pipeline::AfferentResult result = pipeline::perceived(
+        pipeline::receptor_motion(planned, recorder, scene), *c.afferents, scene, alone);
 
     const VariableGroup& group = result.groups.at(0);
     const auto &counts = values(group, "spike_count"), &times_s = values(group, "spike_time"),

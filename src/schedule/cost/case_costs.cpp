@@ -3,7 +3,6 @@
 
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
-#include "pipeline/run_case.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "storage/files.hpp"
 
@@ -40,17 +39,17 @@ double distance(const Case& a, const Case& b) {
 
 } // namespace
 
-bool CaseCost::shares() const {
-    return std::ranges::any_of(work, &engines::Work::is_shared);
+bool shares_work(const engines::Estimate& needs) {
+    return std::ranges::any_of(needs.work, &engines::Work::is_shared);
 }
 
-CaseTime time_of(const CaseCost& cost, int ranks, const Rates& rates) {
-    const int used = std::max(1, std::min(ranks, cost.useful_ranks));
+CaseTime time_of(const engines::Estimate& needs, int ranks, const Rates& rates) {
+    const int used = std::max(1, std::min(ranks, needs.useful_ranks));
     // Ratio of the most slabs per rank to the mean.
-    const double slabs = cost.useful_ranks;
+    const double slabs = needs.useful_ranks;
     const double fullest = std::ceil(slabs / used) * used / slabs;
     CaseTime time;
-    for (const engines::Work& part : cost.work) {
+    for (const engines::Work& part : needs.work) {
         if (!(part.amount() > 0.0)) continue;
         const Rates::Found rate = rates.of(part, ranks);
         if (rate.origin == Origin::unknown && !pipeline::can_be_probed(part)) continue;
@@ -102,22 +101,10 @@ Case CaseCosts::with_step(const Case& c) const {
     return engine_of(c).with_step(c, nearest.step_s);
 }
 
-const CaseCost& CaseCosts::of(const Case& c) {
-    const auto known = known_.find(&c);
+const engines::Estimate& CaseCosts::of(const Case& c, int ranks) {
+    const auto known = known_.find({&c, ranks});
     if (known != known_.end()) return known->second;
-    engines::Estimate e = engine_of(c).estimate(with_step(c), 1);
-    CaseCost cost{.work = std::move(e.work),
-                  .written_B = pipeline::case_file_B(c, e.written_B),
-                  .useful_ranks = e.useful_ranks};
-    for (const engines::Work& part : pipeline::work_beside_engine(c, cost.written_B))
-        cost.work.push_back(part);
-    return known_[&c] = std::move(cost);
-}
-
-double CaseCosts::memory_per_rank_B(const Case& c, int ranks) {
-    const auto known = memory_B_.find({&c, ranks});
-    if (known != memory_B_.end()) return known->second;
-    return memory_B_[{&c, ranks}] = pipeline::memory_needed_B(with_step(c), ranks);
+    return known_[{&c, ranks}] = pipeline::plan_case(with_step(c), ranks, engine_of(c)).needs;
 }
 
 } // namespace shearwake::cost
@@ -147,9 +134,9 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
         const auto engine = engines::make_engine(given.solver);
         const Case c =
             engine->probes_step(given) ? engine->with_step(given, given.time.interval_s) : given;
-        demand.memory_per_rank_B =
-            std::max(demand.memory_per_rank_B, pipeline::memory_needed_B(c, ranks));
-        demand.disk_B += pipeline::case_file_B(c, engine->estimate(c, ranks).written_B);
+        const engines::Estimate needs = pipeline::plan_case(c, ranks, *engine).needs;
+        demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B);
+        demand.disk_B += needs.written_B;
         if (std::chrono::steady_clock::now() > end) break;
     }
     return demand;

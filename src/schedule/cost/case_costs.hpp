@@ -15,13 +15,8 @@
 
 namespace shearwake::cost {
 
-/// The resources of a case, independent of the machine and of the number of ranks that share it.
-struct CaseCost {
-    std::vector<engines::Work> work;
-    double written_B = 0.0; // size of the case file
-    int useful_ranks = 1;
-    bool shares() const; // whether it has work that is done once per medium and grid
-};
+/// Whether the case has work that is done once per medium and grid.
+bool shares_work(const engines::Estimate& needs);
 
 /// Seconds of a case on a team: of its own work, and of the work that it shares with other cases.
 struct CaseTime {
@@ -30,7 +25,7 @@ struct CaseTime {
 };
 
 /// Seconds of the work on a team: each part in proportion to the slabs of the fullest rank.
-CaseTime time_of(const CaseCost& cost, int ranks, const Rates& rates);
+CaseTime time_of(const engines::Estimate& needs, int ranks, const Rates& rates);
 
 /// Costs of the cases of a plan. Some engines choose their time step by trial, which may take a
 /// tenth of a second. A few cases spread over the plan are probed; every other case is estimated
@@ -45,12 +40,13 @@ public:
     CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
               const BeforeProbe& before_probe = {});
 
-    const CaseCost& of(const Case& c);
+    /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
+    const engines::Estimate& of(const Case& c, int ranks = 1);
     /// Seconds of the case on a team of `ranks` ranks.
     CaseTime time(const Case& c, int ranks) { return time_of(of(c), ranks, rates_); }
     /// Memory per rank of the case on a team of `ranks` ranks, including that of the program
     /// itself.
-    double memory_per_rank_B(const Case& c, int ranks);
+    double memory_per_rank_B(const Case& c, int ranks) { return of(c, ranks).memory_per_rank_B; }
     const Rates& rates() const { return rates_; }
     /// Sets the rates on which the times are based.
     void use(Rates rates) { rates_ = std::move(rates); }
@@ -71,8 +67,7 @@ private:
     std::vector<Probe> probes_;
     // By index of the solver.
     mutable std::map<std::size_t, std::unique_ptr<engines::Engine>> engines_;
-    std::map<const Case*, CaseCost> known_;
-    std::map<std::pair<const Case*, int>, double> memory_B_;
+    std::map<std::pair<const Case*, int>, engines::Estimate> known_; // by case and ranks
 };
 
 /// Hooks of measure_rates().

@@ -3,11 +3,14 @@
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
+#include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "schedule/cost/case_costs.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <memory>
+#include <optional>
 #include <set>
 
 namespace shearwake::cost {
@@ -64,10 +67,16 @@ Case as_probe(Case c) {
     return c;
 }
 
-void compute(const Case& c, engines::Engine& engine, const Comm& team, ProbeClock& clock) {
+/// What the runs of a probe have in common.
+struct Probed {
+    std::unique_ptr<engines::Engine> engine;
+    std::optional<neural::Scene> receptors;
+};
+
+void compute(const Probed& probed, const Case& c, const Comm& team, ProbeClock& clock) {
     pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
-    pipeline::keep_receptors(c, recorder);
-    engine.run(c, team, recorder, &clock);
+    pipeline::keep_receptors(c, probed.receptors, recorder);
+    probed.engine->run(c, team, recorder, &clock);
 }
 
 const engines::TimedWork* part_of(const Times& times, const std::string& kind) {
@@ -77,28 +86,28 @@ const engines::TimedWork* part_of(const Times& times, const std::string& kind) {
 }
 
 /// The times of an engine that can be stopped after any step.
-Times times_of_steps(const Case& c, engines::Engine& engine, const Comm& team) {
+Times times_of_steps(const Case& c, const Probed& probed, const Comm& team) {
     ProbeClock clock(team, most_s, enough_steps), brief(team, 0.0, 1);
-    compute(c, engine, team, clock);
+    compute(probed, c, team, clock);
     Times times = clock.times;
     if (times.empty() || team.broadcast(times.front().seconds) > repeated_setup_s) return times;
-    compute(c, engine, team, brief);
+    compute(probed, c, team, brief);
     times.front() = brief.times.front();
     return times;
 }
 
 /// The times of an engine that is given fewer frames: as many as it computes in two seconds. The
 /// second run with the same frames has all FFTW plans, and the data that cases share.
-Times times_of_frames(const Case& c, engines::Engine& engine, const Comm& team) {
+Times times_of_frames(const Case& c, const Probed& probed, const Comm& team) {
     Times times;
     const auto began = Clock::now();
     for (std::ptrdiff_t frames = std::min(first_frames, c.time.frames);;
          frames = std::min(frames * growth, c.time.frames)) {
-        const Case brief = as_probe(*engine.shortened(c, frames));
+        const Case brief = as_probe(*probed.engine->shortened(c, frames));
         const auto from = Clock::now();
         ProbeClock first(team, most_s, 0), second(team, most_s, 0);
-        compute(brief, engine, team, first);
-        compute(brief, engine, team, second);
+        compute(probed, brief, team, first);
+        compute(probed, brief, team, second);
         times = second.times;
         for (const engines::TimedWork& part : first.times)
             if (!part_of(times, part.work.kind)) times.push_back(part);
@@ -110,8 +119,8 @@ Times times_of_frames(const Case& c, engines::Engine& engine, const Comm& team) 
 }
 
 /// The rates of the work of a case that was timed, at the sizes of the case.
-void add_rates(const CaseCost& cost, const Times& times, int ranks, Rates& rates) {
-    for (const engines::Work& part : cost.work)
+void add_rates(const engines::Estimate& needs, const Times& times, int ranks, Rates& rates) {
+    for (const engines::Work& part : needs.work)
         if (const engines::TimedWork* timed = part_of(times, part.kind);
             timed && timed->work.amount() > 0.0)
             rates.add(
@@ -130,10 +139,9 @@ Times times_or_none(const Comm& team, const Measure& measure) {
     return times;
 }
 
-Times times_of_engine(const Case& c, const Comm& team) {
-    const auto engine = engines::make_engine(c.solver);
-    return engine->shortened(c, c.time.frames) ? times_of_frames(c, *engine, team)
-                                               : times_of_steps(as_probe(c), *engine, team);
+Times times_of_engine(const Case& c, const Probed& probed, const Comm& team) {
+    return probed.engine->shortened(c, c.time.frames) ? times_of_frames(c, probed, team)
+                                                      : times_of_steps(as_probe(c), probed, team);
 }
 
 /// Of each kind of case whose work has a part that was never measured, the first one.
@@ -143,15 +151,15 @@ std::vector<const PlannedCase*> cases_to_probe(CaseCosts& costs,
     std::vector<const PlannedCase*> all;
     Rates covered = costs.rates();
     for (const PlannedCase* planned : cases) {
-        const CaseCost& cost = costs.of(planned->physics);
+        const engines::Estimate& needs = costs.of(planned->physics);
         const auto is_new = [&](const engines::Work& part) {
             return part.amount() > 0.0 && pipeline::can_be_probed(part) &&
                    covered.of(part, ranks).origin >= Origin::similar;
         };
-        if (!std::ranges::any_of(cost.work, is_new)) continue;
+        if (!std::ranges::any_of(needs.work, is_new)) continue;
         if (costs.memory_per_rank_B(planned->physics, ranks) > memory_per_rank_B) continue;
         all.push_back(planned);
-        for (const engines::Work& part : cost.work)
+        for (const engines::Work& part : needs.work)
             covered.add({part.kind, part.size, ranks, 1.0, true});
     }
     if (all.size() <= most_kinds) return all;
@@ -196,11 +204,16 @@ bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& case
     for (const PlannedCase* planned : probed) {
         if (world.any(hooks.stop && hooks.stop())) break;
         const Case c = costs.with_step(planned->physics);
-        const CaseCost& cost = costs.of(planned->physics);
-        add_rates(cost, times_or_none(team, [&] { return times_of_engine(c, team); }),
+        const engines::Estimate& needs = costs.of(planned->physics, ranks_per_case);
+        const Probed setting{engines::make_engine(c.solver), pipeline::receptors_of(c)};
+        add_rates(needs, times_or_none(team, [&] { return times_of_engine(c, setting, team); }),
                   ranks_per_case, fresh);
-        add_rates(cost,
-                  times_or_none(team, [&] { return pipeline::timed_receptors(c, enough_s, team); }),
+        add_rates(needs,
+                  times_or_none(team,
+                                [&] {
+                                    return pipeline::timed_receptors(c, setting.receptors, enough_s,
+                                                                     team);
+                                }),
                   ranks_per_case, fresh);
     }
     fresh = rates_of_root(fresh, world);

@@ -190,7 +190,7 @@ std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const Case& c = cases[i]->physics;
         groups.push_back(i);
-        if (!costs.of(c).shares()) continue;
+        if (!cost::shares_work(costs.of(c))) continue;
         std::vector<std::size_t>& firsts = found[hash_of(c)];
         const auto same = std::ranges::find_if(
             firsts, [&](std::size_t first) { return share_data(cases[first]->physics, c); });

@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "parallel/agree.hpp"
+#include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/run_case.hpp"
 #include "schedule/run/job_source.hpp"
@@ -98,7 +99,8 @@ Columns repeated_columns(const PlannedCase& planned, const std::filesystem::path
             pipeline::SurfaceRecorder recorder(planned.physics, world, nullptr, [] {});
             engine.run(planned.physics, world, recorder, nullptr);
             recorder.finish();
-            const pipeline::CaseResults results = pipeline::case_results(planned, recorder, world);
+            const pipeline::CaseResults results = pipeline::case_results(
+                planned, recorder, pipeline::receptors_of(planned.physics), world);
             if (world.is_root()) add_columns_of(results.groups, columns);
         });
     return columns;

@@ -25,6 +25,10 @@ struct Cases {
     }
 };
 
+double memory_B(const Case& c, int ranks) {
+    return pipeline::plan_case(c, ranks, *engines::make_engine(c.solver)).needs.memory_per_rank_B;
+}
+
 Cases alike(int count) {
     Cases cases;
     const Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
@@ -64,8 +68,7 @@ TEST_CASE("a wanted team size is kept, and ranks left over join the last team", 
 TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]") {
     const Cases cases = alike(400);
     const Case& c = cases.planned.front().physics;
-    const double on_one_B = pipeline::memory_needed_B(c, 1),
-                 on_four_B = pipeline::memory_needed_B(c, 4);
+    const double on_one_B = memory_B(c, 1), on_four_B = memory_B(c, 4);
     REQUIRE(on_four_B < on_one_B);
     CHECK(laid_out(cases, 4, 0, on_one_B).ranks_per_case == 1);
     CHECK(laid_out(cases, 4, 0, on_four_B).ranks_per_case == 4);
@@ -113,8 +116,8 @@ TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams
 TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
     const auto cases = alike(400);
     const Case& c = cases.planned[0].physics;
-    const double on_two_B = pipeline::memory_needed_B(c, 2);
-    REQUIRE(on_two_B < pipeline::memory_needed_B(c, 1));
+    const double on_two_B = memory_B(c, 2);
+    REQUIRE(on_two_B < memory_B(c, 1));
     CHECK(laid_out(cases, 4, 0, on_two_B).ranks_per_case == 2);
 }
 
