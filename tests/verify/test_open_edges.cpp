@@ -127,9 +127,9 @@ TEST_CASE("the images of a load lift a periodic domain", "[open_edges]") {
     double lifted_m = 0.0;
     for (std::size_t i = 0; i < 64 * 48; ++i)
         lifted_m += (on_open.at(14)[i] - on_periodic.at(14)[i]) / (64 * 48);
-    // The rectangle is treated as a disc, and each wave number as a single oscillator. Measured: .91
-    // of the difference on a half-space, 1.25 and .88 on a base at 10 and 20 mm; until 10 ms, the rms
-    // over time is 1.11, 1.21 and 1.09 of the difference.
+    // The rectangle is treated as a disc, and each wave number as a single oscillator. Measured:
+    // .91 of the difference on a half-space, 1.25 and .88 on a base at 10 and 20 mm; until 10 ms,
+    // the rms over time is 1.11, 1.21 and 1.09 of the difference.
     CHECK(lifted_m == Approx(image_uplift_m(open).back()).epsilon(0.2));
 }
 
