@@ -18,6 +18,7 @@ Case good_case() {
         {.name = "tissue", .thickness_m = 0.02, .density_kg_m3 = 1e3, .c_p_m_s = 50, .c_s_m_s = 5}};
     c.scene().medium.bodies = {{.shape = Ellipsoid{{2e-3, 2e-3, 2e-3}}, .centre_m = {0, 0, 5e-3}}};
     c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
+    c.time = {20, 100e-6};
     c.solver = SpectralOptions{};
     return c;
 }
