@@ -89,7 +89,7 @@ def read_map(path: Path) -> MaterialMap:
     """The shear-wave speed of a map. Raises OSError, and KeyError if the map does not contain it."""
     with open_self_contained(path) as file:
         axes = [file[name][()].ravel() for name in AXES]
-        return MaterialMap(*axes, in_order(file["c_s_m_s"], tuple(len(axis) for axis in axes)))
+        return MaterialMap(axes[0], axes[1], axes[2], in_order(file["c_s_m_s"], tuple(len(axis) for axis in axes)))
 
 
 def in_order(data: h5py.Dataset, shape: tuple[int, ...]) -> np.ndarray:

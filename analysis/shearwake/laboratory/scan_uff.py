@@ -297,7 +297,7 @@ class Function:
         self.sign, self.direction = (-1.0 if code < 0 else 1.0), (0.0, 0.0, 1.0)
         if vector is not None:
             stated = -1.0 if vector[2] < 0.0 else 1.0
-            self.direction = tuple(stated * value for value in vector)
+            self.direction = (stated * vector[0], stated * vector[1], stated * vector[2])
             if code == 0:
                 self.sign = stated
             elif stated != self.sign:
@@ -384,7 +384,8 @@ def joined(functions: list[Function], nodes: dict, per_metre: float | None) -> S
     signs = {function.sign for function in functions}
     notes = [f"lengths in {length} " + ("(data set 164)" if per_metre else "(assumed, since data set 164 is missing)")]
     for label in sorted({function.label or "" for function in functions}):
-        differs = label and per_metre and abs(speed_of(label) * per_metre - 1.0) > 1e-9
+        speed = speed_of(label) if label else None
+        differs = speed is not None and per_metre is not None and abs(speed * per_metre - 1.0) > 1e-9
         source = "label of record 9" + (f", unlike data set 164 with {length}" if differs else "") if label \
             else "data set 164" if per_metre else "assumed, since the file states no unit"
         notes.append(f"velocities in {label or length + '/s'} ({source})")

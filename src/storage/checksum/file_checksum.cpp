@@ -199,9 +199,9 @@ IntegrityCheck check_without_line(const fs::path& path, const Input& file) {
     if (is_complete && find_recorded(path, line) && line.bytes == file.size() &&
         hex_128(hash_of(file, line.bytes)) == line.hash)
         return check;
-    check.damage = is_complete ? "the checksum at its end is missing, because another program has "
-                                 "opened it for writing and changed it; open case files for "
-                                 "reading only: h5py.File(path, \"r\")"
+    check.damage = is_complete ? "the checksum at its end is missing: another program has opened "
+                                 "it for writing and changed it, or it is not a shearwake case "
+                                 "file; open case files for reading only: h5py.File(path, \"r\")"
                                : "the checksum at its end is missing: it is truncated, or not a "
                                  "shearwake case file";
     return check;
