@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#if SHEARWAKE_CERES
 #include "studies/laboratory/least_squares.hpp"
 
 #include "base/error.hpp"
@@ -7,10 +6,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
-#include <ceres/ceres.h>
 #include <cmath>
 #include <memory>
-
+#if SHEARWAKE_CERES
+#include <ceres/ceres.h>
 #endif
 
 namespace shearwake::laboratory {
