@@ -121,7 +121,7 @@ class Case:
         return [Column(name, unit, meaning) for name, (unit, meaning) in self._scalars[2].items()]
 
     def value(self, column: str) -> float:
-        """A column of the table; NaN if it is empty, or if the case is not complete. Raises KeyError if there is no such column,
+        """A column of the table; NaN if it is empty, or if the case is not complete. Raises KeyError if the column does not exist,
         and NotRecorded if that is unknown because no case is complete."""
         values = self.values
         if column in values:

@@ -2,6 +2,7 @@
 """Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
 import h5py
 import numpy as np
+from shearwake.inputs import BadLink, open_self_contained
 
 from structures import BadInput, Structure, Unreadable, kind_of, text_of
 from variables import NAMES, chosen_variables
@@ -103,41 +104,13 @@ def of_hdf5(item, level=0):
     return fields
 
 
-ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
-
-
-def refuse_links(file):
-    """Raises BadInput for links to other files, values in other files, and datasets that claim far more than they store.
-    Follows only hard links."""
-    seen, groups = set(), [file]
-    while groups:
-        group = groups.pop()
-        for name in group:
-            link = group.get(name, getlink=True)
-            if isinstance(link, h5py.ExternalLink):
-                raise BadInput(f"the link {group.name}/{name} leads to another file, {link.filename}, which is not read")
-            if not isinstance(link, h5py.HardLink):
-                continue
-            item = group[name]
-            address = h5py.h5o.get_info(item.id).addr
-            if address in seen:
-                continue
-            seen.add(address)
-            if isinstance(item, h5py.Group):
-                groups.append(item)
-            elif isinstance(item, h5py.Dataset):
-                if item.external or item.is_virtual:
-                    raise BadInput(f"{item.name} stores its values in another file, which is not read")
-                stored = item.id.get_storage_size()
-                if item.nbytes > max(ALLOWED_B, MOST_COMPRESSION * stored):
-                    raise BadInput(f"{item.name} claims {item.nbytes / 1e6:.0f} MB but stores {stored / 1e3:.3g} kB; at most "
-                                   f"{ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read")
-
-
 def read_hdf5(path):
     """The values of the structures, and notes."""
-    with h5py.File(path, "r") as file:
-        refuse_links(file)
+    try:
+        file = open_self_contained(path)
+    except BadLink as error:
+        raise BadInput(str(error)) from error
+    with file:
         if decoded(file.attrs.get("schema", b"")).startswith(STUDY):
             raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
                            "k-Wave")

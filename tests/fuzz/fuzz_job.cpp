@@ -10,13 +10,17 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
+#include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const shearwake::fuzz::ProcessorTimeLimit limit;
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
         const shearwake::config::Job job = shearwake::config::read_job(text, "fuzz.toml");
-        const auto demand = shearwake::schedule::least_demand(job.plan.cases, 1);
+        std::vector<const shearwake::PlannedCase*> cases;
+        for (const shearwake::PlannedCase& planned : job.plan.cases)
+            cases.push_back(&planned);
+        const auto demand = shearwake::schedule::least_demand(cases, 1);
         if (!std::isfinite(demand.memory_per_rank_B) || !std::isfinite(demand.disk_B)) std::abort();
     } catch (const shearwake::UsageError&) {
     }

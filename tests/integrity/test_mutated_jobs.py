@@ -1,46 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Jobs with random changes: check and plan accept them or report errors, in limited time and memory."""
-import os
 import random
 import shutil
-import signal
-import subprocess
-import threading
 import unittest
 
-from attacks import times
+from attacks import accepted_or_refused, times
 from mutations import mutated
-from program import ROOT, ProgramTest, changed, command, environment
+from program import ROOT, ProgramTest, changed, command
 
 # Seconds of CPU time of `check`; `plan` also measures the rates of the machine and, for the engine spectral, steps.
 MOST_s = {"check": 2.0, "plan": 20.0}
-MOST_B = 300e6
-PATIENCE_s = 120.0  # of a busy machine
-
-
-def run(verb, folder):
-    """The output, the exit code, the CPU time in s and the memory in bytes of a command."""
-    process = subprocess.Popen(command(verb, "job.toml", "--elsewhere"), cwd=folder, env=environment(),
-                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    timer = threading.Timer(PATIENCE_s, process.kill)
-    timer.start()
-    said = process.stdout.read().decode("utf-8", "replace")
-    _, status, used = os.wait4(process.pid, 0)
-    timer.cancel()
-    process.stdout.close()
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return said, process.returncode, used.ru_utime, 1024.0 * used.ru_maxrss
 
 
 class MutatedJobs(ProgramTest):
     def accepted_or_refused(self, verb, name=""):
-        said, code, core_s, most_B = run(verb, self.folder)
-        about = f"{verb} {name}: {said}"
-        self.assertIn(code, (0, 3), f"killed after {PATIENCE_s} s: {about}" if code == -signal.SIGKILL else about)
-        self.assertNotIn("internal error", said, about)
-        self.assertLess(core_s, MOST_s[verb], about)
-        self.assertLess(most_B, MOST_B, about)
-        return said, code
+        return accepted_or_refused(self, command(verb, "job.toml", "--elsewhere"), (0, 3), MOST_s[verb], f"{verb} {name}")
 
     def test_mutated_jobs_are_accepted_or_refused_at_once(self):
         jobs = sorted((ROOT / "jobs").glob("*.toml"))

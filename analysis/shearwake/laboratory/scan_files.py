@@ -252,7 +252,7 @@ def read_hdf5(path: Path) -> Scan:
     except BadLink as error:
         raise BadScan(str(error)) from error
     except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
-        raise BadScan(f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else error!r}") from error
+        raise BadScan(f"it cannot be read as HDF5: {(str(error).splitlines() or [repr(error)])[0]}") from error
 
 
 def read_mat5(path: Path) -> Scan:
@@ -264,7 +264,7 @@ def read_mat5(path: Path) -> Scan:
         raise BadScan("it cannot be read as a MATLAB file: it needs more memory than the limit for a file of this size") \
             from error
     except Exception as error:  # noqa: BLE001 - scipy raises many types for damaged files
-        raise BadScan(f"it cannot be read as a MATLAB file: {str(error).splitlines()[0] if str(error) else error!r}") \
+        raise BadScan(f"it cannot be read as a MATLAB file: {(str(error).splitlines() or [repr(error)])[0]}") \
             from error
     struct = content.get("vibrometer")
     if struct is not None and getattr(struct, "dtype", None) is not None and struct.dtype.names and struct.size == 1:

@@ -54,7 +54,7 @@ private:
 };
 
 /// rates-<processor>-<instruction set>-<ranks>.json in the cache folder, see cache_file(); nothing
-/// if there is no cache. `ranks`: of the run, whose teams share the memory bandwidth.
+/// without a cache. `ranks`: of the run, whose teams share the memory bandwidth.
 std::optional<std::filesystem::path> rates_file(int ranks);
 
 /// Returns no rates if the file is absent, damaged, or was written for another processor or by
