@@ -42,8 +42,8 @@ std::ptrdiff_t digits_of(std::string_view text) {
     return std::ranges::count_if(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// The largest error of numbers that are printed with this number of digits. Numbers of fewer than four
-/// digits are not taken as rounded.
+/// The largest error of numbers that are printed with this number of digits. Numbers of fewer than
+/// four digits are not taken as rounded.
 double rounding_of(const std::vector<double>& values, std::ptrdiff_t digits) {
     double largest = 0.0;
     for (const double value : values)
