@@ -132,7 +132,9 @@ class Explore(InFolder):
 
     def test_a_message_that_is_too_long_closes_the_connection_only(self):
         async def talk(ws):
-            await ws.send_str("x" * 2_000_000)
+            # The server may close the connection while the message is still being sent, which the sender sees as a reset.
+            with contextlib.suppress(ConnectionError, aiohttp.ClientConnectionError):
+                await ws.send_str("x" * 2_000_000)
             self.assertIn((await ws.receive()).type, (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.ERROR))
         self.connected(talk)
         self.assertEqual(self.status(f"/?token={self.page.token}")[0], 200)

@@ -209,7 +209,7 @@ IntegrityCheck check_without_line(const fs::path& path, const Input& file) {
 
 } // namespace
 
-std::string checksum_in(const fs::path& path) {
+std::string checksum_in(const fs::path& path) try {
     const Input file(path);
     ChecksumLine line;
     if (file.size() < line_length) return "";
@@ -217,6 +217,10 @@ std::string checksum_in(const fs::path& path) {
     if (!parse(text, line)) return "";
     text.pop_back();
     return text;
+} catch (const UsageError&) {
+    std::error_code unknown;
+    if (fs::exists(path, unknown)) throw;
+    return "";
 }
 
 IntegrityCheck check_integrity(const fs::path& path) {

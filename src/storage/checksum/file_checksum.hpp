@@ -35,8 +35,8 @@ void append_checksum(const std::filesystem::path& path);
 /// collective.
 IntegrityCheck check_integrity(const std::filesystem::path& path);
 
-/// The last line of a protected file without its end; empty if it has none. Throws UsageError
-/// (environment). Not collective.
+/// The last line of a protected file without its end; empty if it has none, or has been removed,
+/// which the run that wrote it reports at its end. Throws UsageError (environment). Not collective.
 std::string checksum_in(const std::filesystem::path& path);
 
 /// The member of a line of the journal that contains the last line of a case file.
