@@ -4,6 +4,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import textwrap
 from pathlib import Path
 
@@ -18,13 +19,19 @@ copyright = author  # the name is fixed by Sphinx
 release = re.search(r'^__version__ = "(.*)"', _package, flags=re.MULTILINE)[1]
 version = release
 
-extensions = ["myst_parser"]
+sys.path.insert(0, str(_ROOT / "analysis"))
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
+autodoc_member_order = "bysource"
+default_role = "code"  # of `names` in docstrings
 exclude_patterns = ["_build"]
 myst_heading_anchors = 4
 nitpicky = True
+nitpick_ignore_regex = [("py:.*", ".*")]  # types in signatures, of which most belong to other packages
 
-html_theme = "furo"
+html_theme = "sphinx_rtd_theme"
 html_title = f"shearwake {release}"
+html_static_path = ["site"]
+html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
 
@@ -61,8 +68,19 @@ def _documents():
             yield f"\n## `{name}`\n\n| member | meaning |\n|---|---|\n" + "".join(_members(document["properties"]))
 
 
+def _thumbnails(gallery):
+    """The first picture of each section of the gallery, as a link to the section."""
+    sections = re.findall(r"^### (.*?)\n(.*?)(?=^##|\Z)", gallery, flags=re.MULTILINE | re.DOTALL)
+    for heading, text in sections:
+        picture = re.search(r"!\[(.*)\]\((gallery/.*)\)", text)
+        anchor = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        if picture:
+            yield f"[![{picture[1]}]({picture[2]}) {heading.split(',')[0]}](#{anchor})\n"
+
+
 def _add_generated(app, page, source):
-    """Adds the keys of a job, the help of each command below its heading, and the members of the JSON documents."""
+    """Adds the keys of a job, the help of each command below its heading, the members of the JSON documents, thumbnails to the
+    gallery, and the demonstration to the first page."""
     if page in ("reference/keys", "reference/commands", "reference/json-output"):
         app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
     if page == "reference/keys":
@@ -72,6 +90,12 @@ def _add_generated(app, page, source):
                            flags=re.MULTILINE)
     elif page == "reference/json-output":
         source[0] += "".join(_documents())
+    elif page == "gallery":
+        block = "```{container} thumbnails\n" + "\n".join(_thumbnails(source[0])) + "```\n\n"
+        source[0] = source[0].replace("## First steps", block + "## First steps", 1)
+    elif page == "index":
+        picture = re.search(r"^!\[.*\]\(gallery/mach-cone.png\)$", source[0], flags=re.MULTILINE)[0]
+        source[0] = source[0].replace(picture, f'<iframe class="demo" src="demo.html" title="Demonstration"></iframe>\n\n{picture}')
 
 
 def setup(app):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Opens and computes sweeps of shearwake.
+"""Opens and computes sweeps of shearwake::
 
     import shearwake
     sweep = shearwake.open("out/quickstart")

@@ -25,6 +25,7 @@ class Site(ProgramTest):
         self.assertTrue(demonstration.is_file())
         self.assertLess(demonstration.stat().st_size, 5_000_000)
         self.assert_plays(demonstration)
+        self.assert_pages_have_a_theme()
 
     def assert_plays(self, path):
         """The page plays in a browser without a server: its result has values, and other frames follow."""
@@ -37,6 +38,29 @@ class Site(ProgramTest):
             page.run("explorer.play(true)")
             self.assertTrue(page.wait("explorer.frame > 3"))
             self.assertEqual(page.errors(), [])
+
+    def assert_pages_have_a_theme(self):
+        """Script and style sheet of the theme are loaded, lines of code are not cut, and the gallery shows thumbnails."""
+        need_chromium()
+        with browser.Browser(browser.SOFTWARE_WEBGL) as chromium:
+            for page in pages():
+                with self.subTest(page=page):
+                    shown = chromium.open(self.folder / "site" / page.relative_to(DOCS).with_suffix(".html"), 736, 900)
+                    self.assertEqual(shown.errors(), [])
+                    self.assertEqual(shown.requests(), [])
+                    self.assertEqual(shown.run("Array.from(document.images).filter(i => !i.naturalWidth).length"), 0)
+                    self.assertEqual(shown.run("""Array.from(document.querySelectorAll("pre")).filter(
+                        block => block.scrollWidth > block.clientWidth).length"""), 0)
+                    self.assertIn("fixed", shown.run("getComputedStyle(document.querySelector('nav.wy-nav-side')).position"))
+                    # The script of the theme opens the menu of a narrow window.
+                    shown.run("document.querySelector('[data-toggle=\"wy-nav-top\"]').click()")
+                    self.assertTrue(shown.run("document.querySelector('nav.wy-nav-side').classList.contains('shift')"))
+            gallery = chromium.open(self.folder / "site" / "gallery.html", 1280, 900)
+            links = gallery.run("Array.from(document.querySelectorAll('.thumbnails a'), a => a.getAttribute('href').slice(1))")
+            self.assertEqual(len(links), gallery.run("document.querySelectorAll('section section section section:has(img)').length"))
+            self.assertEqual(gallery.run(f"{links}.filter(id => !document.getElementById(id))"), [])
+            start = chromium.open(self.folder / "site" / "index.html", 1280, 900)
+            self.assertTrue(start.wait("document.querySelector('iframe.demo').contentWindow.length === 0"))
 
 
 if __name__ == "__main__":
