@@ -26,6 +26,7 @@ endforeach()
 
 # The Python package lies in share/shearwake/analysis, from which the program runs modules. A link makes it importable by the
 # system's Python: in /usr/local, and in ~/.local for its owner. The folder depends on the prefix of the installation.
+install(CODE "set(shearwake_source \"${CMAKE_CURRENT_SOURCE_DIR}\")")
 install(CODE [[
     execute_process(COMMAND python3 -c "import site, sys
 prefix = sys.argv[1] + '/lib/python'
@@ -39,6 +40,8 @@ print(next((folder for folder in folders if folder in known), folders[2]), end='
         file(MAKE_DIRECTORY "$ENV{DESTDIR}${folder}")
         file(REMOVE "$ENV{DESTDIR}${folder}/shearwake")
         file(CREATE_LINK "${target}" "$ENV{DESTDIR}${folder}/shearwake" SYMBOLIC)
+        execute_process(COMMAND python3 "${shearwake_source}/cmake/dist_info.py"
+            "${shearwake_source}/analysis" "$ENV{DESTDIR}${folder}" COMMAND_ERROR_IS_FATAL ANY)
         message(STATUS "Python package: ${folder}/shearwake")
     endif()
 ]])

@@ -10,14 +10,16 @@ and runs jobs with the program.
 """
 from .case import Case
 from .checksum import Damaged
-from .errors import (AxesDiffer, CasesFailed, Diagnostic, EnvironmentFailed, JobError, NotAnOutputFolder, NotRecorded,
+from .engine import Engine, Evaluation
+from .errors import (AxesDiffer, CasesFailed, Diagnostic, EnvironmentFailed, GridsDiffer, JobError, NotAnOutputFolder, NotRecorded,
                      NotValid, ProgramError, ProgramNotFound, ShearwakeError, Stopped, UsageError)
 from .job import Job, Plan, Progress
 from .plan import Column
+from .program import jobs
 from .sweep import Sweep, open_case
 from .sweep import open_sweep as open  # noqa: A001  (as in `shearwake.open`)
 
 __version__ = "0.2.0"
-__all__ = ["AxesDiffer", "Case", "CasesFailed", "Column", "Damaged", "Diagnostic", "EnvironmentFailed", "Job", "JobError",
+__all__ = ["AxesDiffer", "Case", "CasesFailed", "Column", "Damaged", "Diagnostic", "Engine", "EnvironmentFailed", "Evaluation", "GridsDiffer", "Job", "JobError",
            "NotAnOutputFolder", "NotRecorded", "NotValid", "Plan", "ProgramError", "ProgramNotFound", "Progress", "ShearwakeError",
-           "Stopped", "Sweep", "UsageError", "open", "open_case"]
+           "Stopped", "Sweep", "UsageError", "jobs", "open", "open_case"]

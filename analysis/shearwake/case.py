@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import html
 import json
 import math
 import tomllib
@@ -286,6 +287,16 @@ class Case:
         found = self.arrays("afferents")
         number = np.repeat(np.arange(len(found["afferent"])), found["spike_count"].astype(int))
         return pd.DataFrame({"afferent": number, "class": self.receptor_classes()[number], "time_s": found["spike_time"]})
+
+    def _repr_html_(self) -> str:
+        """Settings, and the values of the table, for notebooks."""
+        import pandas as pd
+        units = {column.name: column.unit for column in self.columns} if self.status == "complete" else {}
+        rows = [*((key, value, "") for key, value in self.settings.items()),
+                *((name, value, units.get(name, "")) for name, value in self.values.items())]
+        table = pd.DataFrame(rows, columns=["name", "value", "unit"]).to_html(index=False)
+        state = self.status if self.validity != 0.0 else "complete, not valid"
+        return f"<p><b>Case {html.escape(self.id)}</b>: {html.escape(state)}</p>{table}"
 
     # ---- pictures
 

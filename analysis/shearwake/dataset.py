@@ -2,6 +2,7 @@
 """Datasets of xarray over the cases of a sweep, which are read when their values are needed."""
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,9 @@ import numpy as np
 import xarray as xr
 
 from . import stored
+from .case import HOW, suggestion
 from .errors import NotRecorded
-from .keys import short_keys, split_unit
+from .keys import cf_unit, short_keys, split_unit
 from .lazy import Cells, Columns, axis_of, lazy, union
 
 if TYPE_CHECKING:
@@ -28,13 +30,14 @@ def of_group(path: Path, group: str) -> xr.Dataset:
     items = stored.items(path, group)
     file = np.empty((), dtype=object)
     file[()] = path
-    axes = {item.path: stored.array(path, item.path) for name, item in items.items() if item.dims == (name,)}
+    with stored.opened(path) as content:
+        axes = {item.path: axis_of(content, item.path, item.shape[0]) for name, item in items.items() if item.dims == (name,)}
     variables, coordinates = {}, {}
     for name, item in items.items():
         if item.dims == (name,):
             coordinates[name] = xr.Variable(item.dims, axes[item.path], item.attributes)
             continue
-        own = [axes.get(axis, np.arange(length, dtype=float)) for axis, length in zip(item.axis_paths, item.shape)]
+        own = [axes.get(axis, np.arange(length)) for axis, length in zip(item.axis_paths, item.shape)]
         variables[name] = lazy(Cells(file, item.path, list(item.axis_paths), own), list(item.dims), item.attributes)
     return xr.Dataset(variables, coordinates)
 
@@ -63,7 +66,7 @@ def follows(cases: Sequence[Case], key: str, other: str) -> bool:
 
 
 def key_attributes(key: str) -> dict[str, str]:
-    return {"key": key, **({"units": split_unit(key)[1]} if split_unit(key)[1] else {})}
+    return {"key": key, "long_name": key, **({"units": cf_unit(unit)} if (unit := split_unit(key)[1]) else {})}
 
 
 def grid_of(sweep: Sweep, cases: Sequence[Case]) -> Grid:
@@ -129,7 +132,7 @@ class Builder:
             with stored.opened(case.path) as file:
                 if path in file or case is self.complete[0]:
                     found.append(axis_of(file, path, length))
-        return union(found)
+        return union(found, path)
 
     def axis(self, item: stored.Item, number: int, group: str) -> tuple[str, np.ndarray]:
         """The name and the values of an axis in the Dataset."""
@@ -148,8 +151,8 @@ class Builder:
         """Adds a variable of the files under a name."""
         item = self.items_of(group).get(variable)
         if item is None:
-            raise NotRecorded(f"the cases contain no {group.strip('/')}{'/' if group != '/' else ''}{variable}; {group} contains "
-                              f"{', '.join(self.items_of(group))}")
+            raise KeyError(f"the cases contain no {group.strip('/')}{'/' if group != '/' else ''}{variable}"
+                           f"{suggestion(variable, list(self.items_of(group)))}")
         axes = [self.axis(item, n, group) for n in range(len(item.dims))]
         array = Cells(self.files, item.path, list(item.axis_paths), [values for _, values in axes])
         self.variables[name] = lazy(array, [*self.grid.dims, *(dim for dim, _ in axes)], item.attributes)
@@ -169,8 +172,12 @@ def ratio_reference(sweep: Sweep, case: Case, names: Sequence[str]) -> Case | No
     return reference if reference is not None and reference.status == "complete" else None
 
 
-def validity(sweep: Sweep, case: Case, names: Sequence[str]) -> float:
-    """The coordinate `valid` of a case, see Sweep.dataset."""
+def value_of(column: str, case: Case) -> float:
+    return case.value(column)
+
+
+def validity(sweep: Sweep, names: Sequence[str], case: Case) -> float:
+    """The variable `valid` of a case, see Sweep.dataset."""
     reference = ratio_reference(sweep, case, names)
     return min(case.validity, reference.validity) if reference is not None else case.validity
 
@@ -187,8 +194,9 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
     if builder.complete:
         judged = [*builder.complete, *(r for case in builder.complete if (r := ratio_reference(sweep, case, names)))]
         sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
-    builder.coordinates["valid"] = lazy(Columns(grid.cells, lambda case: validity(sweep, case, names)), grid.dims, {
-        "long_name": "1: the readings are valid, 0: they are not, NaN: no result"})
+    builder.variables["valid"] = lazy(Columns(grid.cells, functools.partial(validity, sweep, names)), grid.dims, {
+        "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
+        "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
     return xr.Dataset(builder.variables, builder.coordinates, {"title": sweep.title, "job": sweep.name})
 
 
@@ -196,8 +204,8 @@ def add_named(builder: Builder, sweep: Sweep, name: str) -> None:
     """Adds what a name of Sweep.dataset stands for. Raises KeyError and NotRecorded."""
     column = next((c for c in sweep.columns if c.name == name), None)
     if column is not None:
-        cells = Columns(builder.grid.cells, lambda case: case.value(name))
-        builder.variables[name] = lazy(cells, builder.grid.dims, {"units": column.unit, "long_name": column.meaning})
+        cells = Columns(builder.grid.cells, functools.partial(value_of, name))
+        builder.variables[name] = lazy(cells, builder.grid.dims, {"units": cf_unit(column.unit), "long_name": column.meaning})
         return
     group, _, variable = name.partition("/")
     if variable:
@@ -212,9 +220,10 @@ def add_named(builder: Builder, sweep: Sweep, name: str) -> None:
     else:
         groups = builder.complete[0].groups
         if name not in groups:
-            raise NotRecorded(f"{name} is not a column, a quantity over time or a group; there are the columns "
-                              f"{', '.join(c.name for c in sweep.columns)}, the quantities {', '.join(root)}, and the groups "
-                              f"{', '.join(groups)}")
+            if name in HOW:
+                raise builder.complete[0]._not_recorded(name)
+            known = list(dict.fromkeys([*(c.name for c in sweep.columns), *root, *groups]))
+            raise KeyError(f"{name} is not a column, a quantity over time or a group{suggestion(name, known)}")
         for variable, item in builder.items_of(name).items():
             if item.dims != (variable,):
                 builder.add(f"{name}_{variable}", name, variable)

@@ -26,6 +26,11 @@ class NotValid(UserWarning):
     """A warning: readings that were requested are not valid. `Case.warnings` states why."""
 
 
+class GridsDiffer(UserWarning):
+    """A warning: the grids of the cases in a dataset differ. Its axes contain the values of all of them, and values that a case does
+    not have are NaN."""
+
+
 class ProgramNotFound(ShearwakeError):
     """The program `shearwake` is neither installed nor built. Reading results does not need it."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import datetime
+import html
 import os
 import tempfile
 import tomllib
@@ -65,6 +66,10 @@ class Plan:
         """The size of all case files in bytes."""
         return self.document["disk_B"]
 
+    def _repr_html_(self) -> str:
+        """The first cases, for notebooks."""
+        return f"<p>{html.escape(repr(self))}</p>" + self.cases.head(10).to_html()
+
     def __repr__(self) -> str:
         time = "unknown time" if self.wall_s is None else f"{self.wall_s:.3g} s"
         return (f"<shearwake.Plan {self.document['name']}: {len(self.document['cases'])} cases, {time}, "
@@ -122,6 +127,10 @@ class Job:
 
     def __repr__(self) -> str:
         return f"<shearwake.Job {self._path or self.name}>"
+
+    def _repr_html_(self) -> str:
+        """The text of the job, for notebooks."""
+        return f"<details><summary>{html.escape(repr(self))}</summary><pre>{html.escape(self.text)}</pre></details>"
 
     @property
     def name(self) -> str:
@@ -241,6 +250,20 @@ class Job:
         sweep = reduced(folder)
         sweep.warn_of_invalid(sweep.every_case)
         return sweep
+
+    def optimise(self, ranks: int = 1, *, out: str | os.PathLike[str] | None = None, launch: Sequence[str] | None = None,
+                 options: Sequence[str] = ()) -> Sweep:
+        """Finds the best modulation of each case of a job with [optimise], and opens the output folder; its `optima` is the table.
+        `out` is by default out/NAME.optimise; the other arguments are those of run(). Raises JobError and the errors of run()."""
+        folder = Path(out) if out is not None else Path("out") / f"{self.name}.optimise"
+        with self._file() as path:
+            try:
+                run_and_watch(["optimise", str(path), "--out", str(folder), *options], ranks, launch, False)
+            except ProgramError as error:
+                if error.exit_code == 3:
+                    self._check(path)
+                raise
+        return Sweep(folder)
 
 
 def reduced(folder: Path) -> Sweep:

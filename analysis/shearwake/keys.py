@@ -16,6 +16,15 @@ def split_unit(key: str) -> tuple[str, str]:
     return (word[: -len(found) - 1], found) if found else (word, "")
 
 
+def cf_unit(unit: str) -> str:
+    """A unit of a key or of a table column in the notation of CF and UDUNITS: "m_s" and "m/s" -> "m s-1", "kg_m3" -> "kg m-3"."""
+    if unit in ("Pa_s", "mPa_s"):  # the only products among the units of keys
+        return unit.replace("_", " ")
+    above, _, below = unit.replace("_", "/").partition("/")
+    name, power = (below.rstrip("0123456789"), below.lstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")) if below else ("", "")
+    return {"deg": "degree"}.get(above, above) + (f" {name}-{power or 1}" if name else "")
+
+
 def short_keys(keys: Sequence[str]) -> dict[str, str]:
     """The name of each key as a dimension: its last part, or the whole key with underscores if several keys end in the same
     part."""

@@ -2,8 +2,11 @@
 """Arrays of xarray that are read from case files when their values are needed."""
 from __future__ import annotations
 
+import functools
+import math
+import warnings
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 import h5py
 import numpy as np
@@ -11,8 +14,8 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from .errors import AxesDiffer
-from .stored import opened
+from .errors import AxesDiffer, GridsDiffer
+from .stored import opened, text
 
 SAME = 1e-9  # relative to the largest value; axis values closer than this are equal
 
@@ -28,10 +31,13 @@ def positions(values: np.ndarray, axis: np.ndarray) -> np.ndarray | None:
     return at if near.all() else None
 
 
-def union(axes: list[np.ndarray]) -> np.ndarray:
-    """The values of all axes in ascending order, without values that are equal to the one before."""
+def union(axes: list[np.ndarray], name: str) -> np.ndarray:
+    """The values of all axes in ascending order, without values that are equal to the one before. Warns with GridsDiffer if the axes
+    differ."""
     if all(len(axis) == len(axes[0]) and np.array_equal(axis, axes[0]) for axis in axes):
         return axes[0]
+    warnings.warn(f"the cases have different values of {name}; the dataset contains the values of all of them, and NaN where a case "
+                  "has none. Select cases of one grid to avoid this", GridsDiffer, stacklevel=9)
     values = np.unique(np.concatenate(axes))
     tolerance = SAME * float(np.abs(values).max())
     return values[np.concatenate([[True], np.diff(values) > tolerance])]
@@ -53,6 +59,10 @@ class Cells(BackendArray):
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self.read)
+
+    def __dask_tokenize__(self) -> tuple[Any, ...]:
+        """What dask recognises equal data by: the files, with their times of change, and the variable."""
+        return (self.name, self.axis_names, [axis.tolist() for axis in self.axes], self.files.shape, stamps(self.files))
 
     def read(self, key: tuple[Any, ...]) -> np.ndarray:
         """The values of an index of integers, slices and arrays, each of which acts on its own dimension."""
@@ -94,9 +104,19 @@ class Cells(BackendArray):
                 into[np.ix_(*to)] = values[np.ix_(*[part - int(part.min()) for part in source])]
 
 
+def stamps(files: np.ndarray) -> list[Any]:
+    """The path and the time of change of each file; None for no file."""
+    return [None if path is None else (str(path), path.stat().st_mtime_ns) for path in files.flat]
+
+
 def axis_of(file: h5py.File, name: str, length: int) -> np.ndarray:
-    """The values of an axis; its numbers if the file contains no values."""
-    return file[name][()] if name and name in file else np.arange(length, dtype=float)
+    """The values of an axis, where those without unit (numbers of traces, receptors and spikes) are integers; the numbers of its
+    points if the file contains no values."""
+    if not name or name not in file:
+        return np.arange(length)
+    item = file[name]
+    values = item[()]
+    return values.astype(int) if text(item.attrs.get("units", "")) == "1" else values
 
 
 def lazy(array: BackendArray, dims: list[str], attributes: dict[str, Any]) -> xr.Variable:
@@ -106,19 +126,20 @@ def lazy(array: BackendArray, dims: list[str], attributes: dict[str, Any]) -> xr
 
 
 class Columns(BackendArray):
-    """A column of the table on a grid of cases, which is read when it is needed."""
+    """Numbers of cases on a grid, which are computed when they are needed. `value` is a picklable function of a case."""
 
-    def __init__(self, cells: np.ndarray, value: Callable[[Any], float]) -> None:
+    def __init__(self, cells: np.ndarray, value: functools.partial[float]) -> None:
         self.cells, self.value, self.shape, self.dtype = cells, value, cells.shape, np.dtype(float)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self.read)
 
+    def __dask_tokenize__(self) -> tuple[Any, ...]:
+        values = self.read(tuple(slice(None) for _ in self.shape))
+        return (self.shape, values.tobytes())
+
     def read(self, key: tuple[Any, ...]) -> np.ndarray:
         rows = [np.arange(n)[part] for n, part in zip(self.shape, key)]
         chosen = self.cells[np.ix_(*[np.atleast_1d(part) for part in rows])] if rows else self.cells
-        values = np.array([math_nan if case is None else self.value(case) for case in chosen.flat], dtype=float)
+        values = np.array([math.nan if case is None else self.value(case) for case in chosen.flat], dtype=float)
         return values.reshape([len(part) for part in rows if part.ndim])
-
-
-math_nan = float("nan")

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -23,13 +24,39 @@ def find() -> str:
     or on the PATH. Raises ProgramNotFound."""
     here = Path(__file__).resolve().parents[2]
     candidates = [os.environ.get("SHEARWAKE", ""), str(here / "build" / "shearwake"),
-                  str(here.parent.parent / "bin" / "shearwake"), "shearwake"]
+                  str(here.parent.parent / "bin" / "shearwake"),
+                  *(str(Path(folder) / "shearwake") for folder in os.get_exec_path())]
     for candidate in candidates:
         found = shutil.which(candidate) if candidate else None
-        if found:
+        if found and not is_entry_point(found):
             return found
     raise ProgramNotFound("the program shearwake is not on the PATH; install it with cmake --install, or set the environment "
                           "variable SHEARWAKE to its path. Reading results does not need it")
+
+
+def is_entry_point(path: str) -> bool:
+    """Whether a file is the script that pip makes of command(), and not the program."""
+    with open(path, "rb") as file:
+        return b"shearwake.program" in file.read(1000)
+
+
+def command() -> None:
+    """Replaces this process by the program: the command `shearwake` in an environment of pip."""
+    try:
+        path = find()
+    except ProgramNotFound as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(6)
+    os.execv(path, ["shearwake", *sys.argv[1:]])
+
+
+def jobs() -> dict[str, Path]:
+    """The jobs that are installed with the program, by name: Job(jobs()["quickstart"]). Raises ProgramNotFound."""
+    folders = [Path(__file__).resolve().parents[2] / "jobs"]
+    if not folders[0].is_dir():
+        program = Path(find()).resolve()
+        folders = [program.parents[1] / "jobs", program.parents[1] / "share" / "shearwake" / "jobs"]
+    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
 
 
 def environment() -> dict[str, str]:
@@ -47,9 +74,10 @@ def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | N
     return [*prefix, find(), *arguments]
 
 
-def call(arguments: Sequence[str], accept: Sequence[int] = (0,)) -> subprocess.CompletedProcess[str]:
-    """Runs a command on one rank to its end. Raises the ProgramError of any exit code that is not accepted."""
-    done = subprocess.run(launched(arguments), env=environment(), stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
+def call(arguments: Sequence[str], accept: Sequence[int] = (0,), ranks: int = 1,
+         launch: Sequence[str] | None = None) -> subprocess.CompletedProcess[str]:
+    """Runs a command to its end. Raises the ProgramError of any exit code that is not accepted."""
+    done = subprocess.run(launched(arguments, ranks, launch), env=environment(), stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
                           errors="replace", check=False)
     if done.returncode not in accept:
         raise error_of(done.returncode, done.stderr or done.stdout)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
+import html
 import json
 import os
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence
 
-from . import stored
+from . import program, stored
 from .case import Case
 from .checksum import Damaged, verify_case
 from .errors import NotAnOutputFolder, NotRecorded, NotValid
@@ -155,9 +156,9 @@ class Sweep:
         A name is a column of the table ("eta_period_1"), a quantity over time ("eta" or "eta_t"), a group ("traces",
         "surface", "mean") or a variable of a group ("traces/amplitude"). A key that follows from another swept key is a
         coordinate of that dimension. Cases that were excluded or are not complete are NaN. With `references`, each cell
-        contains the reference of its case. The coordinate `valid` is 1 where the readings of the case are valid, and those of
+        contains the reference of its case. The variable `valid` is 1 where the readings of the case are valid, and those of
         its reference if a ratio is requested, 0 where they are not, and NaN without a result. Warns with NotValid if a case
-        is not valid. Raises NotRecorded and KeyError."""
+        is not valid, and with GridsDiffer if the cases have different grids. Raises NotRecorded and KeyError."""
         from .dataset import of_sweep
         if not names:
             raise NotRecorded("name at least one column, quantity or group: sweep.dataset(\"eta_t\", \"traces\")")
@@ -172,6 +173,32 @@ class Sweep:
             more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
             warnings.warn(f"{len(wrong)} of {len(cases)} cases of {self.name} are not valid: {next(iter(reasons))}{more}", NotValid,
                           stacklevel=stacklevel)
+
+    def report(self) -> Path:
+        """Draws the figures and writes the page of the sweep. Returns the path of the page. Raises ProgramError."""
+        return Path(program.call_json(["report", str(self.folder)])["page"])
+
+    def compare(self, other: Sweep | str | os.PathLike[str]) -> dict[str, Any]:
+        """The differences of fields, traces and columns from another sweep, as the JSON document of `shearwake compare`. Raises
+        ProgramError."""
+        folder = other.folder if isinstance(other, Sweep) else Path(other)
+        return program.call_json(["compare", str(self.folder), str(folder)])
+
+    def converge(self, ranks: int = 1, *, cases: int = 3, only: Sequence[str] = (), job: str | os.PathLike[str] | None = None,
+                 launch: Sequence[str] | None = None) -> Sweep:
+        """Estimates numerical errors: computes some cases with half the spacing, half the time step and twice the domain. Returns
+        this sweep with its new table, whose columns have errors (`eta_period_1_error`). `only` selects cases by id; `job` is the job
+        file for jobs that refer to other files. Raises ProgramError."""
+        overrides = next((str(case.attributes.get("overrides", "")) for case in self.every_case if case.is_complete), "")
+        chosen = ["--only", ",".join(only)] if only else ["--cases", str(cases)]
+        program.call(["converge", str(job or self.folder / "job.toml"), "--out", str(self.folder), *chosen,
+                      *(word for line in overrides.splitlines() for word in ("-S", line))], ranks=ranks, launch=launch)
+        program.call(["reduce", str(self.folder)], (0, 4))
+        return Sweep(self.folder)
+
+    def _repr_html_(self) -> str:
+        """The first rows of the table, for notebooks."""
+        return f"<p><b>{html.escape(self.title or self.name)}</b>: {html.escape(repr(self))}</p>" + self.table.head(10).to_html()
 
     def verify(self) -> dict[str, str]:
         """Reads all case files. Returns the damage of each case whose file does not match its checksum."""

@@ -25,10 +25,23 @@ class Package(InFolder):
     def test_pip_installs_it_without_network(self):
         shutil.copytree(ANALYSIS, "analysis", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
         self.command("/usr/bin/python3", "-m", "venv", "--system-site-packages", "env")
-        self.command("env/bin/pip", "install", "-q", "--no-build-isolation", "--no-index", "./analysis")
+        # Debian's packages have versions such as 999 and names that pip does not know.
+        self.command("env/bin/pip", "install", "-q", "--no-build-isolation", "--no-index", "--no-deps", "./analysis")
         printed = self.command("env/bin/python", "-I", "-c", "import shearwake; print(shearwake.__file__)").strip()
         self.assertTrue(Path(printed).is_relative_to(self.folder / "env"), printed)
         self.assertTrue(Path(printed).with_name("py.typed").is_file())
+        engines = self.command("env/bin/python", "-I", "-c", "import xarray; print(*xarray.backends.list_engines())")
+        self.assertIn("shearwake", engines.split())
+        needed = self.command("env/bin/python", "-I", "-c", "import importlib.metadata as m; print(*m.requires('shearwake'))")
+        needed = needed.replace(" (", "").replace(")", "")  # as setuptools writes them, depending on its version
+        for name in ("numpy>=", "h5py>=", "xarray>=", "matplotlib>=", "xxhash>="):
+            self.assertIn(name, needed)
+        # Its command is replaced by the program that it finds, and explains what is missing without it.
+        self.assertIn("shearwake 0", self.command("env/bin/shearwake", "--version"))
+        alone = subprocess.run(["env/bin/shearwake", "--version"], capture_output=True, text=True, check=False,
+                               env={"PATH": f"{self.folder}/env/bin:/usr/bin:/bin"})
+        self.assertEqual(alone.returncode, 6)
+        self.assertIn("is not on the PATH", alone.stderr)
 
     def test_importing_it_is_cheap(self):
         text = (f"import sys; sys.path.insert(0, {str(ANALYSIS)!r}); import shearwake; "

@@ -56,7 +56,7 @@ class Reading(InFolder):
         self.assertEqual(data["eta_t"].dims, ("am_frequency_Hz", "depth", "time"))
         self.assertEqual(data["traces"].dims, ("am_frequency_Hz", "trace", "time"))
         self.assertEqual(data["am_frequency_Hz"].values.tolist(), [400.0, 500.0, 1000.0])
-        self.assertEqual(data["am_frequency_Hz"].attrs, {"key": AM, "units": "Hz"})
+        self.assertEqual(data["am_frequency_Hz"].attrs, {"key": AM, "long_name": AM, "units": "Hz"})
         self.assertEqual(data["traces"].attrs["units"], "m")
         for frequency in (400.0, 500.0, 1000.0):
             one = data.sel(am_frequency_Hz=frequency)
@@ -284,7 +284,7 @@ class Reading(InFolder):
     def test_other_folders_and_names_are_rejected_with_a_reason(self):
         with self.assertRaisesRegex(shearwake.NotAnOutputFolder, "no such output folder"):
             shearwake.open("out/none")
-        with self.assertRaisesRegex(shearwake.NotRecorded, "peak_qm is not a column.*peak_um"):
+        with self.assertRaisesRegex(KeyError, "peak_qm is not a column.*did you mean peak_um"):
             self.opened().dataset("peak_qm")
         with self.assertRaisesRegex(KeyError, "am_frequency_Hz"):
             self.opened().select(speed=3)

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The engine `layered` as a process of a script or a notebook: evaluates one case after the other without starting the program anew."""
+from __future__ import annotations
+
+import contextlib
+import functools
+import json
+import math
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import program
+from .case import suggestion
+from .errors import Diagnostic, NotRecorded, ProgramError
+from .job import Job, Source
+from .keys import cf_unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+EXIT_CODES = {"bad_job": 3, "bad_request": 3, "refused": 3, "time_limit": 4, "failed": 4}
+
+
+class Evaluation:
+    """The result of one case: `columns`, the values of the table, and `arrays`, the quantities over time and the surface in SI units,
+    with the names of a case file. `case_id` is that of `run`, `seconds` the time of computing."""
+
+    def __init__(self, message: Mapping[str, Any], content: bytes) -> None:
+        self.message = dict(message)
+        self.case_id: str = message["case"]
+        self.seconds: float = message["seconds"]
+        self.warnings: list[dict[str, str]] = message["warnings"]
+        self.columns: dict[str, float] = {name: math.nan if column["value"] is None else column["value"]
+                                          for name, column in message["columns"].items()}
+        self._content = content
+
+    def __repr__(self) -> str:
+        valid = "" if self.is_valid else ", not valid"
+        return f"<shearwake.Evaluation {self.case_id}: {len(self.columns)} columns, {self.seconds:.3g} s{valid}>"
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether no warning states that the readings are not valid."""
+        return all(warning["severity"] != "error" for warning in self.warnings)
+
+    def value(self, column: str) -> float:
+        """A column of the table; NaN if it is empty, for the reason in its `note`. Raises KeyError if it does not exist."""
+        if column not in self.columns:
+            raise KeyError(f"{column} is not a column{suggestion(column, list(self.columns))}")
+        return self.columns[column]
+
+    @functools.cached_property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All arrays by name: `u_z` (time, x, y) in m, `time`, `eta`, `traces/u_z` and so on."""
+        found, start = {}, 0
+        for entry in self.message["arrays"]:
+            kind = np.dtype(entry["type"]).newbyteorder("<")
+            count = math.prod(entry["shape"])
+            found[entry["name"]] = np.frombuffer(self._content, kind, count, start).reshape(entry["shape"])
+            start += count * kind.itemsize
+        return found
+
+    def dataset(self) -> xr.Dataset:
+        """The surface and the quantities over time as a Dataset of xarray. The arrays of groups (`traces/u_z`) are in `arrays`."""
+        import xarray as xr
+        variables = {entry["name"]: (entry["dimensions"], self.arrays[entry["name"]],
+                                     {"units": cf_unit(entry["units"]), "long_name": entry["meaning"]})
+                     for entry in self.message["arrays"] if "/" not in entry["name"]}
+        if not variables:
+            raise NotRecorded("the case has no arrays")
+        shape, spacing_m = self.arrays["u_z"].shape[1:], self.message["spacing_m"]
+        axes = {axis: (axis, spacing_m * (np.arange(points) - points // 2), {"units": "m", "long_name": f"position along {axis}"})
+                for axis, points in zip("xy", shape)}
+        return xr.Dataset(variables, axes)
+
+
+class Engine:
+    """A process of the engine `layered` that evaluates jobs one after the other, in a fraction of the time of `Job.run`, since it
+    keeps transfer functions, plans and buffers:
+
+        with shearwake.Engine() as engine:
+            print(engine.evaluate("jobs/mach-cone.toml").value("eta_at_1"))
+
+    A job contains one case ([sweep], [uncertain] and [table] are ignored) and refers to no files. Several threads may share an
+    engine. `ranks` and `launch` are those of `Job.run`, `time_limit_s` ends a case that takes longer."""
+
+    def __init__(self, ranks: int = 1, *, launch: Sequence[str] | None = None, time_limit_s: float | None = None) -> None:
+        limit = [] if time_limit_s is None else ["--time-limit", f"{time_limit_s:g}"]
+        self._command = program.launched(["serve", *limit], ranks, launch)
+        self._lock, self._number = threading.Lock(), 0
+        self._start()
+
+    def _start(self) -> None:
+        self._process = subprocess.Popen(self._command, env=program.environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                         stderr=subprocess.PIPE, start_new_session=True)
+        self._errors = b""
+        self._reader = threading.Thread(target=self._read_errors, daemon=True)
+        self._reader.start()
+        self.hello = self._receive()[0]
+
+    def __enter__(self) -> Engine:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = "closed" if self._process.poll() is not None else f"version {self.hello['version']}"
+        return f"<shearwake.Engine: {state}>"
+
+    def close(self) -> None:
+        """Ends the process."""
+        assert self._process.stdin and self._process.stdout
+        with contextlib.suppress(OSError):  # it has ended
+            self._process.stdin.close()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(10)
+        self._kill()
+
+    def _kill(self) -> None:
+        assert self._process.stdin and self._process.stdout
+        if self._process.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)  # with the ranks of mpirun
+        self._process.wait()
+        with contextlib.suppress(OSError):
+            self._process.stdin.close()
+        self._process.stdout.close()
+
+    def evaluate(self, job: Source | Job = None, /, **tables: Any) -> Evaluation:
+        """Computes the first case of a job, given as for `Job`. If the call is interrupted, the process is ended, and the next call
+        starts another one. Raises JobError with all errors, CasesFailed if the case cannot be computed, and EnvironmentFailed if the
+        process has ended."""
+        text = (job if isinstance(job, Job) and not tables else Job(job.tables if isinstance(job, Job) else job, **tables)).text
+        with self._lock:
+            if self._process.poll() is not None:
+                self._start()
+            self._number += 1
+            try:
+                self._send({"type": "compute", "id": self._number, "job": text})
+                message, content = self._receive()
+            except BaseException:
+                self._kill()
+                raise
+        if message["type"] == "result":
+            return Evaluation(message, content)
+        found = [Diagnostic(d["severity"], "<Job>", d["line"], d["column"], d["message"]) for d in message.get("diagnostics", [])]
+        lines = "\n".join(str(d) for d in found if d.severity == "error")
+        raise program.error_of(EXIT_CODES.get(message.get("code", ""), 1), lines or message.get("message", ""), found)
+
+    def _read_errors(self) -> None:
+        assert self._process.stderr
+        with self._process.stderr as stream:
+            for line in stream:
+                self._errors = (self._errors + line)[-10_000:]
+
+    def _send(self, message: Mapping[str, Any]) -> None:
+        assert self._process.stdin
+        try:
+            self._process.stdin.write(json.dumps(message).encode() + b"\n")
+            self._process.stdin.flush()
+        except (OSError, ValueError):
+            raise self._ended() from None
+
+    def _receive(self) -> tuple[dict[str, Any], bytes]:
+        assert self._process.stdout
+        try:
+            message: dict[str, Any] = json.loads(self._process.stdout.readline())
+            content = self._process.stdout.read(message.get("bytes", 0))
+        except ValueError:
+            raise self._ended() from None
+        if len(content) != message.get("bytes", 0):
+            raise self._ended()
+        return message, content
+
+    def _ended(self) -> ProgramError:
+        try:
+            code = self._process.wait(5)
+        except subprocess.TimeoutExpired:
+            code = 6
+        self._reader.join(1)
+        text = self._errors.decode("utf-8", "replace").strip()
+        return program.error_of(code if code > 0 else 6, text or "the engine has ended; make a new shearwake.Engine")
