@@ -79,9 +79,11 @@ def _add_pages():
     for page in pages():
         if any(block.language in EXECUTED for block in blocks(page)):
             name = f"{page.parent.name}_{page.stem}".replace("-", "_")
-            test = lambda self, page=page: self.execute(page)  # noqa: E731
+
+            def test(self, page=page):
+                self.execute(page)
             if page.stem != "1-first-sweep":
-                test = pytest.mark.long(test)
+                test = pytest.mark.long(test)  # of a lambda it would make a mark instead of a test
             setattr(Blocks, f"test_the_commands_of_{name}_work", test)
 
 
