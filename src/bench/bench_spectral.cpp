@@ -2,7 +2,7 @@
 #include "bench/bench.hpp"
 
 #include "base/error.hpp"
-#include "engines/spectral/spectral_estimate.hpp"
+#include "engines/spectral/spectral_plan.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "pipeline/memory.hpp"
@@ -244,8 +244,9 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world, fft::Planning::measured);
     const Measured m = measure(c, arguments.steps, mesh, slabs, world);
     const double copies_B_s = copy_rate_B_s(world);
-    const double planned_B =
-        spectral::estimate_spectral(c, mesh, 1, world.size()).memory_per_rank_B;
+    const double planned_B = spectral::SpectralPlan(c, mesh, {.step_s = c.time.interval_s})
+                                 .resources(world.size())
+                                 .memory_per_rank_B();
     if (!world.is_root()) return ExitCode::done;
     const std::string body = arguments.rigid  ? "a rigid cylinder"
                              : arguments.lump ? "a rigid ellipsoid"

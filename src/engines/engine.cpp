@@ -5,6 +5,13 @@
 
 namespace shearwake::engines {
 
+double Resources::memory_per_rank_B() const {
+    double bytes = program_B;
+    for (const Array& array : arrays)
+        bytes += array.bytes;
+    return bytes;
+}
+
 double volumes_B(const Case& c, double levels) {
     double components = 0.0;
     for (const VolumeField field : c.record.volume_fields)

@@ -132,12 +132,21 @@ private:
 /// Memory of one rank before any case: the program, MPI and HDF5.
 constexpr double program_B = 38e6;
 
-/// Resources that a case needs.
-struct Estimate {
-    double memory_per_rank_B = 0.0;
-    std::vector<Work> work; // of all ranks
-    int useful_ranks = 1;   // further ranks would have no rows
-    double written_B = 0.0; // volumes and sensor series in the case file
+/// An array, or arrays that belong together, on the rank on which they are largest.
+struct Array {
+    std::string name;
+    double bytes = 0.0;
+};
+
+/// Resources that a case needs according to the plan of its engine.
+struct Resources {
+    std::vector<Array> arrays; // at the time when the engine uses most memory
+    std::vector<Work> work;    // of all ranks
+    int useful_ranks = 1;      // further ranks would have no rows
+    double written_B = 0.0;    // volumes and sensor series in the case file
+
+    /// The program and all arrays.
+    double memory_per_rank_B() const;
 };
 
 /// Size in bytes of the volumes of a case in its file, for the given number of depth levels.
@@ -164,7 +173,7 @@ class Engine {
 public:
     virtual ~Engine() = default;
     /// Resources for running the case on a team of `ranks` ranks. Not collective.
-    virtual Estimate estimate(const Case& c, int ranks) const = 0;
+    virtual Resources resources(const Case& c, int ranks) const = 0;
     /// For engines that cannot be stopped between two steps: the case with fewer frames, whose
     /// parts take the same time per unit. Nothing: Checkpoints::due() can stop a run after any
     /// step. Not collective.

@@ -132,29 +132,34 @@ double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors,
 }
 
 /// The data of the recorder.
-double recorder_B(const Case& c, int ranks) {
+std::vector<engines::Array> arrays_of_recorder(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
     // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
     // and another plane for the sharpness.
-    double bytes = 2.0 * plane / ranks + 3.0 * plane;
-    if (!c.record.volumes_s.empty()) bytes += plane / ranks; // transposed for the file
-    if (!c.vibrometer) return bytes;
+    double planes = 2.0 * plane / ranks + 3.0 * plane;
+    if (!c.record.volumes_s.empty()) planes += plane / ranks; // transposed for the file
+    std::vector<engines::Array> arrays = {{"planes of the recorder", planes}};
+    if (!c.vibrometer) return arrays;
     // Displacements on each rank, velocities on rank 0.
     const double rate_Hz = std::max(c.vibrometer->rate_Hz, 1.0 / c.time.interval_s);
-    return bytes + static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
-                       (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s());
+    arrays.push_back(
+        {"signals of the vibrometer",
+         static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
+             (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s())});
+    return arrays;
 }
 
 } // namespace
 
 CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine) {
-    CasePlan plan{.receptors = receptors_of(c), .needs = engine.estimate(c, ranks)};
-    engines::Estimate& all = plan.needs;
+    CasePlan plan{.receptors = receptors_of(c), .needs = engine.resources(c, ranks)};
+    engines::Resources& all = plan.needs;
     all.written_B = case_file_B(c, plan.receptors, all.written_B);
-    all.memory_per_rank_B += recorder_B(c, ranks);
+    for (const engines::Array& array : arrays_of_recorder(c, ranks))
+        all.arrays.push_back(array);
     if (plan.receptors) {
-        all.memory_per_rank_B += afferents_memory_B(c, *plan.receptors, ranks);
+        all.arrays.push_back({"receptors", afferents_memory_B(c, *plan.receptors, ranks)});
         all.work.push_back(receptors_work(c, *plan.receptors));
     }
     all.work.push_back({files_kind, all.written_B});

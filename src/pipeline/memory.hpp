@@ -26,7 +26,7 @@ double resident_memory_B();
 struct CasePlan {
     std::optional<neural::Scene> receptors; // see receptors_of()
     /// Of engine, recorder, receptors and files; written_B is the size of the case file.
-    engines::Estimate needs;
+    engines::Resources needs;
 };
 /// Not collective.
 CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine);

@@ -103,7 +103,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
                    .started = storage::timestamp()};
     const Case& c = planned.physics;
     const CasePlan plan = plan_case(c, team.size(), engine);
-    refuse_too_large(plan.needs.memory_per_rank_B, job.memory_per_rank_B);
+    refuse_too_large(plan.needs.memory_per_rank_B(), job.memory_per_rank_B);
 
     const storage::SurfaceLayout layout = layout_of(c);
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);

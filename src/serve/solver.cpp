@@ -92,7 +92,7 @@ pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
                                      "sample; serve computes at most {:.3g}",
                                      receptors, limits_.receptor_values));
     const double frames_B = 2.0 * values * sizeof(float);
-    const double needed_B = plan.needs.memory_per_rank_B + frames_B;
+    const double needed_B = plan.needs.memory_per_rank_B() + frames_B;
     if (!(needed_B <= limits_.memory_per_rank_B))
         throw UsageError(fmt::format("the case needs {:.2f} GB per rank; serve uses at most {:.2f} "
                                      "GB",

@@ -76,7 +76,7 @@ exceedance = { peak_um = 21.0, "peak_um_z1mm" = 1.0 }
 /// nodes rest, so that no wave at the edges makes readings invalid.
 class ModelEngine : public engines::Engine {
 public:
-    engines::Estimate estimate(const Case&, int) const override { return {}; }
+    engines::Resources resources(const Case&, int) const override { return {}; }
     std::vector<Remark> limits(const Case&) const override { return {}; }
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints*) override {

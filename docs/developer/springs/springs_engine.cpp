@@ -20,9 +20,9 @@ engines::Work work_of(const Case& c) {
 
 } // namespace
 
-engines::Estimate SpringsEngine::estimate(const Case& c, int ranks) const {
+engines::Resources SpringsEngine::resources(const Case& c, int ranks) const {
     const engines::Work work = work_of(c);
-    return {.memory_per_rank_B = engines::program_B + 8.0 * work.size / ranks,
+    return {.arrays = {{"displacement", 8.0 * work.size / ranks}},
             .work = {work},
             .useful_ranks = static_cast<int>(c.domain.nx)};
 }

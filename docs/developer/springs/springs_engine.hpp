@@ -11,7 +11,7 @@ namespace shearwake::springs {
 /// A Winkler foundation without mass: u_z = p length / modulus at each point of the surface.
 class SpringsEngine : public engines::Engine {
 public:
-    engines::Estimate estimate(const Case& c, int ranks) const override;
+    engines::Resources resources(const Case& c, int ranks) const override;
     /// Its runs are not stopped.
     std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
     std::vector<Remark> limits(const Case& c) const override;

@@ -27,6 +27,7 @@ struct PlanArguments : schedule::JobArguments {
     int ranks = 0;          // 0: the number of ranks of this program
     int ranks_per_case = 0; // 0: choose
     bool all_cases = false; // list every case of a long plan
+    bool verbose = false;   // list the arrays of the largest case
     bool probe = false;     // measure the speed of kinds of cases that have not been measured
 };
 
@@ -122,7 +123,8 @@ struct Estimates {
     double longest_s = 0.0;
     cost::Origin origin = cost::Origin::measured; // the worst of all cases
     schedule::Demand demand;
-    std::string error; // memory or disk do not suffice; empty: they do
+    std::vector<engines::Array> arrays; // of the case that needs most memory
+    std::string error;                  // memory or disk do not suffice; empty: they do
 
     bool has_times() const { return origin != cost::Origin::unknown; }
 
@@ -163,8 +165,10 @@ Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
                            costs.of(c).written_B, time.origin});
         e.longest_s = std::max(e.longest_s, time.own_s);
         e.origin = std::max(e.origin, time.origin);
-        e.demand.memory_per_rank_B =
-            std::max(e.demand.memory_per_rank_B, e.cases.back().memory_per_rank_B);
+        if (e.cases.back().memory_per_rank_B > e.demand.memory_per_rank_B) {
+            e.demand.memory_per_rank_B = e.cases.back().memory_per_rank_B;
+            e.arrays = costs.of(c, layout.ranks_per_case).arrays;
+        }
         e.demand.disk_B += e.cases.back().disk_B;
     }
     add_choices(e, costs);
@@ -244,6 +248,16 @@ void print_totals(const Estimates& e) {
                                     duration_of(e.layout.seconds))
                       : "",
         e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+}
+
+/// The arrays of the case that needs most memory, the largest first.
+void print_arrays(const Estimates& e) {
+    std::vector<engines::Array> arrays = e.arrays;
+    arrays.push_back({"program", engines::program_B});
+    std::ranges::stable_sort(arrays, std::greater<>{}, &engines::Array::bytes);
+    fmt::print("\nmemory per rank of the largest case:\n");
+    for (const engines::Array& array : arrays)
+        if (array.bytes > 0.0) fmt::print("{:>10.1f} MB  {}\n", array.bytes / 1e6, array.name);
 }
 
 /// States what the estimates cover if results add further points.
@@ -330,6 +344,7 @@ void print_text(const Estimates& e, const PlanArguments& arguments, const config
         fmt::print("{}\n", config::text(diagnostic));
     print_cases(e.cases, arguments.all_cases);
     print_choices(e, job.diagnostics);
+    if (arguments.verbose) print_arrays(e);
     print_totals(e);
     print_adaptive(e, job.plan.adaptive);
     if (e.error.empty())
@@ -390,6 +405,8 @@ void add_plan(CLI::App& app, Action& action) {
     command.add_flag("--probe", arguments.probe,
                      "measure the speed of each kind of case that has not been measured on this "
                      "machine, for about two seconds each");
+    command.add_flag("-v,--verbose", arguments.verbose,
+                     "list the arrays of the case that needs most memory");
     command.add_flag("--all", arguments.all_cases, "list every case, also of a long plan");
     add_json(command, arguments.json);
 }

@@ -240,7 +240,8 @@ TimeLines time_lines(const Case& given, const fft::SlabShare& share) {
         .time_lines();
 }
 
-void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progress) {
+void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgress& progress) {
+    const Case& c = plan.c;
     if (!slabs_ || slabs_nx_ != c.domain.nx || slabs_ny_ != c.domain.ny) {
         slabs_ = std::make_unique<fft::SlabTransform>(c.domain.nx, c.domain.ny, team);
         slabs_nx_ = c.domain.nx;
@@ -250,17 +251,15 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progr
         tangential_table_.reset();
         loss_table_.reset();
     }
-    const auto& options = std::get<LayeredOptions>(c.solver);
     const std::ptrdiff_t ky_count = slabs_->share().ky_count;
     struct Kept {
         std::unique_ptr<TransferTable>& table;
-        TransferKey key;
+        const TransferKey& key;
     };
-    const TransferKey key = key_of(c, options);
-    const Kept tables[] = {{table_, key},
-                           {stress_table_, stress_key_of(c, key)},
-                           {tangential_table_, tangential_key_of(c, key)},
-                           {loss_table_, loss_key_of(c, key)}};
+    const Kept tables[] = {{table_, plan.keys[0]},
+                           {stress_table_, plan.keys[1]},
+                           {tangential_table_, plan.keys[2]},
+                           {loss_table_, plan.keys[3]}};
     expect_frames(progress, c, tables[0].key, ky_count, team.size());
     for (const Kept& kept : tables)
         if (!kept.table || kept.table->key() != kept.key)
@@ -316,13 +315,13 @@ void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& obse
 
 void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observer& observer,
                             engines::Checkpoints* checkpoints) {
-    const Case c = solved_case(given);
+    const LayeredPlan plan(given, team.size());
+    const Case& c = plan.c;
     CaseProgress progress(checkpoints);
-    prepare(c, team, progress);
+    prepare(plan, team, progress);
     const fft::SlabShare& share = slabs_->share();
     // All ranks use the same batch, determined by the largest slab.
-    const auto largest = std::lround(team.max(static_cast<double>(share.ky_count)));
-    const std::ptrdiff_t batch = frames_per_batch(c, largest);
+    const std::ptrdiff_t largest = plan.ky_count, batch = plan.frames_together;
     std::optional<FieldSpectra> spectra;
     fft::AlignedVector<double> plane;
     together(team, [&] {
@@ -377,7 +376,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                        observer.tangential({.number = n, .component = component, .u_m = values});
                    });
     }
-    progress.report_times(stages_of(c, table_->key(), team.size()));
+    progress.report_times(plan.stages());
 }
 
 } // namespace shearwake::layered

@@ -21,13 +21,15 @@ struct TimeLines {
 /// The transforms of the rank with this share of the grid. Not collective.
 TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 
+struct LayeredPlan;
+
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
 /// per (k, omega), see docs/explanation/engine-layered.md. Passes the frames depth by depth and in
 /// order of time for each depth. Between cases it keeps the transfer table of the last medium and
 /// grid, the transforms of the grid, and the Bessel functions of a grid with open edges.
 class LayeredEngine : public engines::Engine {
 public:
-    engines::Estimate estimate(const Case& c, int ranks) const override;
+    engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<Remark> limits(const Case& c) const override;
     std::vector<std::string> choices(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
@@ -42,7 +44,7 @@ private:
     /// run() without the end of a stop: throws StopRequested on all ranks.
     void compute(const Case& c, const Comm& team, engines::Observer& observer,
                  engines::Checkpoints* checkpoints);
-    void prepare(const Case& c, const Comm& team, CaseProgress& progress);
+    void prepare(const LayeredPlan& plan, const Comm& team, CaseProgress& progress);
     /// Frees the table if the key has no depths.
     void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
                     CaseProgress& progress);
@@ -72,9 +74,24 @@ TransferKey loss_key_of(const Case& c, const TransferKey& displacement);
 /// collective.
 std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count);
 
-/// The work of the stages of a case on the solved grid, by CaseProgress::Stage. Not collective.
-std::array<engines::Work, CaseProgress::stages> stages_of(const Case& c, const TransferKey& key,
-                                                          int ranks);
+/// The decisions of the engine for a case on a team of `ranks` ranks: `run` executes them, and the
+/// resources follow from them. Not collective.
+struct LayeredPlan {
+    LayeredPlan(const Case& given, int ranks);
+
+    Case c; // on the solved grid
+    int ranks;
+    std::ptrdiff_t ky_count;         // of the rank with most rows
+    std::ptrdiff_t frames_together;  // whose spectra are in memory at the same time
+    std::array<TransferKey, 4> keys; // displacement, stress, tangential displacement, loss
+    bool keeps_y = false;            // whether the load moves along x alone
+
+    /// Whether a table is expanded once, not for each batch of frames.
+    bool is_kept(const TransferKey& table) const;
+    /// The work of the stages, by CaseProgress::Stage.
+    std::array<engines::Work, CaseProgress::stages> stages() const;
+    std::vector<engines::Array> arrays() const;
+};
 
 /// Adds the work of a table to the progress of a case, on a rank with ky_count rows of a team of
 /// `ranks`. Not collective.

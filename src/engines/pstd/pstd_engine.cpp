@@ -2,7 +2,7 @@
 #include "engines/pstd/pstd_engine.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/estimate.hpp"
+#include "engines/pstd/pstd_plan.hpp"
 #include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_load.hpp"
 #include "engines/pstd/scene/case_step.hpp"
@@ -54,20 +54,19 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
                                : step_of(c, options).per_frame;
 }
 
-StepWork step_work(const Case& c, const PstdOptions& options, const CaseGrid& grid,
-                   std::ptrdiff_t per_frame, int ranks) {
+PstdPlan plan_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                 std::ptrdiff_t per_frame) {
     return {.points = static_cast<double>(grid.points[0]) * static_cast<double>(grid.points[1]) *
                       static_cast<double>(grid.points[2]),
             .steps = static_cast<double>(c.time.frames * per_frame),
             .absorption = is_lossy(c.scene().medium) ? Absorption::kelvin_voigt : Absorption::none,
             .precision = options.precision,
-            .uneven = varies_laterally(c.scene().medium),
-            .ranks = ranks};
+            .uneven = varies_laterally(c.scene().medium)};
 }
 
 /// With snapshots, every step adds to the displacements of all points.
-engines::MarchWork case_work(const Case& c, const CaseGrid& grid, const StepWork& steps) {
-    engines::MarchWork work = march_work(c, steps);
+engines::MarchWork case_work(const Case& c, const CaseGrid& grid, const PstdPlan& plan) {
+    engines::MarchWork work = march_work(c, plan);
     if (c.record.volumes_s.empty()) return work;
     work.kind += ", displacements";
     work.values = 3.0 * static_cast<double>(c.domain.nx * c.domain.ny * grid.levels);
@@ -95,8 +94,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     observer.begin(outputs->frames.slab());
     if (!c.record.volumes_s.empty()) observer.volume_levels(outputs->volumes->levels_m());
     PstdMarch<Real> field(c, step.per_frame, stepper, *outputs, "displacement_u_z", team);
-    const engines::MarchWork work =
-        case_work(c, grid, step_work(c, options, grid, step.per_frame, team.size()));
+    const engines::MarchWork work = case_work(c, grid, plan_of(c, options, grid, step.per_frame));
     if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints, work, began) ==
         engines::MarchEnd::stopped)
         return;
@@ -107,20 +105,21 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
 
 } // namespace
 
-engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
+engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (c.study()) return estimate_study(c, ranks);
+    if (c.study()) return study_resources(c, ranks);
     const CaseGrid grid = case_grid(c, options);
-    const StepWork steps = step_work(c, options, grid, steps_per_frame(c, options), ranks);
-    // The materials of the nodes are stored while coefficients are computed.
-    double kept_B = sizeof(NodeMaterial);
-    if (!c.record.volumes_s.empty()) kept_B += 3.0 * sizeof(double);
-    return {.memory_per_rank_B = stepper_memory_B(steps) + kept_B * steps.points / ranks,
-            .work = engines::parts_of(case_work(c, grid, steps)),
-            .useful_ranks = static_cast<int>(std::min(grid.points[0], grid.points[1])),
-            .written_B = c.record.volumes_s.empty()
-                             ? 0.0
-                             : engines::volumes_B(c, static_cast<double>(grid.levels))};
+    const PstdPlan plan = plan_of(c, options, grid, steps_per_frame(c, options));
+    engines::Resources all{.arrays = arrays_of_stepper(plan, ranks),
+                           .work = engines::parts_of(case_work(c, grid, plan)),
+                           .useful_ranks =
+                               static_cast<int>(std::min(grid.points[0], grid.points[1]))};
+    const double points = plan.points / ranks;
+    all.arrays.push_back({"materials of nodes at the start", sizeof(NodeMaterial) * points});
+    if (c.record.volumes_s.empty()) return all;
+    all.arrays.push_back({"displacement of nodes", 3.0 * sizeof(double) * points});
+    all.written_B = engines::volumes_B(c, static_cast<double>(grid.levels));
+    return all;
 }
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {

@@ -12,7 +12,7 @@ namespace shearwake::pstd {
 /// at all depths.
 class PstdEngine : public engines::Engine {
 public:
-    engines::Estimate estimate(const Case& c, int ranks) const override;
+    engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;

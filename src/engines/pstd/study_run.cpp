@@ -2,7 +2,7 @@
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/estimate.hpp"
+#include "engines/pstd/pstd_plan.hpp"
 #include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "parallel/agree.hpp"
@@ -81,14 +81,13 @@ FramePlaces frame_places(const Case& c) {
     return frames;
 }
 
-StepWork step_work(const Case& c, int ranks) {
+PstdPlan plan_of(const Case& c) {
     const StudyData& study = study_of(c);
     return {.points = static_cast<double>(study.size()),
             .steps = static_cast<double>(study.steps),
             .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
             .precision = std::get<PstdOptions>(c.solver).precision,
-            .uneven = is_uneven(study),
-            .ranks = ranks};
+            .uneven = is_uneven(study)};
 }
 
 template <class Real>
@@ -106,8 +105,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     });
     observer.begin(outputs->frames.slab());
     PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
-    if (engines::march(field, study.steps, observer, checkpoints,
-                       march_work(c, step_work(c, team.size())),
+    if (engines::march(field, study.steps, observer, checkpoints, march_work(c, plan_of(c)),
                        began) == engines::MarchEnd::stopped)
         return;
     observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
@@ -118,7 +116,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
 
 } // namespace
 
-engines::Estimate estimate_study(const Case& c, int ranks) {
+engines::Resources study_resources(const Case& c, int ranks) {
     const StudyData& study = study_of(c);
     double stored = 0.0;
     for (const auto* values :
@@ -128,11 +126,15 @@ engines::Estimate estimate_study(const Case& c, int ranks) {
         stored += static_cast<double>(source.series.size() + 5 * source.nodes.size());
     const double recorded = static_cast<double>(study.sensors.size() * study.sensor_fields.size()) *
                             static_cast<double>(study.steps - study.sensor_start + 1);
-    const StepWork steps = step_work(c, ranks);
-    return {.memory_per_rank_B = stepper_memory_B(steps) + 8.0 * (stored + 2.0 * recorded),
-            .work = engines::parts_of(march_work(c, steps)),
-            .useful_ranks = static_cast<int>(std::min(study.points[0], study.points[1])),
-            .written_B = 8.0 * recorded};
+    const PstdPlan plan = plan_of(c);
+    engines::Resources all{.arrays = arrays_of_stepper(plan, ranks),
+                           .work = engines::parts_of(march_work(c, plan)),
+                           .useful_ranks =
+                               static_cast<int>(std::min(study.points[0], study.points[1])),
+                           .written_B = 8.0 * recorded};
+    all.arrays.push_back({"study", 8.0 * stored});
+    all.arrays.push_back({"series of the sensor", 2.0 * 8.0 * recorded});
+    return all;
 }
 
 void run_study(const Case& c, const Comm& team, engines::Observer& observer,

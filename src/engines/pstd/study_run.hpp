@@ -27,7 +27,7 @@ void run_study(const Case& c, const Comm& team, engines::Observer& observer,
                engines::Checkpoints* checkpoints);
 
 /// Resources of a grid study. Not collective.
-engines::Estimate estimate_study(const Case& c, int ranks);
+engines::Resources study_resources(const Case& c, int ranks);
 
 /// The reason why a case does not match the grid study of its solver: domain, times, depths, or
 /// keys that have no effect with a study. Empty if it matches or has no study.

@@ -2,9 +2,7 @@
 #include "engines/spectral/spectral_engine.hpp"
 
 #include "base/error.hpp"
-#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/choices.hpp"
-#include "engines/spectral/spectral_estimate.hpp"
 #include "engines/spectral/spectral_march.hpp"
 #include "parallel/agree.hpp"
 
@@ -32,19 +30,29 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
 
 } // namespace
 
-engines::Estimate SpectralEngine::estimate(const Case& given, int ranks) const {
-    const Case c = with_rigid_bodies(given);
-    const auto& options = std::get<SpectralOptions>(c.solver);
-    const TimeStep time = choose_time_step(c, options);
-    return estimate_spectral(c, choose_mesh(c, options, time.step_s), time.per_frame, ranks);
+const SpectralPlan& SpectralEngine::plan_of(const Case& given) const {
+    if (!planned_ || !(planned_->given == given)) {
+        planned_.reset();
+        planned_.emplace(Planned{given, SpectralPlan(given)});
+    }
+    return planned_->plan;
+}
+
+engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {
+    const SpectralPlan& plan = plan_of(c);
+    const Medium& medium = plan.c.scene().medium;
+    if (medium.bodies.empty() && !medium.map) return plan.resources({}, ranks);
+    const std::string key = plan.key_of_variation();
+    auto known = variations_.find(key);
+    if (known == variations_.end())
+        known = variations_.emplace(key, plan.sampled_variation()).first;
+    return plan.resources(known->second, ranks);
 }
 
 std::vector<std::string> SpectralEngine::choices(const Case& given) const {
-    const Case c = with_rigid_bodies(given);
+    const auto& [c, time, mesh] = plan_of(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
-    const TimeStep time = choose_time_step(c, options);
-    auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s),
-                                      probed_errors(c, options, time.step_s));
+    auto notes = discretisation_notes(time, mesh, probed_errors(c, options, time.step_s));
     for (const auto& more :
          {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
@@ -73,16 +81,15 @@ engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
 void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,
                          engines::Checkpoints* checkpoints) {
     const auto began = Clock::now();
-    const Case c = with_rigid_bodies(given);
+    const SpectralPlan plan = plan_of(given); // a copy, since an observer may ask for other plans
+    const auto& [c, time, mesh] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
-    const TimeStep time = choose_time_step(c, options);
-    const DepthMesh mesh = choose_mesh(c, options, time.step_s);
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team, fft::Planning::measured);
     SpectralMarch field(c, mesh, slabs, time, team);
     observer.begin({slabs.share().x_start, slabs.share().x_count});
     if (!c.record.volumes_s.empty()) observer.volume_levels(field.levels_m());
-    if (engines::march(field, c.time.frames * time.per_frame, observer, checkpoints,
-                       march_work(c, mesh, time.per_frame), began) == engines::MarchEnd::stopped)
+    if (engines::march(field, plan.steps(), observer, checkpoints, plan.work(), began) ==
+        engines::MarchEnd::stopped)
         return;
     const ProbedErrors errors = probed_errors(c, options, time.step_s);
     auto notes = discretisation_notes(time, mesh, errors);

@@ -2,6 +2,11 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/spectral/spectral_plan.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
 
 namespace shearwake::spectral {
 
@@ -11,7 +16,7 @@ namespace shearwake::spectral {
 /// depths.
 class SpectralEngine : public engines::Engine {
 public:
-    engines::Estimate estimate(const Case& c, int ranks) const override;
+    engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
@@ -21,6 +26,17 @@ public:
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
+
+private:
+    struct Planned {
+        Case given;
+        SpectralPlan plan;
+    };
+    /// The plan of the case, which is made once for its resources, its choices and its run. Valid
+    /// until the next call.
+    const SpectralPlan& plan_of(const Case& given) const;
+    mutable std::optional<Planned> planned_;
+    mutable std::map<std::string, SampledVariation> variations_; // by key_of_variation()
 };
 
 } // namespace shearwake::spectral

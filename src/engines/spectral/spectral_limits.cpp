@@ -37,7 +37,7 @@ bool SpectralEngine::probes_step(const Case& c) const {
 }
 
 double SpectralEngine::probed_step_s(const Case& c) const {
-    return choose_time_step(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver)).step_s;
+    return plan_of(c).time.step_s;
 }
 
 Case SpectralEngine::with_step(const Case& c, double step_s) const {

@@ -39,11 +39,11 @@ double distance(const Case& a, const Case& b) {
 
 } // namespace
 
-bool shares_work(const engines::Estimate& needs) {
+bool shares_work(const engines::Resources& needs) {
     return std::ranges::any_of(needs.work, &engines::Work::is_shared);
 }
 
-CaseTime time_of(const engines::Estimate& needs, int ranks, const Rates& rates) {
+CaseTime time_of(const engines::Resources& needs, int ranks, const Rates& rates) {
     const int used = std::max(1, std::min(ranks, needs.useful_ranks));
     // Ratio of the most slabs per rank to the mean.
     const double slabs = needs.useful_ranks;
@@ -101,7 +101,7 @@ Case CaseCosts::with_step(const Case& c) const {
     return engine_of(c).with_step(c, nearest.step_s);
 }
 
-const engines::Estimate& CaseCosts::of(const Case& c, int ranks) {
+const engines::Resources& CaseCosts::of(const Case& c, int ranks) {
     const auto known = known_.find({&c, ranks});
     if (known != known_.end()) return known->second;
     return known_[{&c, ranks}] = pipeline::plan_case(with_step(c), ranks, engine_of(c)).needs;
@@ -134,8 +134,8 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
         const auto engine = engines::make_engine(given.solver);
         const Case c =
             engine->probes_step(given) ? engine->with_step(given, given.time.interval_s) : given;
-        const engines::Estimate needs = pipeline::plan_case(c, ranks, *engine).needs;
-        demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B);
+        const engines::Resources needs = pipeline::plan_case(c, ranks, *engine).needs;
+        demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B());
         demand.disk_B += needs.written_B;
         if (std::chrono::steady_clock::now() > end) break;
     }

@@ -16,7 +16,7 @@
 namespace shearwake::cost {
 
 /// Whether the case has work that is done once per medium and grid.
-bool shares_work(const engines::Estimate& needs);
+bool shares_work(const engines::Resources& needs);
 
 /// Seconds of a case on a team: of its own work, and of the work that it shares with other cases.
 struct CaseTime {
@@ -25,7 +25,7 @@ struct CaseTime {
 };
 
 /// Seconds of the work on a team: each part in proportion to the slabs of the fullest rank.
-CaseTime time_of(const engines::Estimate& needs, int ranks, const Rates& rates);
+CaseTime time_of(const engines::Resources& needs, int ranks, const Rates& rates);
 
 /// Costs of the cases of a plan. Some engines choose their time step by trial, which may take a
 /// tenth of a second. A few cases spread over the plan are probed; every other case is estimated
@@ -41,12 +41,12 @@ public:
               const BeforeProbe& before_probe = {});
 
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
-    const engines::Estimate& of(const Case& c, int ranks = 1);
+    const engines::Resources& of(const Case& c, int ranks = 1);
     /// Seconds of the case on a team of `ranks` ranks.
     CaseTime time(const Case& c, int ranks) { return time_of(of(c), ranks, rates_); }
     /// Memory per rank of the case on a team of `ranks` ranks, including that of the program
     /// itself.
-    double memory_per_rank_B(const Case& c, int ranks) { return of(c, ranks).memory_per_rank_B; }
+    double memory_per_rank_B(const Case& c, int ranks) { return of(c, ranks).memory_per_rank_B(); }
     const Rates& rates() const { return rates_; }
     /// Sets the rates on which the times are based.
     void use(Rates rates) { rates_ = std::move(rates); }
@@ -67,7 +67,7 @@ private:
     std::vector<Probe> probes_;
     // By index of the solver.
     mutable std::map<std::size_t, std::unique_ptr<engines::Engine>> engines_;
-    std::map<std::pair<const Case*, int>, engines::Estimate> known_; // by case and ranks
+    std::map<std::pair<const Case*, int>, engines::Resources> known_; // by case and ranks
 };
 
 /// Hooks of measure_rates().

@@ -119,7 +119,7 @@ Times times_of_frames(const Case& c, const Probed& probed, const Comm& team) {
 }
 
 /// The rates of the work of a case that was timed, at the sizes of the case.
-void add_rates(const engines::Estimate& needs, const Times& times, int ranks, Rates& rates) {
+void add_rates(const engines::Resources& needs, const Times& times, int ranks, Rates& rates) {
     for (const engines::Work& part : needs.work)
         if (const engines::TimedWork* timed = part_of(times, part.kind);
             timed && timed->work.amount() > 0.0)
@@ -151,7 +151,7 @@ std::vector<const PlannedCase*> cases_to_probe(CaseCosts& costs,
     std::vector<const PlannedCase*> all;
     Rates covered = costs.rates();
     for (const PlannedCase* planned : cases) {
-        const engines::Estimate& needs = costs.of(planned->physics);
+        const engines::Resources& needs = costs.of(planned->physics);
         const auto is_new = [&](const engines::Work& part) {
             return part.amount() > 0.0 && pipeline::can_be_probed(part) &&
                    covered.of(part, ranks).origin >= Origin::similar;
@@ -204,7 +204,7 @@ bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& case
     for (const PlannedCase* planned : probed) {
         if (world.any(hooks.stop && hooks.stop())) break;
         const Case c = costs.with_step(planned->physics);
-        const engines::Estimate& needs = costs.of(planned->physics, ranks_per_case);
+        const engines::Resources& needs = costs.of(planned->physics, ranks_per_case);
         const Probed setting{engines::make_engine(c.solver), pipeline::receptors_of(c)};
         add_rates(needs, times_or_none(team, [&] { return times_of_engine(c, setting, team); }),
                   ranks_per_case, fresh);

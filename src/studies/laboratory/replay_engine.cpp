@@ -13,12 +13,9 @@ ReplayEngine::ReplayEngine(std::filesystem::path prefix, std::size_t repetition,
                            std::vector<std::string> notes)
     : prefix_(std::move(prefix)), repetition_(repetition), notes_(std::move(notes)) {}
 
-engines::Estimate ReplayEngine::estimate(const Case& c, int) const {
-    const double plane_B =
-        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
-    engines::Estimate estimate;
-    estimate.memory_per_rank_B = engines::program_B + plane_B;
-    return estimate;
+engines::Resources ReplayEngine::resources(const Case& c, int) const {
+    return {.arrays = {{"frame", static_cast<double>(c.domain.nx) *
+                                     static_cast<double>(c.domain.ny) * sizeof(double)}}};
 }
 
 std::vector<Remark> ReplayEngine::limits(const Case& c) const {

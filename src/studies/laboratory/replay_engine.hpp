@@ -17,7 +17,7 @@ public:
     ReplayEngine(std::filesystem::path prefix, std::size_t repetition,
                  std::vector<std::string> notes);
 
-    engines::Estimate estimate(const Case& c, int ranks) const override;
+    engines::Resources resources(const Case& c, int ranks) const override;
     /// Errors for what a measurement does not contain: depths, stress, volumes, grid studies.
     std::vector<Remark> limits(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,

@@ -107,7 +107,7 @@ std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
                               depth_cell(mesh, element, node));
 }
 
-CellExtent PlaneCells::extent(const Comm& team) const {
+CellExtent PlaneCells::extent(const Comm* team) const {
     constexpr double none = std::numeric_limits<double>::lowest();
     double most[4] = {none, none, none, none}; // -x, x, -y, y
     const auto widen = [](double& at, std::ptrdiff_t value) {
@@ -121,7 +121,7 @@ CellExtent PlaneCells::extent(const Comm& team) const {
             widen(most[2], -run.begin);
             widen(most[3], run.end);
         }
-    team.max(std::span<double>(most));
+    if (team) team->max(std::span<double>(most));
     if (most[0] == none) return {};
     const auto index = [](double value) { return static_cast<std::ptrdiff_t>(value); };
     return {index(-most[0]), index(most[1]), index(-most[2]), index(most[3])};

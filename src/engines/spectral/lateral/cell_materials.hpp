@@ -35,8 +35,8 @@ struct PlaneCells {
         return {points[point].first * components,
                 (points[point].first + points[point].cells) * components};
     }
-    /// Extent of the cells of all ranks. Collective.
-    CellExtent extent(const Comm& team) const;
+    /// Extent of the cells of all ranks. Collective; without a team, that of this rank.
+    CellExtent extent(const Comm* team) const;
 };
 
 /// The depth range that a node represents: the cell that corresponds to its quadrature weight.

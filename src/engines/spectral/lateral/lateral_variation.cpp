@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/lateral_variation.hpp"
 
+#include "base/units.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 
@@ -17,7 +18,7 @@ struct Extremes {
 };
 
 Extremes extremes_of(const std::vector<CellMaterial>& all, const Material& layer,
-                     const Comm& team) {
+                     const Comm* team) {
     constexpr double none = -1e300;
     std::array<double, 8> v;
     v.fill(none);
@@ -32,9 +33,16 @@ Extremes extremes_of(const std::vector<CellMaterial>& all, const Material& layer
         if (m.is_laminate())
             widen({m.density_kg_m3, m.lambda_Pa, m.mu_across_Pa, m.viscosity_Pa_s});
     }
-    team.max(std::span<double>(v));
+    if (team) team->max(std::span<double>(v));
     if (v[0] == none) return {layer, layer};
     return {{-v[4], -v[5], -v[6], -v[7]}, {v[0], v[1], v[2], v[3]}};
+}
+
+void together_on(const Comm* team, const std::function<void()>& work) {
+    if (team)
+        together(*team, work);
+    else
+        work();
 }
 
 /// Highest shear stiffness and its density, relative to the surrounding layer.
@@ -58,7 +66,7 @@ bool differs(const Material& a, const Material& b) {
 }
 
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::SlabShare& share,
-                             const Comm& team, Stiffest& stiffest) {
+                             const Comm* team, Stiffest& stiffest) {
     std::vector<Gathered> result;
     const auto nodes = static_cast<std::size_t>(mesh.degree) + 1;
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
@@ -69,7 +77,7 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::Sl
         bool some_vary = false, less_viscous = false;
         for (std::size_t i = 0; i < nodes; ++i) {
             Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, {}, {}, false};
-            together(team, [&] { g.all = cell_materials(c, mesh, share, g.where); });
+            together_on(team, [&] { g.all = cell_materials(c, mesh, share, g.where); });
             g.extremes = extremes_of(g.all, layer, team);
             const double stiffness = g.extremes.greatest.mu_Pa / layer.mu_Pa;
             if (stiffness > stiffest.stiffness)
@@ -259,13 +267,19 @@ double added_inertia(const std::vector<Gathered>& gathered, const VerticalOperat
 
 } // namespace
 
-LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
-                                   double step_s, const Comm& team) {
+double largest_k_rad_m(const Domain& domain) {
+    return std::hypot(two_pi / domain.extent_x_m() * static_cast<double>(domain.nx / 2),
+                      two_pi / domain.extent_y_m() * static_cast<double>(domain.ny / 2));
+}
+
+LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
+                                   const fft::SlabShare& share, double k_max_rad_m, double step_s,
+                                   const Comm* team) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     LateralVariation v;
     v.background = background_of(mesh, c.scene().medium);
     Stiffest stiffest;
-    const std::vector<Gathered> gathered = gather(c, mesh, vectors.share(), team, stiffest);
+    const std::vector<Gathered> gathered = gather(c, mesh, share, team, stiffest);
     if (gathered.empty()) return v;
 
     if (stiffest.stiffness > options.contrast_cap * (1.0 + 1e-12))
@@ -279,7 +293,6 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     // Requirements on the background, and whether iterations are needed.
     Variety variety = take_least(gathered, mesh, v.background);
     const VerticalOperator vertical(mesh, v.background);
-    const double k_max_rad_m = vectors.largest_k_rad_m();
     variety.inertia = added_inertia(
         gathered, vertical, bandwidth_rad_m(c.scene().load.footprint, 0.5), k_max_rad_m, step_s);
     v.density_varies = variety.density;
@@ -298,10 +311,10 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
             std::min(b.theta_s[g.where.element], least.viscosity_Pa_s / least.mu_Pa);
         if (!v.iterates) b.mu_stable_Pa[at] = greatest.mu_Pa;
     }
-    together(team, [&] {
+    together_on(team, [&] {
         CellCollector collector(mesh, vertical, variety, k_max_rad_m, step_s, v);
         for (const Gathered& g : gathered)
-            collector.add(g, vectors.share().x_count, c.domain.ny);
+            collector.add(g, share.x_count, c.domain.ny);
     });
     return v;
 }

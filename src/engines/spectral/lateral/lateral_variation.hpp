@@ -50,9 +50,14 @@ struct LateralVariation {
     int components() const { return density_varies ? all_components : strain_components; }
 };
 
+/// The magnitude of the largest wave vector of a grid.
+double largest_k_rad_m(const Domain& domain);
+
 /// Collects the varying cells; the extremes over the complete plane determine the solution method.
-/// Throws CaseFailure on all ranks together. Collective.
-LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
-                                   double step_s, const Comm& team);
+/// `k_max_rad_m`: the magnitude of the largest wave vector. Throws CaseFailure on all ranks
+/// together. Collective over `team`; null: this rank has all rows.
+LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
+                                   const fft::SlabShare& share, double k_max_rad_m, double step_s,
+                                   const Comm* team);
 
 } // namespace shearwake::spectral

@@ -86,10 +86,6 @@ void WaveVectors::clear_nyquist(double* plane) const {
     }
 }
 
-double WaveVectors::largest_k_rad_m() const {
-    return std::hypot(kx_rad_m(nx_ / 2), two_pi / extent_y_m_ * static_cast<double>(ny_ / 2));
-}
-
 MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
     : case_(c), kernels_(simd::kernels<PencilKernels>()), vectors_(vectors), step_s_(step_s),
       pattern_(c.scene().load, c.time.duration_s() + 2.0 * step_s) {

@@ -39,7 +39,6 @@ public:
     /// How often each part of a block occurs in a sum over all wave vectors of the plane: twice for
     /// ky > 0, whose conjugates are not stored, and not at all if -kx equals kx.
     Counted counted(std::ptrdiff_t row, std::ptrdiff_t block) const;
-    double largest_k_rad_m() const;
     /// Zeroes the Nyquist modes of a plane of spectra.
     void clear_nyquist(double* plane) const;
     const fft::SlabShare& share() const { return share_; }

@@ -19,7 +19,7 @@ StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& sl
                            const Comm& team, StepClock& clock, Corner corner)
     : cells_(cells), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
       count_(static_cast<std::ptrdiff_t>(cells.points.size() * cells.components)) {
-    const CellExtent extent = cells.extent(team);
+    const CellExtent extent = cells.extent(&team);
     if (LineWindow::pays(nx_, extent.x_end - extent.x_begin))
         window_.emplace(nx_, extent.x_begin - corner.x, extent.x_end - extent.x_begin);
     const fft::SlabShare& share = slabs.share();

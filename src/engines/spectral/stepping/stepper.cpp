@@ -27,7 +27,9 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
     : case_(c), layers_(without_rigid_bodies(c)), mesh_(mesh), slabs_(slabs), team_(team),
       vectors_(c.domain, slabs.share()), step_s_(step_s),
       tolerance_(std::get<SpectralOptions>(c.solver).residual),
-      field_(lateral_variation(layers_, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
+      field_(
+          lateral_variation(layers_, mesh, slabs.share(), largest_k_rad_m(c.domain), step_s, &team),
+          c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components()),
       load_(c, vectors_, step_s),

@@ -10,7 +10,7 @@ void Stepper::assemble_box() {
     // With rigid bodies the response depends on the positions of both cells.
     if (!solver_ || !bodies_->empty() || !slab_bodies_.empty()) return;
     const std::optional<BoxGrid> grid =
-        box_grid(case_.domain, field_.cells().extent(team_),
+        box_grid(case_.domain, field_.cells().extent(&team_),
                  {.planes = static_cast<double>(planes_->count()),
                   .factor_entries = static_cast<double>(operator_.factor_size()),
                   .steps = case_.time.duration_s() / step_s_});

@@ -52,8 +52,8 @@ TEST_CASE("the time of a case is the sum of its parts", "[costs]") {
     rates.add({"steps", 1e3, 1, 1e-6, false});
     rates.add({"table", 1e3, 1, 1e-3, true});
     rates.add({"steps", 1e3, 20, 2e-6, false});
-    const engines::Estimate cost{.work = {{"steps", 1e3, 1e5}, {"table", 1e3, 10.0, true}},
-                                 .useful_ranks = 100};
+    const engines::Resources cost{.work = {{"steps", 1e3, 1e5}, {"table", 1e3, 10.0, true}},
+                                  .useful_ranks = 100};
     CHECK(cost::shares_work(cost));
     const cost::CaseTime alone = cost::time_of(cost, 1, rates);
     CHECK(alone.own_s == Approx(100.0));
@@ -70,7 +70,7 @@ TEST_CASE("the time of a case is the sum of its parts", "[costs]") {
     CHECK(cost::time_of(cost, 1000, rates).own_s == cost::time_of(cost, 100, rates).own_s);
     CHECK(cost::time_of(cost, 1, {}).origin == cost::Origin::unknown);
     // The files, whose rate only a complete case shows, do not make a time unknown.
-    const engines::Estimate files{.work = {{"steps", 1e3, 1.0}, {"files", 1e5, 1.0}}};
+    const engines::Resources files{.work = {{"steps", 1e3, 1.0}, {"files", 1e5, 1.0}}};
     CHECK(cost::time_of(files, 1, rates).origin == cost::Origin::measured);
 }
 

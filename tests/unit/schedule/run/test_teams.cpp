@@ -26,7 +26,7 @@ struct Cases {
 };
 
 double memory_B(const Case& c, int ranks) {
-    return pipeline::plan_case(c, ranks, *engines::make_engine(c.solver)).needs.memory_per_rank_B;
+    return pipeline::plan_case(c, ranks, *engines::make_engine(c.solver)).needs.memory_per_rank_B();
 }
 
 Cases alike(int count) {

@@ -255,8 +255,8 @@ TEST_CASE("the step that is planned is the one that is used, with bodies", "[pst
           Approx(c.time.duration_s()).epsilon(1e-12));
     CHECK(planned.choices(c) == store.report.notes);
     // With the step specified, the estimate is that of the same number of steps.
-    CHECK(planned.estimate(planned.with_step(c, step_s), 1).work[1].amount() ==
-          planned.estimate(c, 1).work[1].amount());
+    CHECK(planned.resources(planned.with_step(c, step_s), 1).work[1].amount() ==
+          planned.resources(c, 1).work[1].amount());
 }
 
 } // namespace test_pstd_case

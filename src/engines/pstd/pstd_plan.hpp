@@ -5,22 +5,23 @@
 #include "engines/march.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 
+#include <vector>
+
 namespace shearwake::pstd {
 
-/// Steps of the scheme on a grid that is distributed over `ranks` ranks.
-struct StepWork {
+/// The decisions from which the resources of a run follow.
+struct PstdPlan {
     double points = 0.0, steps = 0.0;
     Absorption absorption = Absorption::none;
     Precision precision = Precision::double_precision;
     bool uneven = false; // materials are given per node
-    int ranks = 1;
 };
 
 /// The work of the steps, without snapshots. Each step also adds to the displacements of the
 /// columns of the domain, and each frame passes them on at all depths. Not collective.
-engines::MarchWork march_work(const Case& c, const StepWork& work);
+engines::MarchWork march_work(const Case& c, const PstdPlan& plan);
 
-/// Memory of a rank with a stepper. Not collective.
-double stepper_memory_B(const StepWork& work);
+/// The arrays of a stepper on a rank. Not collective.
+std::vector<engines::Array> arrays_of_stepper(const PstdPlan& plan, int ranks);
 
 } // namespace shearwake::pstd

@@ -154,26 +154,35 @@ void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key
     progress.expect(Stage::frames, depths * frames, depths * frames * points * of_frame / ranks);
 }
 
-std::array<engines::Work, CaseProgress::stages> stages_of(const Case& c, const TransferKey& key,
-                                                          int ranks) {
+LayeredPlan::LayeredPlan(const Case& given, int team)
+    : c(solved_case(given)), ranks(team), ky_count(fft::most_rows(c.domain.ny, team)),
+      frames_together(frames_per_batch(c, ky_count)) {
+    const TransferKey key = key_of(c, std::get<LayeredOptions>(c.solver));
+    keys = {key, stress_key_of(c, key), tangential_key_of(c, key), loss_key_of(c, key)};
+    keeps_y = LoadSpectrum::keeps_y(c, key.time);
+}
+
+bool LayeredPlan::is_kept(const TransferKey& table) const {
+    return table.edges == DomainEdges::open ||
+           TransferTable::expanded_bytes(table, ky_count) <= TransferTable::largest_expansion_B;
+}
+
+std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
+    const TransferKey& key = keys[0];
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
     const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
-    const std::ptrdiff_t ky_count = fft::most_rows(c.domain.ny, ranks);
-    const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
-    const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
-    const double kept_points = (along_x ? 0.5 : 1.0) * points;
+    const double batches = std::ceil(frames / static_cast<double>(frames_together));
+    const double kept_points = (keeps_y ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
     const bool is_open = key.edges == DomainEdges::open;
     double tables = 0.0, products = 0.0, kept_depths = 0.0;
     bool is_repeated = false; // whether a table is expanded again for each batch
-    for (const TransferKey& one :
-         {key, stress_key_of(c, key), tangential_key_of(c, key), loss_key_of(c, key)}) {
+    for (const TransferKey& one : keys) {
         if (one.depths_m.empty()) continue;
         tables += 1.0;
         products += radial_products(one);
-        if (is_open ||
-            TransferTable::expanded_bytes(one, ky_count) <= TransferTable::largest_expansion_B)
+        if (is_kept(one))
             kept_depths += static_cast<double>(one.depths_m.size());
         else
             is_repeated = true;
@@ -190,41 +199,42 @@ std::array<engines::Work, CaseProgress::stages> stages_of(const Case& c, const T
             {kind("expansion", edges), points * kept_depths, samples, true},
             {kind("setup", ""), points, 1.0},
             {kind("samples",
-                  std::string(along_x ? " along x" : "") + (is_repeated ? " with expansion" : "")),
+                  std::string(keeps_y ? " along x" : "") + (is_repeated ? " with expansion" : "")),
              kept_points * depths, batches * samples},
             {kind("frames", ""), points * depths, frames}};
 }
 
-engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
-    const Case c = solved_case(given);
-    const TransferKey key = key_of(c, std::get<LayeredOptions>(c.solver));
+std::vector<engines::Array> LayeredPlan::arrays() const {
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const std::ptrdiff_t ky_count = fft::most_rows(c.domain.ny, ranks);
-    const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
-    const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
-    const double batch_B =
-        static_cast<double>(frames_per_batch(c, ky_count) * ky_count * kept_nx) * sizeof(Complex);
-    const TransferKey stress = stress_key_of(c, key), loss = loss_key_of(c, key);
-    const auto kept = [&](double table_B) {
-        return key.edges == DomainEdges::open || table_B <= TransferTable::largest_expansion_B
-                   ? table_B
-                   : 0.0;
-    };
-    const double kept_B = kept(TransferTable::expanded_bytes(key, ky_count)) +
-                          kept(TransferTable::expanded_bytes(stress, ky_count) +
-                               TransferTable::expanded_bytes(tangential_key_of(c, key), ky_count)) +
-                          TransferTable::expanded_bytes(loss, ky_count);
-    engines::Estimate e;
-    // The program, the spectra, H, the phases of the load, the transformed plane, and Bessel
-    // functions.
-    e.memory_per_rank_B = engines::program_B + batch_B + kept_B + points * sizeof(double) / ranks +
-                          static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex) +
-                          LoadSpectrum::memory_B(c, key.time, ky_count) + kept_bessel_B(key) +
-                          kept_bessel_B(loss);
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
-    for (const engines::Work& stage : stages_of(c, key, ranks))
-        if (stage.amount() > 0.0) e.work.push_back(stage);
-    return e;
+    const std::ptrdiff_t kept_nx = keeps_y ? c.domain.nx / 2 + 1 : c.domain.nx;
+    std::vector<engines::Array> all = {
+        {"spectra of frames",
+         static_cast<double>(frames_together * ky_count * kept_nx) * sizeof(Complex)}};
+    constexpr std::array names = {"transfer function of the displacement",
+                                  "transfer function of the stress",
+                                  "transfer function of the tangential displacement", "losses"};
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (!keys[i].depths_m.empty())
+            all.push_back({names[i], is_kept(keys[i])
+                                         ? TransferTable::expanded_bytes(keys[i], ky_count)
+                                         : 0.0});
+    all.push_back({"a row of the transfer function",
+                   static_cast<double>(c.domain.nx * keys[0].time.samples) * sizeof(Complex)});
+    all.push_back({"load", LoadSpectrum::memory_B(c, keys[0].time, ky_count)});
+    all.push_back({"Bessel functions", kept_bessel_B(keys[0]) + kept_bessel_B(keys[3])});
+    all.push_back({"plane of the transform", points * sizeof(double) / ranks});
+    return all;
+}
+
+engines::Resources LayeredEngine::resources(const Case& given, int ranks) const {
+    const LayeredPlan plan(given, ranks);
+    const Domain& domain = plan.c.domain;
+    engines::Resources all{
+        .arrays = plan.arrays(),
+        .useful_ranks = static_cast<int>(std::min(domain.nx, fft::below_nyquist(domain.ny)))};
+    for (const engines::Work& stage : plan.stages())
+        if (stage.amount() > 0.0) all.work.push_back(stage);
+    return all;
 }
 
 } // namespace shearwake::layered

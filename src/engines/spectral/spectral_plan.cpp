@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/spectral_plan.hpp"
+
+#include "base/block.hpp"
+#include "base/text.hpp"
+#include "engines/spectral/bodies/lump_bodies.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
+#include "engines/spectral/bodies/slab_bodies.hpp"
+#include "engines/spectral/bodies/stress/endless_stress.hpp"
+#include "engines/spectral/bodies/stress/lump_stress.hpp"
+#include "engines/spectral/depth/vertical_operator.hpp"
+#include "engines/spectral/lateral/cell_materials.hpp"
+#include "engines/spectral/lateral/lateral_sponge.hpp"
+#include "engines/spectral/lateral/lateral_variation.hpp"
+#include "engines/spectral/receptor_stress.hpp"
+#include "fft/slab_transform.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <fmt/format.h>
+#include <vector>
+
+namespace shearwake::spectral {
+
+namespace {
+
+double up(double a, double b) {
+    return std::ceil(a / b);
+}
+
+/// Rows of the spectrum of a plane on the rank with most of them.
+double most_rows(double ny, int ranks) {
+    return static_cast<double>(fft::most_rows(static_cast<std::ptrdiff_t>(ny), ranks));
+}
+
+double map_bytes(const Medium& medium) {
+    if (!medium.map) return 0.0;
+    const MaterialMap& map = *medium.map;
+    return static_cast<double>(map.c_s_m_s.size() + map.c_p_m_s.size() + map.density_kg_m3.size() +
+                               map.viscosity_Pa_s.size()) *
+           sizeof(double);
+}
+
+double sponge_values_of(const SpongePlan& sponge, double levels) {
+    return sponge.every > 0 ? 3.0 * levels * static_cast<double>(sponge.nx * sponge.ny) : 0.0;
+}
+
+double factor_entries(const DepthMesh& mesh) {
+    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
+    return static_cast<double>(SkylineMatrix(moving, mesh.degree, 2).entries() +
+                               SkylineMatrix(moving, mesh.degree, 1).entries());
+}
+
+/// The planes of strain on a grid of nx x ny points: lines over x, or a window of them and the
+/// spectra of one ky.
+double strain_planes_B(const VariationPlan& v, double nx, double ny, int ranks) {
+    const double window = v.window(static_cast<std::ptrdiff_t>(nx));
+    const double lines = most_rows(ny, ranks);
+    return v.planes() * 2.0 * sizeof(double) *
+           (window > 0.0 ? lines * window + nx : std::max(lines * nx, up(nx, ranks) * ny / 2.0));
+}
+
+/// The matrices and planes of the box.
+double box_B(const VariationPlan& v, int ranks) {
+    if (!v.box) return 0.0;
+    const double nx = static_cast<double>(v.box->nx), ny = static_cast<double>(v.box->ny);
+    return up(nx / 2.0, lane_count) * most_rows(ny, ranks) * 0.5 * v.planes() * (v.planes() + 1.0) *
+               sizeof(Block) +
+           strain_planes_B(v, nx, ny, ranks);
+}
+
+using Arrays = std::vector<engines::Array>;
+
+/// The arrays of the stepper. The samples of materials are released before the rest is allocated.
+Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPlan& v,
+                         const SpongePlan& sponge, int ranks) {
+    const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
+    const double levels = static_cast<double>(mesh.levels() - 1);
+    const double pencil_lanes = most_rows(ny, ranks) * up(nx / 2.0, lane_count);
+    const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Block);
+    const double per_cell = ((v.iterates ? 7.0 : 4.0) + (v.box ? 1.0 : 0.0)) * v.components + 3.0 +
+                            (v.iterates ? v.components / 3.0 : 0.0); // implicit moduli
+    // With a box, the next step is predicted.
+    Arrays arrays = {{"factors", pencil_lanes * factor_entries(mesh) * sizeof(Block)},
+                     {"displacement", (v.box ? 3.0 : 2.0) * displacement_B},
+                     {"planes of strain", strain_planes_B(v, nx, ny, ranks)},
+                     {"box of elastic bodies", box_B(v, ranks)},
+                     {"sponge", sponge_values_of(sponge, levels) * sizeof(double) /
+                                    std::min<double>(ranks, static_cast<double>(sponge.ny))},
+                     {"strain and moduli of cells", per_cell * v.fullest_cells * sizeof(double)}};
+    double stepper_B = 0.0;
+    for (const engines::Array& array : arrays)
+        stepper_B += array.bytes;
+    const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
+    arrays.push_back({"samples of materials at the start", std::max(0.0, sampled_B - stepper_B)});
+    return arrays;
+}
+
+/// The planes of the transform and of the output.
+Arrays arrays_of_output(const Case& c, const DepthMesh& mesh, int ranks) {
+    const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
+    const double modes_y = static_cast<double>(c.domain.ny / 2 + 1), nodes = mesh.degree + 1.0;
+    const double plane_B =
+        2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * most_rows(ny, ranks));
+    const double displacement_B = most_rows(ny, ranks) * up(nx / 2.0, lane_count) * 3.0 *
+                                  static_cast<double>(mesh.levels() - 1) * parts * sizeof(Block);
+    const double perceived = ReceptorStress::planes(c, mesh);
+    return {{"planes of the transform", (ranks > 1 ? 3.0 : 2.0) * plane_B},
+            {"volumes of strain and stress",
+             records_tensors(c.record) ? displacement_B + (24.0 + nodes) * plane_B : 0.0},
+            {"stress at receptors", perceived > 0.0 ? (2.0 + 2.0 * perceived) * plane_B : 0.0}};
+}
+
+} // namespace
+
+double VariationPlan::window(std::ptrdiff_t nx) const {
+    const std::ptrdiff_t count = extent.x_end - extent.x_begin;
+    return LineWindow::pays(nx, count) ? static_cast<double>(count) : 0.0;
+}
+
+SpectralPlan::SpectralPlan(const Case& given)
+    : c(with_rigid_bodies(given)), time(choose_time_step(c, std::get<SpectralOptions>(c.solver))),
+      mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)) {}
+
+SampledVariation SpectralPlan::sampled_variation() const {
+    const Case layers = without_rigid_bodies(c);
+    SampledVariation result;
+    if (layers.scene().medium.bodies.empty() && !layers.scene().medium.map) return result;
+    constexpr double most_samples = 5e4;
+    const double nodes = static_cast<double>(mesh.elements()) * (mesh.degree + 1.0);
+    std::ptrdiff_t stride = 1;
+    while (nodes * static_cast<double>((c.domain.nx / stride) * (c.domain.ny / stride)) >
+           most_samples)
+        ++stride;
+    Case sampled = layers;
+    sampled.domain.nx /= stride;
+    sampled.domain.ny /= stride;
+    sampled.domain.spacing_m *= static_cast<double>(stride);
+    fft::SlabShare rows;
+    rows.x_count = sampled.domain.nx;
+    const LateralVariation v =
+        lateral_variation(sampled, mesh, rows, largest_k_rad_m(c.domain), time.step_s, nullptr);
+    if (v.empty()) return result;
+    result.stride = static_cast<double>(stride);
+    std::vector<double>& before = result.cells_before;
+    before.assign(static_cast<std::size_t>(rows.x_count) + 1, 0.0);
+    for (const LateralVariation::Point& point : v.points)
+        for (const fft::RowRun& run : point.runs)
+            before[static_cast<std::size_t>(run.row) + 1] +=
+                static_cast<double>((run.end - run.begin) * stride * stride);
+    std::partial_sum(before.begin(), before.end(), before.begin());
+    VariationPlan& sizes = result.sizes;
+    sizes.cells = before.back();
+    sizes.points = static_cast<double>(v.points.size());
+    sizes.components = v.components();
+    sizes.iterates = v.iterates;
+    sizes.extent = PlaneCells{.points = v.points}.extent(nullptr);
+    for (std::ptrdiff_t* end :
+         {&sizes.extent.x_begin, &sizes.extent.x_end, &sizes.extent.y_begin, &sizes.extent.y_end})
+        *end *= stride;
+    return result;
+}
+
+VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks) const {
+    VariationPlan plan = sampled.sizes;
+    if (sampled.cells_before.empty()) return plan;
+    const double of_rank = up(static_cast<double>(c.domain.nx), ranks) / sampled.stride;
+    const auto cells_before = [&](double row) {
+        const auto last = static_cast<double>(sampled.cells_before.size() - 1);
+        const auto whole = static_cast<std::size_t>(std::min(row, last));
+        const double part = std::min(row, last) - static_cast<double>(whole);
+        const double first = sampled.cells_before[whole];
+        return part > 0.0 ? first + part * (sampled.cells_before[whole + 1] - first) : first;
+    };
+    for (int rank = 0; rank < ranks; ++rank)
+        plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -
+                                                              cells_before(rank * of_rank));
+    if (plan.iterates && without_rigid_bodies(c) == c)
+        plan.box = box_grid(c.domain, plan.extent,
+                            {.planes = plan.planes(),
+                             .factor_entries = factor_entries(mesh),
+                             .steps = static_cast<double>(steps())});
+    return plan;
+}
+
+engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int ranks) const {
+    const Case layers = without_rigid_bodies(c);
+    const VariationPlan v = variation(sampled, ranks);
+    const bool varies = !section_bodies(c).empty() || !lump_bodies(c).empty() || v.points > 0.0;
+    const SpongePlan sponge =
+        sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
+    engines::Resources all;
+    all.arrays = arrays_of_stepper(layers, mesh, v, sponge, ranks);
+    for (const engines::Array& array : arrays_of_output(layers, mesh, ranks))
+        all.arrays.push_back(array);
+    all.arrays.push_back({"material map", map_bytes(c.scene().medium)});
+    if (layers != c) {
+        all.arrays.push_back({"endless rigid bodies", endless_memory_B(c, mesh, ranks) +
+                                                          endless_stress_memory_B(c, mesh, ranks)});
+        all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
+        all.arrays.push_back(
+            {"rigid lumps", lump_memory_B(c, mesh, ranks) + lump_stress_memory_B(c, mesh, ranks)});
+    }
+    all.work = engines::parts_of(work());
+    all.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
+    all.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));
+    return all;
+}
+
+namespace {
+
+/// What determines the cells of a medium with bodies or a map, without the time step.
+Case varying_part(const Case& c) {
+    Case alone;
+    alone.scene().medium = c.scene().medium;
+    alone.domain = c.domain;
+    alone.solver = c.solver;
+    return alone;
+}
+
+/// The hash of what determines the number of iterations: the varying part, and the time step within
+/// a factor of about 1.4.
+std::string hash_of_bodies(const Case& c, double step_s) {
+    Case alone = varying_part(c);
+    std::get<SpectralOptions>(alone.solver).time_step_s.reset(); // which an estimate may specify
+    const long step = std::lround(2.0 * std::log2(step_s));
+    return fmt::format("#{:016x}", stable_hash(fmt::format("{} {}", canonical_text(alone), step)));
+}
+
+} // namespace
+
+std::string SpectralPlan::key_of_variation() const {
+    Case alone = varying_part(c);
+    alone.scene().load.footprint = c.scene().load.footprint;
+    alone.afferents = c.afferents; // see has_laminates()
+    return fmt::format("{} {:.17g}", canonical_text(alone), time.step_s);
+}
+
+engines::MarchWork SpectralPlan::work() const {
+    const auto points = static_cast<double>(c.domain.nx * c.domain.ny);
+    const double given = static_cast<double>(c.measure.depths_m.size()) +
+                         ReceptorStress::planes(without_rigid_bodies(c), mesh);
+    engines::MarchWork work{.kind = "spectral",
+                            .unknowns = points * (3.0 * static_cast<double>(mesh.levels() - 1) +
+                                                  given / static_cast<double>(time.per_frame)),
+                            .steps = static_cast<double>(steps()),
+                            .snapshots = static_cast<double>(c.record.volumes_s.size())};
+    if (!c.record.volumes_s.empty()) work.kind += " volumes";
+    for (const VolumeField field : c.record.volume_fields) {
+        if (field != VolumeField::u) work.kind += fmt::format(" {}", name_of(field));
+        work.values +=
+            points * static_cast<double>(mesh.clear_levels() * components_of(field).size());
+    }
+    if (c.domain.sponge_m > 0.0) work.kind += " sponge";
+    if (!stress_depths_m(c).empty()) work.kind += " receptors";
+    if (!c.scene().medium.bodies.empty() || c.scene().medium.map)
+        work.kind += " bodies " + hash_of_bodies(c, time.step_s);
+    return work;
+}
+
+} // namespace shearwake::spectral
