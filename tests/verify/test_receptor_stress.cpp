@@ -105,8 +105,9 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
         c.scene().medium.layers[i].thickness_m = thickness_m[i];
     SECTION("layers") {}
     SECTION("an elastic body") {
-        c.scene().medium.bodies = {test::small_body(4.0)};
+        c.scene().medium.bodies = {test::small_body(GENERATE(0.25, 4.0))};
         c.scene().medium.bodies[0].centre_m.z = 1.9e-3;
+        c.scene().medium.bodies[0].viscosity_Pa_s = 2.0; // four times that of the tissue
     }
     SECTION("just above a rigid body") {
         c.scene().medium.bodies = {test::small_body()};
@@ -166,8 +167,8 @@ TEST_CASE("static mean stress equals the mean load at any depth including around
     const double load_Pa = M_PI * 9e-6 / (4.0 * std::log(2.0)) / area_m2; // a Gaussian of 1 Pa
     for (std::size_t depth = 0; depth < receptors; ++depth) {
         CAPTURE(depth);
-        // Only rounding errors above the body. Where its curved face cuts elements of 0.5 mm, 0.4 %
-        // are observed, and 1.7 % with elements twice as long.
+        // Only rounding errors above the body. Where its curved face cuts elements of 0.5 mm, 0.9 %
+        // are observed, and 7 % without the part of the stress across the surface.
         CHECK(test::mean(found.at(c.time.frames - 1, depth)) ==
               Approx(load_Pa).epsilon(depth == 0 ? 1e-6 : 0.01));
     }

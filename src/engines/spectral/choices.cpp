@@ -153,10 +153,6 @@ std::vector<std::string> body_notes(const Case& given) {
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
         notes.push_back(c.scene().medium.bodies[i].rigid ? rigid_note(given, c, i)
                                                          : elastic_note(c, i));
-    if (!has_laminates(c))
-        notes.push_back(
-            "receptors lie at the depth of an elastic body: the cells at the surfaces of "
-            "bodies are uniform instead of laminates, which is less accurate");
     return notes;
 }
 

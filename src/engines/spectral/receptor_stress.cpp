@@ -67,13 +67,26 @@ void add_scaled(double factor, const Times& more, Times& to) {
     }
 }
 
+/// The motion at a depth, with its slope, as two linear elements of length 2.
+DepthMesh motion_mesh() {
+    return {.degree = 1,
+            .rule = gauss_lobatto(1),
+            .ends_m = {0.0, 2.0, 4.0},
+            .layers = {0, 0},
+            .light = {},
+            .bottom = {}};
+}
+constexpr std::ptrdiff_t motion_levels = 2;
+constexpr std::ptrdiff_t motion_blocks = 3 * motion_levels * parts;
+
 } // namespace
 
 ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
                                const fft::SlabTransform& slabs, double step_s, const Comm& team,
                                const RigidBodies* bodies)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
-      depths_m_(std::move(depths_m)), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+      depths_m_(std::move(depths_m)), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)),
+      strains_(motion_mesh(), {{}}, strain_components) {
     if (!wanted()) return;
     together(team, [&] {
         for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
@@ -90,13 +103,24 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
             near_ = stress_correction(*bodies, c.scene().medium, c.domain, mesh_, slabs.share(),
                                       depths_m_, Corrected::zz);
     });
+    std::vector<Surfaces> all = std::move(surfaces_);
+    surfaces_.clear();
+    for (Surfaces& surfaces : all)
+        if (team.any(!surfaces.cells.empty())) surfaces_.push_back(std::move(surfaces));
+    together(team, [&] {
+        for (Surfaces& surfaces : surfaces_)
+            surfaces.kept.resize(static_cast<std::size_t>(vectors_.pencils() * motion_blocks));
+        if (!surfaces_.empty())
+            strain_.resize(strain_components * static_cast<std::size_t>(slabs.share().reals));
+    });
 }
 
 void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t element,
                                double share) {
     const double x = 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0;
     const Numbers smooth = smoothing_weights(mesh_.rule, x), none(smooth.size(), 0.0),
-                  slope = slope_of(interpolation_weights(mesh_.rule, x), mesh_, element);
+                  value = interpolation_weights(mesh_.rule, x),
+                  slope = slope_of(value, mesh_, element);
     const Times strain = spread(slope, none, {0.0, 1.0, 0.0}),
                 rate = spread(slope, none, {-0.5 / step_s_, 0.0, 0.5 / step_s_});
     const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
@@ -128,13 +152,23 @@ void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t el
     const auto here = cell_materials(case_, mesh_, slab, element, depth_m);
     add(strain, 2.0, here, &Material::mu_Pa);
     add(rate, 2.0, here, &Material::viscosity_Pa_s);
+    Surfaces surfaces{depth, first, value, slope, {}, {}};
+    for (std::ptrdiff_t i = 0; i < slab.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < case_.domain.ny; ++j) {
+            const CellMaterial m = capped(here[static_cast<std::size_t>(i * case_.domain.ny + j)]);
+            if (m.is_laminate())
+                surfaces.cells.push_back({i * slab.padded_ny + j, m.normal,
+                                          -share * (m.mu_Pa - m.mu_across_Pa),
+                                          -share * (m.viscosity_Pa_s - m.viscosity_across_Pa_s)});
+        }
+    surfaces_.push_back(std::move(surfaces));
 }
 
 double ReceptorStress::planes(const Case& c, const DepthMesh& mesh) {
     double count = 0.0;
     for (const double depth_m : stress_depths_m(c))
         for (const std::size_t element : elements_at(mesh, depth_m))
-            count += varies_in(c, mesh, element) ? mesh.degree + 3.0 : 1.0;
+            count += varies_in(c, mesh, element) ? mesh.degree + 9.0 : 1.0;
     return count;
 }
 
@@ -171,6 +205,80 @@ void ReceptorStress::remember(const Block* before) {
                         std::fill_n(kept, parts, Block{});
                         add(part, 0, vectors_.waves(row, block).k, before + at, kept);
                     });
+    for (Surfaces& surfaces : surfaces_) {
+        std::fill(surfaces.kept.begin(), surfaces.kept.end(), Block{});
+        for (std::ptrdiff_t pencil = 0; pencil < vectors_.pencils(); ++pencil)
+            add_motion(surfaces, 1.0, before + pencil * 3 * levels_ * parts,
+                       surfaces.kept.data() + pencil * motion_blocks);
+    }
+}
+
+/// Adds `scale` times the motion of a pencil at the depth as nodal values of motion_mesh(): the
+/// value, and the value plus twice the slope.
+void ReceptorStress::add_motion(const Surfaces& surfaces, double scale, const Block* pencil,
+                                Block* motion) const {
+    const std::ptrdiff_t first = surfaces.first;
+    // The base does not move.
+    for (std::ptrdiff_t j = 0; j <= mesh_.degree && first + j < levels_; ++j) {
+        const auto node = static_cast<std::size_t>(j);
+        const double weights[motion_levels] = {
+            scale * surfaces.value[node],
+            scale * (surfaces.value[node] + 2.0 * surfaces.slope[node])};
+        for (std::ptrdiff_t level = 0; level < motion_levels; ++level)
+            for (std::ptrdiff_t i = 0; i < 3 * parts; ++i) { // U, W, V
+                const bool v = i >= 2 * parts;
+                const Block& from = pencil[v ? (2 * levels_ + first + j - 2) * parts + i
+                                             : 2 * (first + j) * parts + i];
+                Block& to =
+                    motion[v ? (2 * motion_levels + level - 2) * parts + i : 2 * level * parts + i];
+                for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+                    to[lane] += weights[level] * from[lane];
+            }
+    }
+}
+
+/// Adds the stress across the surfaces to compression_: first that of the strain, then that of its
+/// rate.
+void ReceptorStress::add_across(Surfaces& surfaces, const Steps& steps) {
+    const std::ptrdiff_t reals = slabs_.share().reals;
+    const auto transform = [&](auto motion_of) {
+        Block motion[motion_blocks];
+        for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+            for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+                std::fill_n(motion, motion_blocks, Block{});
+                motion_of(row * vectors_.blocks() + block, motion);
+                strains_.strain(vectors_.waves(row, block), motion,
+                                strain_.data() + 2 * row * vectors_.nx(), reals);
+            }
+        for (int c = 0; c < strain_components; ++c) {
+            vectors_.clear_nyquist(strain_.data() + c * reals);
+            slabs_.to_physical(strain_.data() + c * reals);
+        }
+    };
+    const auto add_stress = [&](double Surfaces::Cell::*modulus) {
+        for (const Surfaces::Cell& cell : surfaces.cells) {
+            std::array<double, strain_components> scaled{};
+            for (int c = 0; c < strain_components; ++c)
+                scaled[static_cast<std::size_t>(c)] =
+                    cell.*modulus * strain_[static_cast<std::size_t>(c * reals + cell.at)];
+            compression_[static_cast<std::size_t>(cell.at)] +=
+                stress_across(cell.normal, scaled)[zz];
+        }
+    };
+    const std::ptrdiff_t size = 3 * levels_ * parts;
+    transform([&](std::ptrdiff_t pencil, Block* motion) {
+        add_motion(surfaces, 1.0, steps.before + pencil * size, motion);
+    });
+    add_stress(&Surfaces::Cell::mu);
+    transform([&](std::ptrdiff_t pencil, Block* motion) {
+        const double scale = 0.5 / step_s_;
+        const Block* kept = surfaces.kept.data() + pencil * motion_blocks;
+        for (std::ptrdiff_t i = 0; i < motion_blocks; ++i)
+            for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+                motion[i][lane] = -scale * kept[i][lane];
+        add_motion(surfaces, scale, steps.now + pencil * size, motion);
+    });
+    add_stress(&Surfaces::Cell::viscosity);
 }
 
 void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
@@ -201,6 +309,8 @@ void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
                                  : part.factors[static_cast<std::size_t>(i * ny + j)] * from[j];
             }
         }
+        for (Surfaces& surfaces : surfaces_)
+            if (surfaces.depth == depth) add_across(surfaces, steps);
         if (near_) near_->add_zz(depth, -1.0, compression_.data());
         observer.stress({.number = frame,
                          .depth = depth,

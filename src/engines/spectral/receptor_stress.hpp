@@ -14,9 +14,10 @@ namespace shearwake::spectral {
 /// stress of TensorVolumes, evaluated exactly at these depths. It is linear in the displacement one
 /// step before, at and after the frame. Each wave vector contributes sums over the element that
 /// contains the depth, followed by one transform per depth. If the medium varies laterally within
-/// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed. At
-/// an element boundary the result is the mean of both sides. Around rigid bodies the error of the
-/// forces at their markers is corrected (StressCorrection).
+/// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed, and
+/// twelve where surfaces of bodies cross cells, since the stress across them depends on all strains
+/// and their rates. At an element boundary the result is the mean of both sides. Around rigid
+/// bodies the error of the forces at their markers is corrected (StressCorrection).
 class ReceptorStress {
 public:
     /// The pencils of the displacement at two consecutive steps, row by row.
@@ -53,7 +54,24 @@ private:
                                                     // for W at the nodes, then for -k U
         std::vector<double> factors;                // per cell; empty: 1
     };
+    /// The cells at a depth within one element that surfaces of bodies cross on any rank.
+    struct Surfaces {
+        /// The moduli are those by which shear across the surface meets less, times -share.
+        struct Cell {
+            std::ptrdiff_t at; // in the plane
+            Vec3 normal;
+            double mu, viscosity;
+        };
+        std::size_t depth;
+        std::ptrdiff_t first;             // first level of the element
+        std::vector<double> value, slope; // weights of the nodes
+        std::vector<Cell> cells;
+        fft::AlignedVector<Block> kept; // motion at the depth one step before the frame
+    };
     void add_parts(std::size_t depth, double depth_m, std::size_t element, double share);
+    void add_motion(const Surfaces& surfaces, double scale, const Block* pencil,
+                    Block* motion) const;
+    void add_across(Surfaces& surfaces, const Steps& steps);
     void add(const Part& part, std::size_t time, const Block& k, const Block* pencil,
              Block* value) const;
     /// Calls use(row, block, pencil offset, saved contribution) for each pencil.
@@ -70,6 +88,9 @@ private:
     std::vector<Part> parts_;
     fft::AlignedVector<Block> kept_; // contribution of the step before the frame, for each part
     fft::AlignedVector<double> plane_, compression_;
+    StrainTransfer strains_; // at the depth of surfaces
+    std::vector<Surfaces> surfaces_;
+    fft::AlignedVector<double> strain_;      // planes of six components; empty without surfaces
     std::unique_ptr<StressCorrection> near_; // may be null
 };
 

@@ -51,25 +51,12 @@ std::array<double, 6> stress_across(Vec3 n, const std::array<double, 6>& e) {
             -2.0 * (n.x * t.y + n.y * t.x)};
 }
 
-bool has_laminates(const Case& c) {
-    const auto holds_receptors = [depths_m = stress_depths_m(c)](const Body& body) {
-        constexpr double rounding_m = 1e-9;
-        const Bounds box = bounds(body);
-        return std::ranges::any_of(depths_m, [&](double depth_m) {
-            return depth_m >= box.low_m.z - rounding_m && depth_m <= box.high_m.z + rounding_m;
-        });
-    };
-    return std::ranges::none_of(c.scene().medium.bodies, [&](const Body& body) {
-        return !body.rigid && holds_receptors(body);
-    });
-}
-
 namespace {
 
 std::vector<CellMaterial> plane_of_materials(const Case& c, std::size_t layer,
                                              const fft::SlabShare& share, double z_m,
                                              const DepthCell& cell) {
-    const bool smooth = is_smooth(c.scene().medium), laminates = has_laminates(c);
+    const bool smooth = is_smooth(c.scene().medium);
     const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
     std::vector<CellMaterial> all;
     all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
@@ -79,9 +66,6 @@ std::vector<CellMaterial> plane_of_materials(const Case& c, std::size_t layer,
                 c.scene().medium, layer,
                 {c.domain.x_m(share.x_start + i), c.domain.y_m(j), smooth ? z_m : cell.centre_m},
                 size_m));
-    if (!laminates)
-        for (CellMaterial& m : all)
-            m = {m, m.mu_Pa, m.viscosity_Pa_s, {}};
     return all;
 }
 

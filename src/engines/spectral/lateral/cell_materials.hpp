@@ -71,11 +71,6 @@ private:
 /// its part t along the layers, -2 (n t^T + t n^T). Components as in Component.
 std::array<double, 6> stress_across(Vec3 normal, const std::array<double, 6>& scaled_strain);
 
-/// Whether the cells at surfaces of elastic bodies are laminates. They are uniform where the stress
-/// at receptors is computed at the depth of a body, because that stress lacks the part across the
-/// surface. Not collective.
-bool has_laminates(const Case& c);
-
 /// Materials at one strain point for the rows of this rank, [row][ny]. Not collective.
 std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
                                          const fft::SlabShare& share, const StrainPoint& point);
