@@ -99,7 +99,7 @@ class Names(ScanTest):
                 self.assertAlmostEqual(scan.trigger_delay_s, delay_s, places=12)
                 self.assertEqual(any("without effect" in note for note in scan.notes), delay_s == 0.0)
         for remark in ("triger_delay_s = 0.005", "trigger_delay_min = 5", "delay_ms = 5", "direction = -1", "directionz: -1",
-                       "trigger_delay_s = 5 ms", "trigger_delay_s = 1\n# trigger_delay_ms = 2"):
+                       "trigger_delay_s = 5 ms", "trigger_delay_s = 1\n# trigger_delay_ms = 2", "trigger_delay_ms 5", "direction_z\t-1"):
             with self.subTest(remark=remark):
                 self.refused(f"# {remark}\n" + "".join(lines), "trigger_delay" if "delay" in remark else "direction_z", ".csv")
 
@@ -138,6 +138,35 @@ class Names(ScanTest):
                 np.testing.assert_allclose(read.x_m, some_scan().x_m, rtol=1e-12)
                 np.testing.assert_allclose(read.rate_Hz, 51200.0, rtol=1e-12)
 
+    def test_spellings_of_units_are_read_and_other_units_are_refused(self):
+        import h5py
+
+        def scan(unit, name="velocity", attribute="units"):
+            with h5py.File(self.folder / "units.h5", "w") as file:
+                for key, values in {**self.arrays(), "trigger_delay_ms": 5.0}.items():
+                    file[key] = values
+                file[name].attrs[attribute] = unit
+            return read_scan(self.folder / "units.h5")
+
+        for unit, factor in (("mm s-1", 1e-3), ("mm s^-1", 1e-3), ("mm\u00b7s\u207b\u00b9", 1e-3), ("Millimetres per second", 1e-3),
+                             ("micrometer/sec", 1e-6), ("microns/s", 1e-6), ("[m/s]", 1.0), ("meters/second", 1.0), ("", 1.0)):
+            for attribute in ("units", "Unit"):
+                with self.subTest(unit=unit, attribute=attribute):
+                    np.testing.assert_allclose(scan(unit, attribute=attribute).velocity_m_s, factor * some_scan().velocity_m_s, rtol=1e-12)
+        for name, unit in (("velocity", "in/s"), ("velocity", "V"), ("velocity", "mm"), ("x", "inch"), ("time", "min"),
+                           ("trigger_delay_ms", "s")):
+            with self.subTest(name=name, unit=unit), self.assertRaisesRegex(BadScan, f"the unit of {name} is \"{unit}\""):
+                scan(unit, name)
+        self.assertAlmostEqual(scan("ms", "trigger_delay_ms").trigger_delay_s, 5e-3)
+        self.assertAlmostEqual(scan("milliseconds", "time").rate_Hz, 51.2e6, places=3)
+
+    def test_variables_without_effect_are_noted(self):
+        import scipy.io
+
+        path = self.folder / "more.mat"
+        scipy.io.savemat(path, {**self.arrays(), "velocity_unit": "mm/s", "dir_z": -1.0})
+        self.assertIn("without effect: velocity_unit, dir_z", read_scan(path).notes)
+
 
 class Order(ScanTest):
     """The indices of point and time, also in scans with as many points as times."""
@@ -172,6 +201,20 @@ class Order(ScanTest):
                     read = read_scan(path)
                     np.testing.assert_array_equal(read.velocity_m_s, scan.velocity_m_s)
                     self.assertEqual(any("first index of velocity" in note for note in read.notes), len(scan.x_m) == 30)
+
+    def test_vectors_as_matrices_are_those_of_h5write(self):
+        import h5py
+
+        scan, path = self.square(), self.folder / "h5write.h5"
+        for shape, transposed in (((1, -1), True), ((-1, 1), True), ((-1,), False)):
+            with h5py.File(path, "w") as file:
+                for name, values in (("time", scan.time_s), ("x", scan.x_m), ("y", scan.y_m)):
+                    file[name] = values.reshape(shape)
+                file["velocity"] = scan.velocity_m_s.T if transposed else scan.velocity_m_s
+            with self.subTest(shape=shape):
+                read = read_scan(path)
+                np.testing.assert_array_equal(read.velocity_m_s, scan.velocity_m_s)
+                self.assertIn("as MATLAB counts" if transposed else "as h5py and h5dump count", "; ".join(read.notes))
 
     def test_dimension_scales_state_the_order(self):
         import h5py
@@ -294,7 +337,7 @@ class OtherPrograms(ScanTest):
                                           ("", self.system(5), 1e-3, "velocities in mm/s (data set 164)"),
                                           ("", self.system(9, 1e6), 1e-6, "velocities in um/s (data set 164)"),
                                           ("m/s", self.system(5, 1e3), 1.0, "velocities in m/s (label of record 9, unlike data set 164"),
-                                          ("MM/SEC", self.system(1, 1.0), 1e-3, "velocities in mm/sec (label of record 9, unlike"),
+                                          ("MM/SEC", self.system(1, 1.0), 1e-3, "velocities in mm/s (label of record 9, unlike"),
                                           ("\u00b5m/s", "", 1e-6, "velocities in um/s")):
             with self.subTest(unit=unit, note=note):
                 scan = read_scan(self.file(self.text(unit=unit, units=units)))
@@ -303,6 +346,8 @@ class OtherPrograms(ScanTest):
         scan = read_scan(self.file(self.text(units=self.system(8))))
         self.assertAlmostEqual(scan.x_m[0], 1e-5)  # .01 mm
         self.refused(self.text(units=self.system(9)), "contains no factor of the unit of length")
+        self.refused(self.text(units=self.system(5, 1.0)), "its code 5 means lengths in mm, its factor 1 lengths in m")
+        self.refused(self.text(units=self.system(1, 1.0) + self.system(5, 1e3)), "different units of length, m and mm")
 
     def test_exponents_denominators_and_units_of_the_time_are_read(self):
         self.refused(self.text(unit="", exponents=(-2, 1, 0)), "the dimension length^-2 force^1 temperature^0")

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..inputs import ALLOWED_B, BadLink, open_self_contained
 from .scan import MOST_VALUES, BadScan, Scan, plain_step_s, rounding_of
-from .scan_uff import LENGTHS, TIMES, read_uff, speed_of, uff_bytes
+from .scan_uff import LENGTHS, TIMES, UNLABELLED, plain_unit, read_uff, speed_of, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
 SLOWEST_B_S = 20_000_000  # libraries that need longer are caught in a loop
@@ -166,8 +166,12 @@ def settings(given: dict[str, Any], one: Callable[[Any, str], float], notes: lis
             "states_direction": any(name in given for name in SETTINGS[1:])}
 
 
-def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: bool = False) -> Scan:
-    """A scan from named arrays with the indices (point, time) or (time, point); get(name) returns an array or None."""
+KNOWN = ("time", "t", "x", "y", "velocity", "v", "quality", "point", *DELAYS, *SETTINGS)
+
+
+def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: bool = False, order: str = "") -> Scan:
+    """A scan from named arrays with the indices (point, time) or (time, point); get(name) returns an array or None. `order`: how
+    indices are counted, as the end of a note."""
     def numbers(value: Any, what: str) -> np.ndarray:
         try:
             array = np.asarray(value)
@@ -190,7 +194,7 @@ def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: b
         if velocity.shape != (len(x), len(time)):
             velocity = velocity.T
         elif not order_is_known:
-            notes.append("the file contains as many points as times; the first index of velocity is taken as that of the point")
+            notes.append("the file contains as many points as times; the first index of velocity is taken as that of the point" + order)
     quality = get("quality")
 
     def one(value: Any, name: str) -> float:
@@ -201,21 +205,27 @@ def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: b
 
     given = {name: get(name) for name in names if name in DELAYS or name in SETTINGS}
     others = {name: None for name in names if name not in given}
+    if unread := [name for name in others if name not in KNOWN and not name.startswith("__")]:
+        notes.append(f"without effect: {', '.join(unread)[:120]}")
     return Scan(time, x, y, np.ascontiguousarray(velocity), None if quality is None else numbers(quality, "quality").ravel(),
                 **settings({**given, **others}, one, notes))
 
 
 def stated_factor(data: Any, name: str, notes: list) -> float:
     """The factor to SI units that the attribute `units` of a dataset states."""
-    text = data.attrs.get("units", data.attrs.get("unit", b""))
+    text = next((value for key, value in data.attrs.items() if key.lower() in ("unit", "units")), b"")
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
-    unit = text.strip().lower().replace("\u00b5", "u").replace("\u03bc", "u").replace(" ", "")
-    factor = {"x": LENGTHS, "y": LENGTHS, "time": TIMES, "t": TIMES, "trigger_delay": TIMES}.get(name, {}).get(unit)
-    if name in ("velocity", "v"):
-        factor = speed_of(unit)
-    if factor not in (None, 1.0):
+    unit, kind = plain_unit(text), name.partition("_")[0]
+    if unit in (*UNLABELLED, "si") or kind not in ("x", "y", "time", "t", "trigger", "velocity", "v"):
+        return 1.0
+    factor = speed_of(unit) if kind in ("velocity", "v") else (LENGTHS if kind in ("x", "y") else TIMES).get(unit)
+    if factor is None or (kind == "trigger" and factor != DELAYS[name] and name != "trigger_delay"):
+        raise BadScan(f"the unit of {name} is \"{text[:20]}\" (attribute units), which cannot be read")
+    if kind == "trigger" and name != "trigger_delay":
+        return 1.0  # the name states the unit
+    if factor != 1.0:
         notes.append(f"{name} in {text} (attribute units)")
-    return factor or 1.0
+    return factor
 
 
 def scales_of(data: Any) -> list[str]:
@@ -232,6 +242,11 @@ def read_hdf5(path: Path) -> Scan:
         with open_self_contained(path) as file:
             group = file["vibrometer"] if "vibrometer" in file else file
             notes: list[str] = []
+            # h5write of MATLAB reverses the indices without an attribute, and stores vectors as matrices.
+            vectors = [group[name] for name in ("time", "t", "x", "y") if isinstance(group.get(name), h5py.Dataset)]
+            as_matlab = bool(vectors) and all(one.ndim == 2 and 1 in one.shape and not one.attrs.keys() for one in vectors)
+            if as_matlab:
+                notes.append("vectors are stored as matrices, as by MATLAB: the indices are taken in reverse order")
 
             def get(name: str) -> Any:
                 data = group.get(name, getlink=False) if name in group else None
@@ -243,12 +258,15 @@ def read_hdf5(path: Path) -> Scan:
                 if data.dtype.kind in "fiu" and (factor := stated_factor(data, name, notes)) != 1.0:
                     values = factor * values
                 # MATLAB, which writes this attribute, stores the indices in reverse.
-                if "MATLAB_class" in data.attrs:
+                if "MATLAB_class" in data.attrs or as_matlab:
                     return values.T
                 return values.T if scales_of(data)[:1] in (["time"], ["t"]) else values
 
             velocity = next((group[name] for name in ("velocity", "v") if isinstance(group.get(name), h5py.Dataset)), None)
-            return from_names(group, get, notes, velocity is not None and len(scales_of(velocity)) == 2)
+            in_matlab = as_matlab or (velocity is not None and "MATLAB_class" in velocity.attrs)
+            return from_names(group, get, notes, velocity is not None and len(scales_of(velocity)) == 2,
+                              ", as MATLAB counts indices" if in_matlab else ", as h5py and h5dump count indices; MATLAB and h5write "
+                              "reverse them: if they wrote the file, store velocity'")
     except BadLink as error:
         raise BadScan(str(error)) from error
     except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
@@ -321,6 +339,12 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     """A line "name = number" or "name: number" of a CSV file; other remarks are noted."""
     name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
     name = name.strip()
+    if not is_pair and text:
+        name, _, value = text.replace("\t", " ").partition(" ")
+        if name not in (*DELAYS, *SETTINGS):
+            notes.append(f"remark without effect: {text[:60]}")
+            return
+        raise BadScan(f"the remark \"{text[:30]}\" must have the form {name} = number")
     try:
         number = float(value)
     except ValueError:

@@ -20,8 +20,12 @@ DISPLACEMENT, VELOCITY, ACCELERATION = 8, 11, 12
 SINGLE, DOUBLE = 2, 4
 HEADER_LINES = 11
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-TIMES = {"s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6}
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 UNLABELLED = ("", "none", "unknown")
+# Other spellings of units in lower case, as regular expressions, and what replaces them. Micro may be UTF-8 that was read as Latin-1.
+SPELLINGS = ((r"[\s.\u00b7*_()\[\]]", ""), ("\u00e2?\u00b5|\u00ee\u00bc|\u03bc", "u"), ("per", "/"), ("\\^?-1|\u207b\u00b9", "-1"), ("(.*)s-1", r"\1/s"),
+             ("met(?:er|re)s?", "m"), ("milli", "m"), ("micro(?=[ms])", "u"), ("microns?", "um"), ("centi", "c"),
+             ("nano", "n"), ("sec(?:ond)?s?$", "s"))
 # Units per metre of the systems of data set 164; None: stated in its second record.
 PER_METRE = {1: 1.0, 2: 1.0 / 0.3048, 3: 1.0, 4: 1.0 / 0.3048, 5: 1e3, 6: 1e2, 7: 1.0 / 0.0254, 8: 1e3, 9: None, 10: 1e3}
 TITLE = "velocity along the line of sight"  # of the data sets that this program writes
@@ -151,12 +155,15 @@ def nodes_of(content: list[str], kind: int) -> dict[int, tuple[float, ...]]:
 def units_per_metre(content: list[str]) -> float:
     """Number of length units of the file per metre (data set 164)."""
     code = field(content[0], 0, 10, "the code of the units") if content else None
+    known = PER_METRE.get(code)
     if len(content) > 1:
         factor = field(content[1], 0, 25, "the factor of the unit of length", float)
         if not factor > 0.0:
             raise BadScan("the factor of the unit of length is not positive")
+        if known is not None and code != 1 and abs(factor / known - 1.0) > 1e-3:
+            raise BadScan(f"data set 164 contradicts itself: its code {code} means lengths in {metres(known)}, its factor {factor:g} "
+                          f"lengths in {metres(factor)}")
         return factor
-    known = PER_METRE.get(code)
     if known is None:
         raise BadScan(f"data set 164 contains no factor of the unit of length, which does not follow from the code {code}")
     return known
@@ -167,12 +174,17 @@ def metres(per_metre: float) -> str:
     return next((name for name, size in LENGTHS.items() if abs(size * per_metre - 1.0) < 1e-9), f"{1.0 / per_metre:.6g} m")
 
 
+def plain_unit(text: str) -> str:
+    """A unit in lower case, with abbreviations of ASCII and "/" for divisions: "Millimetres per second" is "mm/s"."""
+    text = text.lower()
+    for spelling, plain in SPELLINGS:
+        text = re.sub(spelling, plain, text)
+    return text
+
+
 def unit_label(line: str) -> str | None:
-    """The label of a unit in lower case, with "u" for micro; None if there is none."""
-    text = line[47:67]
-    for micro in ("\u00c2\u00b5", "\u00ce\u00bc", "\u00b5"):  # in UTF-8, read as Latin-1, and in Latin-1
-        text = text.replace(micro, "u")
-    text = text.strip().lower().strip("[]()").replace(" ", "")
+    """The unit of a record, None if there is none."""
+    text = plain_unit(line[47:67])
     return None if text in UNLABELLED else text
 
 
@@ -359,7 +371,9 @@ def read_uff(data: bytes) -> Scan:
         elif kind in ("15", "2411"):
             nodes.update(nodes_of(content, int(kind)))
         elif kind == "164":
-            per_metre = units_per_metre(content)
+            units, per_metre = per_metre, units_per_metre(content)
+            if units not in (None, per_metre):
+                raise BadScan(f"it contains data sets 164 with different units of length, {metres(units)} and {metres(per_metre)}")
         if len(functions) > MOST_POINTS or len(nodes) > MOST_POINTS:
             raise BadScan(f"it has more than {MOST_POINTS} points")
     return joined(functions, nodes, per_metre)
