@@ -9,7 +9,7 @@ from checks import check_medium, check_plausible, check_range, check_spectrum, c
 from record import FIELDS, recorded_fields
 from structures import BadInput, Structure, text_of
 
-PSTD_CFL = 0.1  # of pstdElastic3D
+PSTD_CFL = 0.1  # of pstdElastic3D: kspaceFirstOrder_setDefaults.m
 # The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
 KNOWN = {
     "medium": {"sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression",
@@ -120,7 +120,8 @@ class Study:
 
     def read_times(self, kgrid):
         given = [name for name in ("dt", "Nt", "t_array") if name in kgrid and not is_auto(kgrid, name)]
-        if not given and any(name in kgrid for name in ("dt", "Nt", "t_array")):
+        self.times_are_automatic = not given and any(name in kgrid for name in ("dt", "Nt", "t_array"))
+        if self.times_are_automatic:
             self.choose_times()
         elif "t_array" in given:
             self.read_t_array(kgrid, given)
@@ -138,7 +139,9 @@ class Study:
         speeds = speeds[speeds > 0.0]
         end_s = float(np.linalg.norm(self.points * self.spacing_m) / np.min(speeds))
         self.time_step_s = float(PSTD_CFL * np.min(self.spacing_m) / np.max(speeds))
-        self.steps = int(np.floor(end_s / self.time_step_s)) + 1
+        count = end_s / self.time_step_s
+        is_recurring = count != round(count) and abs(count - round(count)) <= np.finfo(float).eps * count  # rem(end, dt) is 0
+        self.steps = int(np.floor(count)) + 1 + int(is_recurring)
         self.notes.append(f"kgrid: the times \"auto\" are, as in k-Wave, {self.steps} steps of {1e6 * self.time_step_s:.6g} us (CFL "
                           f"{PSTD_CFL:g}, until the slowest wave has crossed the grid)")
 
@@ -265,6 +268,9 @@ class Study:
                 raise BadInput(f"source.{kind}_mode is \"{mode}\"; it must be \"additive\" or \"dirichlet\"")
             for field in driven:
                 self.add_source(field, mode, nodes, labels, source.array(field))
+        if self.times_are_automatic and self.sources:
+            self.notes.append("kgrid: k-Wave itself chooses times only for an initial pressure, and stops at a study with a source "
+                              "that varies with time and the times \"auto\"")
         if "p0" in source:
             self.add_initial_pressure(source.array("p0"))
         if not self.sources:
@@ -336,6 +342,7 @@ class Study:
             if np.any(between := mask % 1.0 != 0.0):
                 raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
                                "numbers, the indices of nodes")
+            self.check_inside(mask.reshape(2, 3, -1).transpose(0, 2, 1).reshape(-1, 3) - 1.0)
             boxes = mask.reshape(6, -1).T.astype(int) - 1
             if np.any(boxes[:, 3:] < boxes[:, :3]):
                 raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
@@ -348,6 +355,7 @@ class Study:
             centre = (self.points - 2 * self.first) // 2
             at = mask.reshape(3, -1).T / self.spacing_m
             at = np.sign(at) * np.floor(np.abs(at) + 0.5) + centre  # round() of MATLAB
+            self.check_inside(at)
             self.sensor_nodes = at.astype(int) + self.first
             self.notes.append("sensor.mask: Cartesian points are moved to the nearest nodes")
         else:
@@ -355,5 +363,8 @@ class Study:
             raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
                            "(corners of cuboids) or 3 rows (coordinates)" +
                            ("; it appears to be transposed" if transposed else ""))
-        if np.any(self.sensor_nodes < 0) or np.any(self.sensor_nodes >= self.points):
+
+    def check_inside(self, nodes):
+        """Nodes (node, axis) must lie in the grid of the study, without an absorbing layer outside of it."""
+        if not np.all((nodes >= 0) & (nodes < self.points - 2 * self.first)):  # also for NaN
             raise BadInput("sensor.mask has points outside of the grid")

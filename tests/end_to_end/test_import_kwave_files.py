@@ -299,6 +299,16 @@ class Errors(FilesTest):
                 self.changed(sensor={"mask": numpy.array([corners]).T})
                 self.refused("study.mat", words)
 
+    def test_sensors_do_not_reach_into_a_layer_outside_of_the_grid(self):
+        for mask in ([[0.0, 4, 2, 5, 4, 2]], [[3.0, 4, 2, 11, 4, 2]], [[3.0, 4, 2, 1e9, 4, 2]], [[-5.5e-3, 0.0, 0.0]], [[4.5e-3, 0, 0]]):
+            with self.subTest(mask=mask):
+                self.changed(sensor={"mask": numpy.array(mask).T}, options={"PMLInside": False})
+                self.refused("study.mat", "sensor.mask has points outside of the grid")
+        study_file = self.changed(sensor={"mask": numpy.array([[1.0, 1, 1, 10, 9, 1]]).T}, options={"PMLInside": False})
+        self.imported("study.mat")
+        with h5py.File(study_file) as file:
+            numpy.testing.assert_array_equal(file["sensor/nodes"][[0, -1]], [[2, 2, 2], [11, 10, 2]])
+
     def test_cartesian_points_half_way_between_nodes_are_rounded_away_from_zero(self):
         # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm.
         at_mm = numpy.array([[0.5, -0.5, 0.0], [1.5, 2.5, 1.0], [-2.5, 0.4, -3.0]]).T
@@ -331,12 +341,26 @@ class Errors(FilesTest):
                                   options={"PMLSize": "auto", "PMLInside": False})
         # makeTime: .1 * 1 mm / (20 m/s) and the diagonal of 10 x 9 x 16 mm at 5 m/s. getOptimalPMLSize: 10 + 2 * 11 = 32,
         # 9 + 2 * 36 = 81 and 8 + 2 * 12 = 32.
-        self.says(self.imported("study.mat"), "837 steps of 5 us", "is, as in k-Wave, 11, 36, 12")
+        self.says(self.imported("study.mat"), "837 steps of 5 us", "is, as in k-Wave, 11, 36, 12",
+                  "k-Wave itself chooses times only for an initial pressure")
         with h5py.File(study_file) as file:
             self.assertEqual((file["grid"].attrs["time_step_s"], file["grid"].attrs["steps"]), (5e-6, 837))
             numpy.testing.assert_array_equal(file["grid/points"][()], [32, 81, 32])
         self.changed(options={"PMLSize": "auto"})
         self.refused("study.mat", "supports only with options.PMLInside = false")
+
+    def test_automatic_times_that_divide_the_duration_count_the_last_step(self):
+        """makeTime adds a step where the quotient is a whole number except for rounding: (8, 16, 16) mm at 5 m/s take 4.8 ms."""
+        structures = study()
+        structures["medium"].update(sound_speed_shear=5.0)
+        structures["kgrid"].update(Nx=8, Ny=16, Nz=8, dt="auto", Nt="auto")
+        structures["source"] = {"p0": numpy.ones((8, 16, 8))}
+        structures["options"].update(Smooth=False)
+        structures["sensor"]["record"] = cell(["p", "uz"])
+        scipy.io.savemat(self.folder / "study.mat", structures)
+        said = self.imported("study.mat")
+        self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999
+        self.assertNotIn("k-Wave itself", said)
 
     def test_input_of_the_acoustic_code_is_named(self):
         with h5py.File(self.folder / "acoustic.h5", "w") as file:
