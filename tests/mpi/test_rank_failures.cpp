@@ -42,6 +42,11 @@ void* allocate(std::size_t size, std::size_t alignment) {
     return memory;
 }
 
+/// Not inlined, since g++ 14 warns of std::free where it sees that the memory is of operator new.
+[[gnu::noinline]] void release(void* memory) {
+    std::free(memory);
+}
+
 } // namespace
 
 void* operator new(std::size_t size) {
@@ -56,16 +61,16 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept { // std::s
     return nullptr;
 }
 void operator delete(void* memory) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 
 namespace {
