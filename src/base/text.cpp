@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <regex>
+#include <unistd.h>
 
 namespace shearwake {
 
@@ -85,6 +87,21 @@ bool is_file_name(std::string_view name) {
     };
     return !name.empty() && name.front() != '.' && name.front() != '-' &&
            name.size() <= longest_file_name && std::all_of(name.begin(), name.end(), is_safe);
+}
+
+std::string coloured(const std::string& text, std::FILE* stream) {
+    const char* none = std::getenv("NO_COLOR");
+    if (::isatty(::fileno(stream)) == 0 || (none != nullptr && *none != '\0')) return text;
+    static const std::regex word("(^|\n|: )(error|warning):");
+    std::string made;
+    auto last = text.cbegin();
+    for (std::sregex_iterator found(text.begin(), text.end(), word), end; found != end; ++found) {
+        made.append(last, (*found)[2].first);
+        made += fmt::format("\x1b[{}m{}:\x1b[0m", (*found)[2] == "error" ? "1;31" : "1;33",
+                            (*found)[2].str());
+        last = (*found)[0].second;
+    }
+    return made.append(last, text.cend());
 }
 
 std::string duration_text(double seconds) {

@@ -2,6 +2,7 @@
 #include "parallel/session.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "simd/instruction_set.hpp"
 
@@ -21,6 +22,7 @@
 #include <string>
 #include <sys/stat.h>
 #include <thread>
+#include <poll.h>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -95,6 +97,10 @@ int with_output_written(int code) {
     errno = 0;
     const bool failed_before = std::ferror(stdout) != 0;
     if (std::fflush(stdout) == 0 && !failed_before) return code;
+    pollfd output{STDOUT_FILENO, POLLOUT, 0};
+    if (::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0)
+        // The reader of a pipe, for example head, has ended; a print may have thrown.
+        return code == static_cast<int>(ExitCode::internal) ? 0 : code;
     fmt::print(stderr, "shearwake: the output cannot be written{}\n",
                errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "");
     return std::max(code, static_cast<int>(ExitCode::environment));
@@ -177,7 +183,7 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
         code = static_cast<int>(program(world));
     } catch (const UsageError& error) {
         // All ranks throw the same error; only the root prints it.
-        if (world.is_root()) fmt::print(stderr, "{}\n", error.what());
+        if (world.is_root()) fmt::print(stderr, "{}\n", coloured(error.what(), stderr));
         code = static_cast<int>(error.code());
     } catch (const std::exception& error) {
         // The error occurred on this rank alone; other ranks may be waiting in a collective call.

@@ -311,6 +311,11 @@ ReducedTables reduce(const ReduceInput& input) {
     storage::write_file(written.markdown,
                         "# " + markdown_text(plan.title) + "\n\n" + markdown(table, columns));
 
+    std::vector<std::string> main = plan.swept_keys;
+    if (main.size() > 3) main.resize(3);
+    main.insert(main.end(), {"eta_period_1", "eta_period_over_reference_1", "peak_um",
+                             "focal_rms_um", "valid"});
+    written.first_rows = first_rows(plain, main, 5);
     written.rows = table.rows.size();
     const std::size_t status = table.columns.size() - 2;
     written.whole = static_cast<std::size_t>(

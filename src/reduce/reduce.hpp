@@ -30,6 +30,7 @@ struct ReducedTables {
     std::filesystem::path csv, markdown;
     std::filesystem::path statistics, sensitivity; // of [uncertain]; empty: not written
     std::filesystem::path adaptive;                // of adaptive axes; empty: not written
+    std::string first_rows;                        // of the main columns, for the terminal
     std::size_t rows = 0;
     std::size_t whole = 0;
     std::size_t not_valid = 0;         // complete cases whose readings are not valid

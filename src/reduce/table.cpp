@@ -155,6 +155,25 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
     return text + notes.list();
 }
 
+std::string first_rows(const Table& table, const std::vector<std::string>& columns,
+                       std::size_t most) {
+    std::vector<std::string> lines(1 + std::min(most, table.rows.size()));
+    for (const std::string& name : columns) {
+        const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+        if (found == table.columns.end()) continue;
+        const auto column = static_cast<std::size_t>(found - table.columns.begin());
+        std::vector<std::string> cells = {name.substr(name.rfind('.') + 1)};
+        for (std::size_t n = 0; n + 1 < lines.size(); ++n)
+            cells.push_back(one_line(text_of(table.rows[n][column], 4)));
+        std::size_t width = 0;
+        for (const std::string& cell : cells)
+            width = std::max(width, cell.size());
+        for (std::size_t n = 0; n < lines.size(); ++n)
+            lines[n] += fmt::format("{}{:>{}}", lines[n].empty() ? "" : "  ", cells[n], width);
+    }
+    return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
 namespace {
 
 constexpr std::string_view suffix = "_error";

@@ -40,6 +40,10 @@ std::string markdown_text(const std::string& text);
 /// each.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
 
+/// The first `most` rows of the named columns as aligned text, with short names of swept keys.
+std::string first_rows(const Table& table, const std::vector<std::string>& columns,
+                       std::size_t most);
+
 /// Case id -> column -> estimated numerical error, in the unit of the column.
 using Errors = std::map<std::string, std::map<std::string, double>>;
 

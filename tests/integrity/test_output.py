@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Output that cannot be written, and changes to the output folder by other programs during a run."""
 import os
+import pty
 import shutil
 import signal
 import subprocess
@@ -38,6 +39,42 @@ class Output(ProgramTest):
             with self.subTest(words=words, output="closed"):
                 done = self.run_with(["sh", "-c", '"$@" >&-', "sh", *command(*words)])
                 self.assertEqual(done.returncode, 6, done.stderr)
+
+    def test_a_reader_of_a_pipe_may_end_first(self):
+        self.write_job()
+        for words in (("schema",), ("keys",), ("presets",), ("plan", "job.toml", "--json")):
+            with self.subTest(words=words):
+                reader, writer = os.pipe()
+                os.close(reader)
+                done = self.run_with(command(*words), stdout=writer)
+                os.close(writer)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_errors_have_colours_on_a_terminal_unless_they_are_unwanted(self):
+        self.write_job(changed(("peak_Pa", "peek_Pa")))
+        for settings, expected in (({}, "\x1b[1;31merror:\x1b[0m load.peek_Pa"), ({"NO_COLOR": "1"}, ": error: load.peek_Pa")):
+            mine, program = pty.openpty()
+            subprocess.run(command("check", "job.toml"), cwd=self.folder, env={**environment(), **settings}, stderr=program,
+                           stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL, check=False)
+            self.assertIn(expected, os.read(mine, 100_000).decode())
+            os.close(mine)
+            os.close(program)
+
+    def test_reduce_shows_the_first_rows(self):
+        self.write_job()
+        self.shearwake("run", "job.toml")
+        said = self.shearwake("reduce", self.out).said.splitlines()
+        head = next(line for line in said if "am_frequency_Hz" in line)
+        first = said[said.index(head) + 1].split()
+        row = table(self.out)[0]
+        self.assertEqual(float(first[0]), float(row["load.modulation.am_frequency_Hz"]))
+        self.assertEqual(first[head.split().index("eta_period_1")], f"{float(row['eta_period_1']):.4g}")
+
+    def test_presets_have_values_and_sources(self):
+        said = self.shearwake("presets").said
+        for name in ("thesis-tissue", "ecoflex", "forearm", "three-layer-skin", "cortical-bone", "array-16x16", "array-249"):
+            self.assertIn(f"\n# {name}\n# ", said)
+        self.says(said, "viscosity_Pa_s = 5.03", "PMID 20888282", "pitch_mm = 10.47")
 
     def test_nothing_to_reduce_is_an_error(self):
         self.write_job()

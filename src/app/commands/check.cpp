@@ -2,6 +2,7 @@
 #include "app/commands/commands.hpp"
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "engines/registry/check.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
@@ -81,9 +82,9 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
     for (const std::string& line : files_of(*job))
         fmt::print("{}\n", line);
     for (std::size_t i = 0; i < of_job; ++i)
-        fmt::print("{}\n", config::text(diagnostics[i]));
+        fmt::print("{}\n", coloured(config::text(diagnostics[i]), stdout));
     if (!error.empty()) {
-        fmt::print("error: {}\n", error);
+        fmt::print("{}\n", coloured("error: " + error, stdout));
         return ExitCode::bad_job;
     }
     fmt::print("{}: {} case{}, {} warning{}, no errors\n", arguments.job.string(),

@@ -14,6 +14,7 @@
     command(check) \
     command(keys) \
     command(schema) \
+    command(presets) \
     command(plan) \
     command(run) \
     command(evaluate) \

@@ -51,6 +51,7 @@ void print_damaged(const reduce::ReducedTables& written) {
 }
 
 void print_files(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
+    fmt::print("{}", written.first_rows);
     fmt::print("table: {}\n       {}\n", written.csv.string(), written.markdown.string());
     for (const auto& file : {written.statistics, written.sensitivity, written.adaptive})
         if (!file.empty()) fmt::print("       {}\n", file.string());

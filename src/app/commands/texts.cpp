@@ -16,4 +16,10 @@ void add_schema(CLI::App& app, Action& action) {
              config::job_schema);
 }
 
+void add_presets(CLI::App& app, Action& action) {
+    add_text(app, action, "presets",
+             "print the values and the sources of the presets of media, bodies and arrays",
+             config::preset_reference);
+}
+
 } // namespace shearwake::app

@@ -45,7 +45,7 @@ CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& override
 void print_override_warnings(const config::Job& job) {
     for (const config::Diagnostic& diagnostic : job.diagnostics)
         if (diagnostic.file.starts_with("-S "))
-            fmt::print(stderr, "{}\n", config::text(diagnostic));
+            fmt::print(stderr, "{}\n", coloured(config::text(diagnostic), stderr));
 }
 
 void add_job(CLI::App& command, schedule::JobArguments& arguments) {

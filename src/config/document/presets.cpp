@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 #include <utility>
 
 namespace shearwake::config {
@@ -14,15 +15,16 @@ namespace {
 
 struct Preset {
     std::string_view name;
-    std::string_view toml; // the content of [medium]
+    std::string_view source; // of measured values, and which values were chosen for this program
+    std::string_view toml;   // the content of [medium]
 };
 
-// Measured values state their source; "ours" marks values that the source does not give and that
-// were chosen for this program.
 constexpr std::array presets = {
-    // The thesis on focused-ultrasound shear waves, figures 2.1 and 2.2: c_s 5 m/s, rho
-    // 1000 kg/m3, c_p 1500 m/s. Ours: viscosity, thickness and the rigid base.
-    Preset{"thesis-tissue", R"(
+    Preset{"thesis-tissue",
+           "The thesis on focused-ultrasound shear waves, figures 2.1 and 2.2: c_s 5 "
+           "m/s, rho 1000 kg/m3, c_p 1500 m/s. Chosen for this program: viscosity, "
+           "thickness and the rigid base.",
+           R"(
 base = "rigid"
 [[layer]]
 name = "thesis-tissue"
@@ -32,10 +34,12 @@ c_p_m_s = 1500.0
 c_s_m_s = 5.0
 viscosity_Pa_s = 1.0
 )"},
-    // Ecoflex phantom, doi 10.5281/zenodo.10371481: rho 1070 kg/m3, shear speed 5.10 m/s (mu0
-    // 27.8 kPa), mu(omega) = mu0 (1 + (i omega tau)^n) with tau 260 us, n 0.27. Ours: c_p (that of
-    // silicone rubbers is near 1000 m/s), thickness and the rigid base.
-    Preset{"ecoflex", R"(
+    Preset{"ecoflex",
+           "Ecoflex phantom, doi 10.5281/zenodo.10371481: rho 1070 kg/m3, shear speed "
+           "5.10 m/s (mu0 27.8 kPa), mu(omega) = mu0 (1 + (i omega tau)^n) with tau 260 "
+           "us, n 0.27. Chosen for this program: c_p (that of silicone rubbers is near "
+           "1000 m/s), thickness and the rigid base.",
+           R"(
 base = "rigid"
 [[layer]]
 name = "ecoflex"
@@ -45,9 +49,11 @@ c_p_m_s = 1000.0
 c_s_m_s = 5.10
 loss = { law = "fractional", tau_us = 260.0, exponent = 0.27 }
 )"},
-    // Forearm, Zhang 2011 (PMID 20888282): mu 7.86 kPa, viscosity 5.03 Pa s. Ours: rho and c_p of
-    // soft tissue, with which c_s = sqrt(7860 / 1000); thickness and the rigid base.
-    Preset{"forearm", R"(
+    Preset{"forearm",
+           "Forearm, Zhang 2011 (PMID 20888282): mu 7.86 kPa, viscosity 5.03 Pa s. "
+           "Chosen for this program: rho and c_p of soft tissue, with which c_s = "
+           "sqrt(7860 / 1000); thickness and the rigid base.",
+           R"(
 base = "rigid"
 [[layer]]
 name = "forearm"
@@ -57,11 +63,13 @@ c_p_m_s = 1500.0
 c_s_m_s = 2.8035691537752375
 viscosity_Pa_s = 5.03
 )"},
-    // Skin of three layers, Feng 2022: E = 4 MPa, 40 kPa, 15 kPa, so mu = 1.33 MPa, 13.3 kPa, 5
-    // kPa; epidermis 0.1 mm, dermis 2 mm, then fat. Ours: the fat is a half-space, rho 1000 kg/m3
-    // and c_p 1500 m/s throughout, so c_s = sqrt(mu / rho), and the viscosities, for which that
-    // source has no numbers: 1 Pa s, but 0.1 Pa s in the epidermis.
-    Preset{"three-layer-skin", R"(
+    Preset{"three-layer-skin",
+           "Skin of three layers, Feng 2022: E = 4 MPa, 40 kPa, 15 kPa, so mu = 1.33 "
+           "MPa, 13.3 kPa, 5 kPa; epidermis 0.1 mm, dermis 2 mm, then fat. Chosen for "
+           "this program: the fat is a half-space, rho 1000 kg/m3 and c_p 1500 m/s "
+           "throughout, so c_s = sqrt(mu / rho), and the viscosities, for which that "
+           "source has no numbers: 1 Pa s, but 0.1 Pa s in the epidermis.",
+           R"(
 base = "half-space"
 [[layer]]
 name = "epidermis"
@@ -88,12 +96,15 @@ viscosity_Pa_s = 1.0
 
 // Presets for [[medium.body]].
 constexpr std::array body_presets = {
-    // Cortical bone of the human tibia, Hoffmeister 2000 ("Anisotropy of Young's modulus of human
-    // tibial cortical bone", Med Biol Eng Comput 38): c11, c22, c33 = 19.5, 20.1, 30.9 GPa and c44,
-    // c55, c66 = 5.72, 5.17, 4.05 GPa. Ours: the isotropic mean, 23.5 and 4.98 GPa; rho 1900 kg/m3
-    // out of 1800 to 2200 (doi 10.1016/j.mechmat.2011.08.007, table 3, which has 3200 to 4000 m/s
-    // for c_p); c_p = sqrt(23.5e9 / rho), c_s = sqrt(4.98e9 / rho); no loss.
-    Preset{"cortical-bone", R"(
+    Preset{"cortical-bone",
+           "Cortical bone of the human tibia, Hoffmeister 2000 (\"Anisotropy of Young's "
+           "modulus of human tibial cortical bone\", Med Biol Eng Comput 38): c11, c22, "
+           "c33 = 19.5, 20.1, 30.9 GPa and c44, c55, c66 = 5.72, 5.17, 4.05 GPa. Chosen "
+           "for this program: the isotropic mean, 23.5 and 4.98 GPa; rho 1900 kg/m3 out "
+           "of 1800 to 2200 (doi 10.1016/j.mechmat.2011.08.007, table 3, which has 3200 "
+           "to 4000 m/s for c_p); c_p = sqrt(23.5e9 / rho), c_s = sqrt(4.98e9 / rho); no "
+           "loss.",
+           R"(
 density_kg_m3 = 1900.0
 c_p_m_s = 3516.876
 c_s_m_s = 1618.966
@@ -127,6 +138,21 @@ const std::string* preset_named_in(const NodePtr& node) {
 }
 
 } // namespace
+
+std::string layer_and_body_presets() {
+    std::string text =
+        "# Media: [medium] preset = \"NAME\"; one of a single layer also as [[medium.layer]] "
+        "preset = \"NAME\".\n";
+    const auto add = [&](const Preset& preset) {
+        text += fmt::format("\n# {}\n# {}{}", preset.name, preset.source, preset.toml);
+    };
+    for (const Preset& preset : presets)
+        add(preset);
+    text += "\n# Bodies: [[medium.body]] preset = \"NAME\".\n";
+    for (const Preset& preset : body_presets)
+        add(preset);
+    return text;
+}
 
 std::vector<std::string> preset_names() {
     std::vector<std::string> names;

@@ -10,6 +10,9 @@
 
 namespace shearwake::config {
 
+/// All presets of media and bodies as TOML, with their sources as comments.
+std::string layer_and_body_presets();
+
 /// All presets for [medium].
 std::vector<std::string> preset_names();
 

@@ -4,6 +4,8 @@
 #include "base/field.hpp"
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
+#include "config/document/presets.hpp"
+#include "config/sections/read_footprint.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
@@ -219,6 +221,10 @@ private:
 };
 
 } // namespace
+
+std::string preset_reference() {
+    return layer_and_body_presets() + array_presets();
+}
 
 std::string key_reference() {
     constexpr const char* preface =

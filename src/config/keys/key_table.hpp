@@ -26,4 +26,7 @@ inline std::vector<std::string> words_of(const Field& field) {
 /// generated from the descriptions next to the structs (base/field.hpp). The site shows it.
 std::string key_reference();
 
+/// The values of all presets as TOML, with their sources as comments.
+std::string preset_reference();
+
 } // namespace shearwake::config

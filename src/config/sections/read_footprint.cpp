@@ -15,17 +15,20 @@ namespace {
 
 struct ArrayPreset {
     std::string name;
+    std::string source;
     ArrayFootprint array;
 };
 
 const std::array<ArrayPreset, 2>& presets() {
-    // 16 x 16: the 10 mm transducers of hobby and laboratory boards at a pitch of 10.47 mm, whose
-    // active piston has a radius of 4.5 mm. 249: AUTD3, whose published driver (hapislab,
-    // autd3-library-software) has 18 x 14 positions at a pitch of 10.16 mm, of which (1, 1), (2, 1)
-    // and (16, 1) are occupied by screws; the radius of the piston is our choice.
     static const std::array<ArrayPreset, 2> all = {
-        ArrayPreset{"array-16x16", {}},
+        ArrayPreset{"array-16x16",
+                    "The 10 mm transducers of hobby and laboratory boards at a pitch of 10.47 mm, "
+                    "whose active piston has a radius of 4.5 mm.",
+                    {}},
         ArrayPreset{"array-249",
+                    "AUTD3, whose published driver (hapislab, autd3-library-software) has 18 x 14 "
+                    "positions at a pitch of 10.16 mm, of which (1, 1), (2, 1) and (16, 1) are "
+                    "occupied by screws. Chosen for this program: the radius of the piston.",
                     {.columns = 18, .rows = 14, .pitch_m = 10.16e-3, .missing = {19, 20, 34}}},
     };
     return all;
@@ -143,6 +146,17 @@ FootprintAndPeak read_array(Reader& reader) {
 }
 
 } // namespace
+
+std::string array_presets() {
+    std::string text = "\n# Arrays: [load.footprint] shape = \"array\", preset = \"NAME\".\n";
+    for (const ArrayPreset& preset : presets())
+        text += fmt::format("\n# {}\n# {}\nelements = [{}, {}] # {} of them missing\n"
+                            "pitch_mm = {:.6g}\nradius_mm = {:.6g}\nfrequency_kHz = {:.6g}\n",
+                            preset.name, preset.source, preset.array.columns, preset.array.rows,
+                            preset.array.missing.size(), 1e3 * preset.array.pitch_m,
+                            1e3 * preset.array.radius_m, 1e-3 * preset.array.frequency_Hz);
+    return text;
+}
 
 FootprintAndPeak read_footprint(Reader reader, const FileLoaders& files) {
     if (reader.empty()) return {.footprint = GaussianFootprint{}};

@@ -138,7 +138,7 @@ std::string Progress::line(const SweepCounts& counts) const {
 void Progress::say(const std::string& text) {
     if (drawn_) fmt::print(stderr, "\r\x1b[K");
     drawn_ = false;
-    fmt::print(stderr, "{}\n", text);
+    fmt::print(stderr, "{}\n", coloured(text, stderr));
     std::fflush(stderr);
 }
 
