@@ -46,16 +46,21 @@ double loaded_s(const Case& c) {
 
 /// Calls f(t, focus) for every focus along the path while the load is on, both ends included.
 template <class F>
-void along_path(const Case& c, F f) {
+void at_times(const Case& c, F f) {
     const double end_s = loaded_s(c);
     const double step_s = std::max(c.time.interval_s, end_s / most_samples);
-    const auto at = [&](double t_s) {
-        for (const Vec2& focus : foci(c.scene().load.modulation, t_s))
-            f(t_s, focus);
-    };
     for (double n = 0.0; n * step_s < end_s; ++n)
-        at(n * step_s);
-    at(end_s);
+        f(n * step_s, foci(c.scene().load.modulation, n * step_s));
+    f(end_s, foci(c.scene().load.modulation, end_s));
+}
+
+/// The same for each focus.
+template <class F>
+void along_path(const Case& c, F f) {
+    at_times(c, [&](double t_s, const auto& at_m) {
+        for (const Vec2& focus : at_m)
+            f(t_s, focus);
+    });
 }
 
 void check_focus_resolution(const Case& c, Notes& notes) {
@@ -263,21 +268,26 @@ void check_pins(const Case& c, Notes& notes) {
             "waves around "
             "it; move the pins, or omit afferents.pins_mm to place them on the path",
             milli(nearest_m), milli(width_m));
-    Vec2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    Vec2 high{-low.x, -low.y};
-    along_path(c, [&](double, Vec2 focus) {
-        low = {std::min(low.x, focus.x), std::min(low.y, focus.y)};
-        high = {std::max(high.x, focus.x), std::max(high.y, focus.y)};
+    double farthest_m = 0.0; // of a pin from the nearest focus, at any time
+    at_times(c, [&](double, const auto& at_m) {
+        for (const Vec2 pin_m : c.afferents->pins_m) {
+            double distance_m = std::numeric_limits<double>::infinity();
+            for (const Vec2 focus_m : at_m)
+                distance_m = std::min(distance_m, norm(focus_m - pin_m));
+            farthest_m = std::max(farthest_m, distance_m);
+        }
     });
     const bool has_stress = !std::holds_alternative<PstdOptions>(c.solver);
-    if (c.afferents->pins_m.size() > 1 && norm(high - low) > width_m)
-        notes.add(Severity::warning, "afferents.input",
-                  "the focus moves past {} pins, of which some will press while others pull; the "
-                  "model of pins is valid only if all have the same sign; use {}",
-                  c.afferents->pins_m.size(),
-                  has_stress ? "afferents.input = \"stress\""
-                             : "engine \"layered\" or \"spectral\" with afferents.input = "
-                               "\"stress\"");
+    // A focus presses within half of its width. Pins farther away rise with its waves.
+    if (c.afferents->pins_m.size() > 1 && farthest_m > 0.5 * width_m)
+        notes.add(
+            Severity::warning, "afferents.input",
+            "some of {} pins are at times {:.3g} mm away from the focus, which is {:.3g} mm wide "
+            "(FWHM), and may pull while others press; the model of pins is valid only if all have "
+            "the same sign; use {}",
+            c.afferents->pins_m.size(), milli(farthest_m), milli(width_m),
+            has_stress ? "afferents.input = \"stress\""
+                       : "engine \"layered\" or \"spectral\" with afferents.input = \"stress\"");
 }
 
 void check_line_of_sight(const Case& c, Notes& notes) {

@@ -136,12 +136,16 @@ TEST_CASE("pins along the path of a moving focus give a warning", "[check]") {
     c.afferents = AfferentOptions{};
     c.afferents->pins_m = {{-0.006, 0.0}, {0.0, 0.0}, {0.006, 0.0}};
     CHECK(only_remark(c).key == "afferents.input");
-    CHECK(has(only_remark(c).message, "moves past 3 pins"));
+    CHECK(has(only_remark(c).message, "some of 3 pins are at times"));
     CHECK(has(only_remark(c).message, "use afferents.input = \"stress\""));
     c.afferents->pins_m = {{0.0, 0.0}};
     CHECK(check(c).empty());
     c.afferents->pins_m = {{-0.001, 0.0}, {0.001, 0.0}};
     c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    CHECK(check(c).empty());
+    c.afferents->pins_m = {{0.0, 0.0}, {0.0016, 0.0}}; // the FWHM is 3 mm
+    CHECK(has(only_remark(c).message, "1.6 mm away from the focus, which is 3 mm wide"));
+    c.scene().load.modulation.foci_m = {{0.0, 0.0}, {0.0016, 0.0}};
     CHECK(check(c).empty());
     c = good_case();
     c.afferents = AfferentOptions{};
