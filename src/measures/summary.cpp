@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 namespace shearwake::measures {
@@ -213,7 +214,7 @@ public:
     std::span<const double> displacement() const { return displacement_; }
     std::span<const double> velocity() const { return velocity_; }
 
-    void add_peak(const char* name, std::span<const double> values) {
+    void add_peak(const char* name, std::span<const double> values, bool has_mean) {
         double peak_Hz = not_a_number;
         std::string reason = note_;
         if (note_.empty()) {
@@ -222,6 +223,14 @@ public:
             const auto amplitudes = amplitude_spectrum(values, dt_s_, frequencies);
             peak_Hz = is_periodic() ? strongest_line_Hz(frequencies, amplitudes)
                                     : peak_frequency_Hz(frequencies, amplitudes, 1.0 / duration_s);
+            if (!is_periodic() && has_mean) {
+                // The mean of a run of finite length leaks to all frequencies. Removing it makes a
+                // maximum of its own below 2/T.
+                const double rest_Hz = peak_frequency_Hz(
+                    frequencies, amplitude_spectrum(without_mean(values), dt_s_, frequencies),
+                    1.0 / duration_s);
+                if (rest_Hz >= 2.0 / duration_s) peak_Hz = rest_Hz;
+            }
             if (std::isnan(peak_Hz) && !is_periodic())
                 reason = fmt::format("the spectrum is largest at the edge of the range: no peak "
                                      "between {:.3g} and 2000 Hz",
@@ -252,6 +261,14 @@ public:
     }
 
 private:
+    static std::vector<double> without_mean(std::span<const double> values) {
+        std::vector<double> rest(values.begin(), values.end());
+        const double mean =
+            std::reduce(rest.begin(), rest.end()) / static_cast<double>(rest.size());
+        for (double& value : rest)
+            value -= mean;
+        return rest;
+    }
     bool is_periodic() const { return time_.regime == Regime::periodic; }
     std::string why_not(double high_Hz) const {
         if (!note_.empty() || high_Hz <= 0.5 / dt_s_) return note_;
@@ -269,8 +286,8 @@ private:
 
 void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries>& traces) {
     SpectrumColumns spectrum(columns, c, traces);
-    spectrum.add_peak("peak_frequency_Hz", spectrum.displacement());
-    spectrum.add_peak("velocity_peak_frequency_Hz", spectrum.velocity());
+    spectrum.add_peak("peak_frequency_Hz", spectrum.displacement(), true);
+    spectrum.add_peak("velocity_peak_frequency_Hz", spectrum.velocity(), false);
     for (const Band& band : bands)
         spectrum.add_rms(band);
     for (const FrequencyBand& band : c.measure.bands)

@@ -241,6 +241,15 @@ TEST_CASE("the spectrum is that of the trace at the origin, else of the first", 
     CHECK_THAT(one.long_name, Catch::Contains("at (3, 0) mm"));
 }
 
+TEST_CASE("the strongest frequency is that of a tone on a larger mean", "[summary]") {
+    measures::TraceSeries trace = tone_at({}, 300);
+    for (double& value : trace.u_m)
+        value += 10e-6; // ten times the tone; its leakage is larger than the tone below 130 Hz
+    const auto columns = measures::summarise(thesis_case(), {}, {trace}, {});
+    // Without the mean, the tone at the negative frequency shifts the maximum by less than 10 Hz.
+    CHECK(find(columns, "peak_frequency_Hz").value == Approx(300).margin(10));
+}
+
 TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     Case c = thesis_case();
     c.measure.bands = {{100.0, 500.0}, {500.0, 1000.0}, {0.0, 1e4}, {0.0, 2e4}};
