@@ -16,7 +16,7 @@ _FENCE = re.compile(r"^(?P<indent> *)```(?P<language>[\w{}-]*)\n(?P<text>.*?)^(?
 # language is an error: it would be neither.
 EXECUTED = {"sh", "python", "octave"}
 VALIDATED = {"toml"}
-SHOWN = {"text", "console", "cpp", "cmake", "csv", "ini", "json", "matlab", "{toctree}"}
+SHOWN = {"text", "console", "cpp", "cmake", "csv", "ini", "json", "matlab", "{toctree}", "{eval-rst}"}
 FRAGMENT = "# part of a job"
 
 
