@@ -34,7 +34,7 @@ class Site(ProgramTest):
             page = chromium.open(path, 1280, 900)
             self.assertEqual(page.run("location.protocol"), "file:")
             self.assertTrue(page.wait("typeof explorer === 'object' && explorer.result"))
-            self.assertRegex(page.run("document.querySelector('[data-column=\"eta_at_1\"]').textContent"), r"^0\.\d+")
+            self.assertRegex(page.run("document.querySelector('[data-column^=eta]').textContent"), r"^\d+\.\d+ %")
             page.run("explorer.play(true)")
             self.assertTrue(page.wait("explorer.frame > 3"))
             self.assertEqual(page.errors(), [])

@@ -15,9 +15,9 @@ from study import program
 class Page:
     """The server of one page; `with Page(folder) as page` ends it as Ctrl-C does."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *options):
         self.process = subprocess.Popen(
-            [*program.command("explore"), "--no-browser", "--out", str(folder)], cwd=folder, stdin=subprocess.DEVNULL,
+            [*program.command("explore"), "--no-browser", "--out", str(folder), *options], cwd=folder, stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, encoding="utf-8", start_new_session=True,
             env={**program.environment(), "SHEARWAKE_PYTHON": sys.executable})
         line = self.process.stdout.readline()

@@ -93,6 +93,19 @@ class Explore(InFolder):
         for path in ("/etc/passwd", "/page/main.js", "/page.html", "/../explore.py", "/%2e%2e/explore.py"):
             self.assertIn(self.status_of_raw(f"{path}?token={self.page.token}"), (400, 403, 404), path)
 
+    def test_a_forwarded_port_is_accepted_if_it_is_named(self):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        with Page(self.folder, "--port", str(port), "--public-port", "8765") as page:
+            self.assertEqual(page.host, "127.0.0.1:8765")
+            for host, expected in (("localhost:8765", 200), ("[::1]:8765", 200), (f"127.0.0.1:{port}", 200), ("localhost:8766", 403),
+                                   ("evil.example:8765", 403)):
+                connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+                connection.request("GET", f"/?token={page.token}", headers={"Host": host})
+                self.assertEqual(connection.getresponse().status, expected, host)
+                connection.close()
+
     def test_only_this_machine_is_served(self):
         port = int(self.page.host.rsplit(":", 1)[1])
         with socket.socket() as other:  # another address of this machine is free

@@ -26,7 +26,7 @@ MOVE = """(async (name, value) => {
   return explorer.waits_ms.at(-1);
 })"""
 SHOWN = """(() => { const r = explorer.result; return {id: r.header.case, columns: Object.fromEntries(Object.entries(r.header.columns)
-  .map(([name, c]) => [name, c.value])), shape: [r.frames, r.nx, r.ny], text: document.querySelector('[data-column="eta_at_1"]').textContent}; })()"""
+  .map(([name, c]) => [name, c.value])), shape: [r.frames, r.nx, r.ny], energy: (e => [e.dataset.column, e.textContent])(document.querySelector('[data-column^=eta]'))}; })()"""
 
 
 # Every tenth frame, as base64.
@@ -46,6 +46,7 @@ class ExplorePage(InFolder):
 
     def open(self, width=1280, more=""):
         page = self.browser.open(self.server.address + more, width, 900 if width > 700 else 844)
+        self.addCleanup(page.send, "Page.navigate", url="about:blank")  # the server accepts 16 pages at a time
         self.assertTrue(page.wait("typeof explorer === 'object' && explorer.waits_ms.length > 0"))
         return page
 
@@ -68,8 +69,8 @@ class ExplorePage(InFolder):
                 value = float(file[column][()])
                 if numpy.isfinite(value):
                     self.assertLessEqual(abs(shown["columns"][column] - value), 1e-6 * abs(value), column)
-            eta = float(file["eta_at_1"][()])
-        self.assertAlmostEqual(float(shown["text"]), eta, delta=1e-3 * eta)  # four digits are shown
+            eta = float(file[shown["energy"][0]][()])
+        self.assertAlmostEqual(float(shown["energy"][1].partition(" %")[0]), 100 * eta, delta=100 * 5e-3 * eta)  # three digits are shown
         field = numpy.frombuffer(base64.b64decode(page.run(FRAMES)), "<f4").reshape(-1, *frames.shape[1:])
         self.assertEqual(len(field), 12)
         self.assertLessEqual(numpy.abs(field - frames[9::10]).max(), 1e-6 * numpy.abs(frames).max())
@@ -159,6 +160,80 @@ class ExplorePage(InFolder):
         self.assertTrue(page.wait("document.querySelectorAll('#sweep-table tbody tr').length === 2"),
                         page.run("document.getElementById('sweep-state').textContent"))
         self.assertEqual(page.run("document.querySelector('#sweep-table td').textContent"), "4.000")
+        curve = page.run("explorer.sweeps.curve.plot.data.map(values => Array.from(values))")
+        self.assertEqual(curve[0], [4, 8])
+        self.assertEqual(len(curve[1]), 2)
+        self.assertTrue(page.wait("!document.getElementById('sweep-report').hidden"))
+        report = self.browser.open(self.server.address.split("?")[0] + f"report/{page.run('explorer.sweeps.report')}", 1280, 900)
+        self.assertGreater(report.run("document.querySelectorAll('figure').length"), 0)
+        self.assertEqual(report.errors(), [])
+        page.run("document.querySelector('#sweep-table button').click()")
+        self.assertTrue(page.wait("!explorer.active && explorer.shown.speed === 4"))
+
+    def test_a_finer_grid_changes_neither_the_view_nor_the_path(self):
+        page = self.open()
+        views = []
+        for spacing in (1, 0.7):
+            page.run(f"(() => {{ explorer.settings.spacing = {spacing}; explorer.waits_ms.length = 0; explorer.change(); }})()")
+            self.assertTrue(page.wait("explorer.waits_ms.length"))
+            views.append(page.run("(r => [explorer.overlay.extent, r.focus(r.frames - 1), r.time[r.frames - 1], r.column('eta_period_1').value])"
+                                  "(explorer.result)"))
+        self.assertEqual(views[0][:3], views[1][:3])
+        # The grid samples a focus of 4.5 mm with 6 points and more.
+        self.assertAlmostEqual(views[0][3], views[1][3], delta=0.02 * views[0][3])
+
+    def test_results_are_worded_and_compared_with_the_pinned_setting(self):
+        page = self.open()
+        rows = "Array.from(document.querySelectorAll('#numbers dt'), (e, i) => [e.textContent, document.querySelectorAll('#numbers dd')[i].textContent])"
+        labels = [label for label, _ in page.run(rows)]
+        self.assertEqual(labels[:3], ["Energy at the focus", "Strength at the focus (RMS)", "Spread (vibrating area)"])
+        page.run("document.getElementById('pin').click()")
+        page.run(f"{MOVE}('peak', 200)")
+        texts = dict(page.run(rows))
+        self.assertIn("+100 % of the pinned", texts["Strength at the focus (RMS)"])  # the load is linear
+        self.assertNotIn("–", "".join(text for _, text in page.run(rows)))
+        self.assertIn("into the skin", page.run("document.getElementById('scale-high').textContent"))
+        self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))
+        self.assertLess(page.run("explorer.result.wake"), page.run("explorer.result.peak"))
+
+    def test_mach_lines_need_a_straight_path_that_is_supersonic(self):
+        page = self.open()
+        angle = "(explorer.play(false), explorer.show(60), explorer.overlay.mach_deg)"
+        self.assertIsNotNone(page.run(angle))
+        page.run(f"{MOVE}('speed', 3)")
+        self.assertIsNone(page.run(angle))
+        page.run("(() => { const s = structuredClone(explorer.settings); s.speed = 9; s.path = 'circle'; explorer.waits_ms.length = 0; explorer.use(s); })()")
+        self.assertTrue(page.wait("explorer.waits_ms.length"))
+        self.assertIsNone(page.run(angle))
+
+    def test_a_dragged_slider_yields_results_steadily(self):
+        page = self.open()
+        results = page.run("""(async () => {
+          explorer.settings.spacing = 0.5;  // slow cases
+          const before = explorer.waits_ms.length, speed = document.querySelector('[data-setting="speed"] input');
+          for (let k = 0; k < 40 || (explorer.waits_ms.length - before < 2 && k < 600); ++k) {
+            speed.value = 5 + 0.1 * (k % 40);
+            speed.dispatchEvent(new Event("input"));
+            await new Promise(done => setTimeout(done, 50));
+          }
+          return explorer.waits_ms.length - before;
+        })()""")
+        self.assertGreaterEqual(results, 2)
+
+    def test_an_outdated_result_is_dimmed_and_a_lost_request_repeated(self):
+        page = self.open()
+        page.run("explorer.source.socket.close()")
+        self.assertTrue(page.wait("explorer.is_offline"))
+        self.assertTrue(page.run("document.querySelector('main').classList.contains('outdated')"))
+        self.assertIn("Not connected", page.run("document.getElementById('state').textContent"))
+        self.assertTrue(page.wait("!explorer.is_offline && !explorer.active && !document.querySelector('main').classList.contains('outdated')"))
+
+    def test_receptors_have_valid_readings(self):
+        page = self.open()
+        page.run("(() => { const s = structuredClone(explorer.settings); s.receptors = true; explorer.waits_ms.length = 0; explorer.use(s); })()")
+        self.assertTrue(page.wait("explorer.waits_ms.length"))
+        self.assertEqual(page.run("explorer.result.header.warnings.filter(w => w.severity === 'error' && w.key.startsWith('afferents'))"), [])
+        self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
 
     def test_the_keyboard_moves_the_probe_and_stops_the_playback(self):
         page = self.open()
@@ -184,6 +259,10 @@ class ExplorePage(InFolder):
         steps = page.run("STOPS.length")
         for _ in range(steps):
             self.assertFalse(page.run("document.getElementById('tour').hidden"))
+            covered = page.run("""(() => { const a = explorer.tour.target.getBoundingClientRect(), b = document.getElementById('tour').getBoundingClientRect();
+              return Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top))
+                / (a.width * a.height); })()""")
+            self.assertLess(covered, 0.25)  # 0 where there is room
             page.run("document.getElementById('tour-next').click()")
         self.assertTrue(page.run("document.getElementById('tour').hidden"))
 
@@ -191,6 +270,9 @@ class ExplorePage(InFolder):
         for width in (1280, 390):
             with self.subTest(width=width):
                 page = self.open(width)
+                if width < 700:
+                    tops = page.run("['numbers', 'controls'].map(id => document.getElementById(id).getBoundingClientRect().top)")
+                    self.assertLess(tops[0], tops[1])
                 self.assertLessEqual(page.run("document.documentElement.scrollWidth"), width)
                 self.assertEqual(page.errors(), [])
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves the page of `shearwake explore` on 127.0.0.1 until it is interrupted.
 
-Usage: python3 -m shearwake.explore --program PATH [--port N] [--ranks N] [--out DIR] [--no-browser]
+Usage: python3 -m shearwake.explore --program PATH [--port N] [--public-port N] [--ranks N] [--out DIR] [--no-browser]
 """
 import argparse
 import asyncio
@@ -35,14 +35,15 @@ def command(program: str, ranks: int) -> list[str]:
 
 async def serve(arguments: argparse.Namespace) -> None:
     token = secrets.token_urlsafe(24)
-    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out, keys_of(arguments.program))
+    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out, keys_of(arguments.program),
+                        arguments.public_port)
     runner = web.AppRunner(explorer.application(), access_log=None)
     await runner.setup()
     try:
         site = web.TCPSite(runner, "127.0.0.1", arguments.port, shutdown_timeout=2)
         await site.start()
         explorer.port = runner.addresses[0][1]
-        address = f"http://127.0.0.1:{explorer.port}/?token={token}"
+        address = f"http://127.0.0.1:{explorer.public_port or explorer.port}/?token={token}"
         print(f"{address}\nThis page is reachable from this machine only. Ctrl-C ends it.", flush=True)
         if arguments.browser:
             await asyncio.to_thread(webbrowser.open, address)
@@ -58,6 +59,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", required=True)
     parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--public-port", type=int, default=0)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--out", default="out")
     parser.add_argument("--no-browser", dest="browser", action="store_false")

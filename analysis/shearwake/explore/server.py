@@ -12,6 +12,8 @@ from collections.abc import Callable
 
 from aiohttp import WSMsgType, web
 
+import shearwake
+
 from . import page
 from .engine import Client, Desk, Engine
 from .sweeps import NotASweep, Sweeps
@@ -51,15 +53,17 @@ class Outbox:
 
 
 class Explorer:
-    def __init__(self, engine: Engine, token: str, folder: str, keys: dict[str, dict]) -> None:
+    def __init__(self, engine: Engine, token: str, folder: str, keys: dict[str, dict], public_port: int = 0) -> None:
         self.desk, self.sweeps, self.token, self.keys = Desk(engine), Sweeps(folder), token, keys
         self.port = 0  # set when the server listens
+        self.public_port = public_port  # to which the browser connects, if it is another one
         self.sockets: set[web.WebSocketResponse] = set()
 
     def application(self) -> web.Application:
         app = web.Application(middlewares=[self.guard], client_max_size=1)
         app.router.add_get("/", self.show_page)
         app.router.add_get("/socket", self.talk)
+        app.router.add_get(r"/report/{number:\d{1,4}}", self.show_report)
         app.on_startup.append(lambda _: self.desk.start())
         app.on_shutdown.append(lambda _: self.end())
         return app
@@ -72,7 +76,8 @@ class Explorer:
 
     @property
     def hosts(self) -> set[str]:
-        return {f"127.0.0.1:{self.port}", f"localhost:{self.port}"}
+        ports = {self.port, self.public_port or self.port}
+        return {f"{name}:{port}" for name in ("127.0.0.1", "localhost", "[::1]") for port in ports}
 
     @property
     def cookie(self) -> str:
@@ -82,7 +87,8 @@ class Explorer:
     async def guard(self, request: web.Request, handler: Callable) -> web.StreamResponse:
         try:
             if request.headers.get("Host") not in self.hosts:
-                raise web.HTTPForbidden(text="the header Host is not that of this server\n")
+                raise web.HTTPForbidden(text="the header Host is not that of this server; if its port is forwarded, start shearwake explore "
+                                             "with --public-port and the port of the browser\n")
             given = request.query.get("token") or request.cookies.get(self.cookie) or ""
             if not hmac.compare_digest(given.encode("utf-8", "surrogateescape"), self.token.encode()):
                 raise web.HTTPForbidden(text="the token is missing or wrong; use the address that shearwake explore prints\n")
@@ -99,6 +105,16 @@ class Explorer:
         response = web.Response(text=text, content_type="text/html", headers={"Content-Security-Policy": policy})
         response.set_cookie(self.cookie, self.token, httponly=True, samesite="Strict", path="/")
         return response
+
+    async def show_report(self, request: web.Request) -> web.Response:
+        try:
+            text = await asyncio.to_thread(self.sweeps.report, int(request.match_info["number"]))
+        except shearwake.ProgramError as error:
+            raise web.HTTPInternalServerError(text=f"{error}\n") from error
+        if text is None:
+            raise web.HTTPNotFound(text="this server has run no such sweep\n")
+        policy = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'"
+        return web.Response(text=text, content_type="text/html", headers={"Content-Security-Policy": policy})
 
     async def talk(self, request: web.Request) -> web.WebSocketResponse:
         if request.headers.get("Origin") not in {f"http://{host}" for host in self.hosts}:

@@ -56,6 +56,7 @@ def unused(folder: Path, name: str) -> str:
 class Sweeps:
     def __init__(self, folder: str) -> None:
         self.folder = Path(folder)
+        self.finished: list[Path] = []  # output folders of complete sweeps; their places are the numbers of their reports
         self.task: asyncio.Task | None = None
         self.is_stopping = False
 
@@ -85,18 +86,20 @@ class Sweeps:
         def progress(found: shearwake.Progress) -> None:
             if self.is_stopping:
                 raise StopAsked
-            loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total})
+            loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total,
+                                               **points(self.folder / name, key)})
+
+        name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
 
         try:
-            report(await asyncio.to_thread(self.run, job, key, values, progress))
+            report(await asyncio.to_thread(self.run, job, key, values, name, progress))
         except StopAsked:
             report({"state": "stopped"})
         except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
             report({"state": "failed", "message": str(error) or type(error).__name__})
 
-    def run(self, job: str, key: str, values: list[float], progress: Callable[[shearwake.Progress], None]) -> dict:
+    def run(self, job: str, key: str, values: list[float], name: str, progress: Callable[[shearwake.Progress], None]) -> dict:
         """Runs the sweep in an output folder of its own and returns its table."""
-        name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
         with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
             tables = shearwake.Job(job + "\n").tables
             for other in OTHER_CASES:
@@ -104,7 +107,23 @@ class Sweeps:
             made = shearwake.Job(tables).sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
             made.folder = Path(temporary)
             sweep = made.run(out=self.folder / name, progress=progress)
-        table = sweep.table
-        shown = [column for column in COLUMNS if column in table.columns]
-        rows = [[clean(row[key]), *(clean(row[column]) for column in shown)] for _, row in table.reset_index().iterrows()]
-        return {"state": "done", "folder": os.fspath(self.folder / name), "columns": [key, *shown], "rows": rows}
+        self.finished.append(sweep.folder)
+        return {"state": "done", "folder": os.fspath(sweep.folder), "report": len(self.finished) - 1, **points(sweep.folder, key)}
+
+    def report(self, number: int) -> str | None:
+        """The page of a complete sweep; None if there is no sweep of this number. Raises shearwake.ProgramError."""
+        if not 0 <= number < len(self.finished):
+            return None
+        return shearwake.open(self.finished[number]).report().read_text(encoding="utf-8")
+
+
+def points(folder: Path, key: str) -> dict[str, Any]:
+    """The columns and the rows of the complete cases of a sweep, also of an active one."""
+    try:
+        cases = [case for case in shearwake.open(folder).cases if case.is_complete]
+        values = [case.values for case in cases]
+    except (shearwake.ShearwakeError, OSError, ValueError):
+        return {"columns": [key], "rows": []}  # the folder is being made
+    shown = [column for column in COLUMNS if any(column in row for row in values)]
+    rows = [[case.settings[key], *(clean(row.get(column, math.nan)) for column in shown)] for case, row in zip(cases, values)]
+    return {"columns": [key, *shown], "rows": rows}

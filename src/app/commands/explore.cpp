@@ -59,6 +59,9 @@ void add_explore(CLI::App& app, Action& action) {
                             .packages = explorer_packages});
     pass_option(command, "--port", "port on 127.0.0.1 (default: any free one)", "N")
         ->check(CLI::Range(0, 65535));
+    pass_option(command, "--public-port",
+                "port to which the browser connects, if another one is forwarded to --port", "N")
+        ->check(CLI::Range(0, 65535));
     pass_option(command, "-n,--ranks", "ranks of the engine (default 1)", "N")
         ->check(CLI::Range(1, 1024));
     pass_option(command, "--out", "folder for the sweeps that the page starts (default: out)",

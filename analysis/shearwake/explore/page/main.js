@@ -2,8 +2,6 @@
 // Connects the parts: settings to requests, results to the pictures.
 const PATIENCE_ms = 250;  // a request that takes longer gives way to a newer one
 const PICTURES = 12, SLOW_MS = 31;  // playback is slow if so many pictures take longer than this each
-const SHOWN = [["eta_at_1", "η at the end"], ["eta_period_1", "η over the last periods"], ["peak_um", "strength: peak"],
-  ["focal_rms_um", "RMS at the focus"], ["participation_at_mm2", "participation area"], ["mach_angle_deg", "Mach angle, fitted"], ["mach_angle_theory_deg", "Mach angle, theory"]];
 
 class Explorer {
   constructor() {
@@ -14,21 +12,23 @@ class Explorer {
     this.frame = 0;
     this.clock_s = 0;
     this.slow = 300;
-    this.is_playing = true;
+    this.is_playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.waits_ms = [];   // from a change to the first picture of its result
     this.draws = [];      // times of the last pictures
     this.since_change = 0;  // pictures since playback began or the resolution changed
     this.surface = new Surface(get("surface"));
     this.overlay = new Overlay(get("overlay"), () => this.moveProbe());
     this.plots = new Plots();
-    this.pins = new Pins(get("pins"), settings => this.use(settings));
+    this.pins = new Pins(get("pins"), settings => this.use(settings), () => { if (this.result) { this.showNumbers(); this.draw(); } });
     this.tour = new Tour();
     const receive = (message, result) => this.receive(message, result);
     this.source = CONFIGURATION.stored ? new StoredSource(receive) : new EngineSource(receive);
-    this.sweeps = new SweepDialog(this.source, () => ({settings: this.shown ?? this.settings, job: this.job}));
+    this.sweeps = new SweepDialog(this.source, () => ({settings: this.shown ?? this.settings, job: this.job}),
+      settings => this.use(settings));
     this.controls = CONFIGURATION.stored ? this.choices(get("controls"))
       : new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
     drawScale(get("scale-map"));
+    if (!this.is_playing) this.play(false);
     this.listen(get);
     new ResizeObserver(() => { this.plots.fit(); this.draw(); }).observe(document.querySelector("main"));
     requestAnimationFrame(now => this.tick(now));
@@ -81,27 +81,43 @@ class Explorer {
       this.change();
     });
   }
-  // Requests. At most one is active; a change replaces it at once if it takes long, else when its result is there.
+  // Requests. At most one is active; a change replaces it if it takes long, but never two in a row, so that a slider that is dragged
+  // yields results steadily.
   change() {
     this.changed_ms ??= performance.now();
+    this.showState();
     this.pump();
+  }
+  // Results that do not belong to the settings, or to no engine, are dimmed.
+  showState() {
+    const outdated = this.result && (this.is_offline || this.changed_ms !== undefined || this.active && performance.now() - this.active.sent_ms > PATIENCE_ms);
+    document.querySelector("main").classList.toggle("outdated", Boolean(outdated));
+    if (!this.is_offline && this.active && performance.now() - this.active.sent_ms > PATIENCE_ms) this.report("Computing …");
   }
   pump() {
     if (this.changed_ms === undefined) return;
     const active_ms = this.active ? performance.now() - this.active.sent_ms : Infinity;
-    if (active_ms < PATIENCE_ms) {
+    if (this.active && (active_ms < PATIENCE_ms || this.has_replaced)) {
       clearTimeout(this.timer);
-      this.timer = setTimeout(() => this.pump(), PATIENCE_ms - active_ms + 1);
-      return;
+      if (!this.has_replaced) this.timer = setTimeout(() => this.pump(), PATIENCE_ms - active_ms + 1);
+      return;  // otherwise the result calls it again
     }
+    this.has_replaced = Boolean(this.active);
     const settings = structuredClone(this.settings), id = this.source.compute(settings);
     if (id < 0) return;  // the connection will open again
     this.active = {id, settings, sent_ms: performance.now(), changed_ms: this.changed_ms};
     this.changed_ms = undefined;
+    setTimeout(() => this.showState(), PATIENCE_ms + 1);
   }
   receive(message, result) {
-    if (message.type === "open") { this.change(); return; }
-    if (message.type === "closed") { this.active = undefined; this.report("The connection to the engine is closed.", true); return; }
+    if (message.type === "open" || message.type === "closed") {
+      this.is_offline = message.type === "closed";
+      this.active = undefined;
+      this.has_replaced = false;
+      if (this.is_offline) { this.report("Not connected to the engine; the page tries again. Is shearwake explore still running?", true); this.showState(); }
+      else this.change();
+      return;
+    }
     if (message.type === "sweep") { this.sweeps.receive(message); return; }
     if (message.type === "error" && message.id !== undefined && message.id === this.sweeps.number) {
       this.sweeps.receive({...message, state: "failed"});
@@ -110,8 +126,14 @@ class Explorer {
     const active = this.active;
     if (active && message.id !== active.id) return;  // of an older request
     this.active = undefined;
-    if (message.type === "result" && active) this.accept(active, result);
+    this.has_replaced = false;
+    if (message.type === "result" && active) { this.accept(active, result); this.has_ended = false; }
     if (message.type === "error") this.report(message.message, true);
+    if (message.type === "error" && message.code === "ended" && !this.has_ended) {  // the request was lost with the engine
+      this.has_ended = true;
+      this.changed_ms ??= performance.now();
+    }
+    this.showState();
     this.pump();
   }
   accept(active, result) {
@@ -126,12 +148,18 @@ class Explorer {
     this.report(`Computed in ${(1e3 * result.header.seconds).toFixed(0)} ms`);
   }
   showNumbers() {
-    const rows = SHOWN.map(([name, label]) => [name, label, this.result.column(name)]);
-    this.parts.numbers.replaceChildren(...rows.flatMap(([name, label, column]) => {
-      const value = element("dd", {textContent: digits(column.value) + (column.value === null ? "" : unitOf(column)), title: column.note || column.meaning || ""});
-      value.dataset.column = name;
-      return [element("dt", {textContent: label}), value];
-    }));
+    const pinned = this.pins.all.at(-1)?.result, before = pinned ? resultsOf(pinned) : [];
+    const rows = resultsOf(this.result).map(({label, name, value, text}) => {
+      const other = before.find(one => one.name === name), change = other && other.value ? 100 * (value / other.value - 1) : null;
+      const versus = change === null ? "" : ` (${change < 0 ? "−" : "+"}${Math.abs(change) < 10 ? Math.abs(change).toPrecision(2) : Math.abs(change).toFixed(0)} % of the pinned)`;
+      const shown = element("dd", {textContent: text + versus, title: this.result.column(name).meaning || ""});
+      shown.dataset.column = name;
+      return [element("dt", {textContent: label}), shown];
+    });
+    const [fitted, theory] = ["mach_angle_deg", "mach_angle_theory_deg"].map(name => this.result.column(name).value);
+    if (isNumber(fitted) && isNumber(theory))
+      rows.push([element("dt", {textContent: "Mach angle"}), element("dd", {textContent: `${fitted.toFixed(1)}°, theory ${theory.toFixed(1)}°`})]);
+    this.parts.numbers.replaceChildren(...rows.flat());
     this.parts.warnings.replaceChildren(...this.result.header.warnings.map(w => element("li", {textContent: `${w.severity === "error" ? "not valid: " : ""}${w.key}: ${w.message}`})));
   }
   // Pictures.
@@ -168,14 +196,14 @@ class Explorer {
     this.plots.showTime(this.frame);
   }
   draw() {
-    const scale_m = roundScale(Math.max(this.result?.peak ?? 0, this.pins.peak));
-    const relief = this.parts.style.value === "relief";
+    const scale_m = roundScale(Math.max(this.result?.wake ?? 0, this.pins.wake));
+    const relief = this.parts.style.value === "slopes";
     this.overlay.fit();
     if (this.result) {
       this.surface.fit();
       this.surface.draw(this.result, this.frame, scale_m, relief);
       this.pins.draw(this.result.time[this.frame], scale_m, relief);
-      this.parts["scale-low"].textContent = `−${(1e6 * scale_m).toPrecision(2)} µm`;
+      this.parts["scale-low"].textContent = `out of the skin −${(1e6 * scale_m).toPrecision(2)} µm`;
       this.parts["scale-high"].textContent = `${(1e6 * scale_m).toPrecision(2)} µm into the skin`;
     }
     this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,

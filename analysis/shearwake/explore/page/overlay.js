@@ -1,5 +1,5 @@
 "use strict";
-// What lies over the surface: focus, path, Mach lines, receptors, probe and the length scale.
+// What lies over the surface: focus, path, Mach lines, receptors, probe and axes.
 class Overlay {
   constructor(canvas, moved) {
     this.canvas = canvas;
@@ -17,7 +17,7 @@ class Overlay {
     if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, {width, height});
     this.factor = factor;
   }
-  get extent() { return this.result ? [this.result.nx * this.result.spacing, this.result.ny * this.result.spacing] : [NX, NY]; }
+  get extent() { return [WIDTH_mm, HEIGHT_mm]; }
   pixels([x, y]) {
     const [width, height] = this.extent;
     return [(x / width + 0.5) * this.canvas.width, (0.5 - y / height) * this.canvas.height];
@@ -72,7 +72,7 @@ class Overlay {
       if (options.mach) this.drawMach(result, n);
       if (options.focus) this.drawFocus(result, n);
       this.drawProbe();
-      this.drawLength();
+      this.drawAxes();
     }
     if (this.sketch) this.line(this.sketch, "#d55e00", 3);
   }
@@ -82,15 +82,41 @@ class Overlay {
     this.line(trail, "#0009", 1.5);
     const shifts = result.header.foci_m.length ? result.header.foci_m : [[0, 0]], [x, y] = result.focus(n);
     for (const shift of shifts) this.ring([x + 1e3 * shift[0], y + 1e3 * shift[1]], 0.5e3 * result.header.fwhm_m, "#111");
+    this.drawMotion(result, n);
   }
-  // The lines along which waves of the surface add up behind a focus that is faster than they are.
+  // Velocity in m/s at a frame.
+  velocity(result, n) {
+    const [x, y] = result.focus(n), [x0, y0] = result.focus(Math.max(0, n - 1)), dt = result.time[1] - result.time[0];
+    return [1e-3 * (x - x0) / dt, 1e-3 * (y - y0) / dt];
+  }
+  // An arrow in the direction of the motion, ahead of the focus.
+  drawMotion(result, n) {
+    const [vx, vy] = this.velocity(result, n), speed = Math.hypot(vx, vy);
+    if (n < 1 || !(speed > 0.05)) return;
+    const [x, y] = result.focus(n), ex = vx / speed, ey = vy / speed, from = 0.6e3 * result.header.fwhm_m + 1, to = from + 9;
+    const at = (along, across) => [x + along * ex - across * ey, y + along * ey + across * ex];
+    this.line([at(from, 0), at(to, 0)], "#111", 1.5);
+    this.line([at(to - 2.5, 1.5), at(to, 0), at(to - 2.5, -1.5)], "#111", 1.5);
+  }
+  // The number of frames before this one in which the focus has moved straight on and faster than the waves of the surface.
+  supersonic(result, n) {
+    const [vx, vy] = this.velocity(result, n);
+    let frames = 0;
+    for (let k = n; k >= 1; --k, ++frames) {
+      const [ux, uy] = this.velocity(result, k), speed = Math.hypot(ux, uy);
+      if (speed <= result.header.surface_wave_m_s || ux * vx + uy * vy < 0.9999 * speed * Math.hypot(vx, vy)) break;
+    }
+    return frames;
+  }
+  // The lines along which waves of the surface add up behind a focus on a straight path that is faster than they are.
   drawMach(result, n) {
-    if (n < 1) return;
-    const [x, y] = result.focus(n), [x0, y0] = result.focus(n - 1), dt = result.time[n] - result.time[n - 1];
-    const vx = 1e-3 * (x - x0) / dt, vy = 1e-3 * (y - y0) / dt, speed = Math.hypot(vx, vy);
-    this.mach_deg = speed > result.header.surface_wave_m_s ? Math.asin(result.header.surface_wave_m_s / speed) * 180 / Math.PI : null;
-    if (this.mach_deg === null) return;
-    const back = Math.atan2(-vy, -vx), angle = Math.asin(result.header.surface_wave_m_s / speed), length = 1e3 * speed * result.time[n];
+    const frames = this.supersonic(result, n);
+    this.mach_deg = null;
+    if (frames < 5) return;
+    const [x, y] = result.focus(n), [x0, y0] = result.focus(n - frames), dt = result.time[n] - result.time[n - frames];
+    const speed = 1e-3 * Math.hypot(x - x0, y - y0) / dt, angle = Math.asin(result.header.surface_wave_m_s / speed);
+    const back = Math.atan2(y0 - y, x0 - x), length = Math.hypot(x - x0, y - y0);
+    this.mach_deg = angle * 180 / Math.PI;
     for (const side of [-1, 1]) {
       const along = length * Math.cos(angle), direction = back + side * angle;
       this.context.setLineDash([6 * this.factor, 4 * this.factor]);
@@ -125,11 +151,19 @@ class Overlay {
       context.stroke();
     }
   }
-  drawLength() {
-    const [width, height] = this.extent, x = -0.48 * width, y = -0.46 * height, context = this.context;
-    this.line([[x, y], [x + 20, y]], "#000", 3);
-    context.fillStyle = "#000";
-    context.font = `${12 * this.factor}px system-ui, sans-serif`;
-    context.fillText("20 mm", ...this.pixels([x, y + 0.015 * height]));
+  drawAxes() {
+    const context = this.context, [width, height] = this.extent, tick = 1.5;
+    context.fillStyle = "#222";
+    context.font = `${11 * this.factor}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    for (let x = -40; x <= 40; x += 20) {
+      this.line([[x, -0.5 * height], [x, -0.5 * height + tick]], "#222", 1);
+      context.fillText(x === 40 ? "x = 40 mm" : String(x).replace("-", "−"), ...this.pixels([x, -0.5 * height + 2 * tick]));
+    }
+    context.textAlign = "left";
+    for (let y = -20; y <= 40; y += 20) {
+      this.line([[-0.5 * width, y], [-0.5 * width + tick, y]], "#222", 1);
+      context.fillText(y === 40 ? "y = 40 mm" : String(y).replace("-", "−"), ...this.pixels([-0.5 * width + 2 * tick, y - 0.01 * height]));
+    }
   }
 }

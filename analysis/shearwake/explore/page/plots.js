@@ -3,13 +3,13 @@
 const pen = {stroke: "#0072b2", width: 1.5, points: {show: false}};
 
 class Plot {
-  constructor(box, across, along, name) {
+  constructor(box, across, along, name, points = {show: false}) {
     Object.assign(this, {box, name, across});
     box.setAttribute("role", "img");
     const axis = label => ({label, labelSize: 16, size: 44, font: "11px system-ui", labelFont: "11px system-ui", stroke: "#333"});
     this.plot = new uPlot({
       width: Math.max(200, box.clientWidth), height: 150, legend: {show: false}, cursor: {y: false},
-      scales: {x: {time: false}}, series: [{}, {...pen, label: name}],
+      scales: {x: {time: false}}, series: [{}, {...pen, points, label: name}],
       axes: [{...axis(across), size: 30}, axis(along)],
       hooks: {draw: [plot => this.mark(plot)]},
     }, [[], []], box);

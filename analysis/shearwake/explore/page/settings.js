@@ -4,7 +4,7 @@ const MODULATIONS = {"STM": "moving focus (STM)", "AM-STM": "moving, amplitude-m
   "SM-STM": "moving, speed-modulated (SM-STM)", "AM": "resting, amplitude-modulated (AM)", "LM": "oscillating (LM)"};
 const PATHS = {line: "line", circle: "circle", drawn: "drawn by hand"};
 const FOCI = {gaussian: "Gaussian", array: "array of 16 x 16"};
-const NX = 128, NY = 96;
+const WIDTH_mm = 128, HEIGHT_mm = 96;  // of the view; the grid is at least as large
 
 const DEFAULTS = {preset: "thesis-tissue", base: "rigid", layers: null, kind: "AM-STM", path: "line", speed: 7, radius: 12,
   drawn: null, am: 400, depth: 1, dv: 2, lm: 2, focus: "gaussian", fwhm: 4.5, peak: 100, distance: 200, pressure: 3.4,
@@ -55,7 +55,7 @@ function pathOf(s) {
     const points = s.drawn.map(p => pair(...p)).join(", ");
     return `{ shape = "polyline", points_mm = [${points}], at_end = "back-and-forth" }`;
   }
-  const half = Math.min(0.36 * NX * s.spacing, 0.5 * s.speed * s.duration);  // one pass, far enough from the edges
+  const half = Math.min(0.36 * WIDTH_mm, 0.5 * s.speed * s.duration);  // one pass, far enough from the edges
   return `{ shape = "line", from_mm = ${pair(-half, 0)}, to_mm = ${pair(half, 0)}, at_end = "back-and-forth" }`;
 }
 
@@ -87,10 +87,11 @@ function jobText(s) {
     ? `footprint = { shape = "array", preset = "array-16x16", distance_mm = ${number(s.distance)}, pressure_Pa_m = ${number(s.pressure)} }\n`
     : `peak_Pa = ${number(s.peak)}\nfootprint = { shape = "gaussian", fwhm_mm = ${number(s.fwhm)} }\n`;
   const receptors = s.receptors
-    ? `\n[afferents]\nwhere = "grid"\nextent_mm = ${pair(64, 48)}\npitch_mm = 8.0\nclasses = ["RA", "PC"]\n` : "";
+    ? `\n[afferents]\ninput = "stress"\nwhere = "grid"\nextent_mm = ${pair(64, 48)}\npitch_mm = 8.0\nclasses = ["RA", "PC"]\n` : "";
+  const covering = length => 2 * s.spacing * Math.ceil(0.5 * length / s.spacing - 1e-9);
   return `schema = 1\n\n[job]\nname = "explore"\ntitle = "A setting of shearwake explore"\n\n${mediumOf(s)}
 [load]\n${footprint}\n${modulationOf(s)}
-[domain]\nextent_mm = ${pair(NX * s.spacing, NY * s.spacing)}\nspacing_mm = ${number(s.spacing)}\nedges = "open"\n
+[domain]\nextent_mm = ${pair(covering(WIDTH_mm), covering(HEIGHT_mm))}\nspacing_mm = ${number(s.spacing)}\nedges = "open"\n
 [time]\nduration_ms = ${number(s.duration)}\noutput_interval_us = ${number(1e3 * s.duration / 120)}\n
 [solver]\nengine = "layered"\n
 [record]\ntraces_mm = [[0.0, 0.0]]\nframes = true\n${receptors}`;

@@ -17,9 +17,23 @@ class Result {
     this.u = this.arrays.u_z;
     this.time = this.arrays.time;
     this.spacing = 1e3 * header.spacing_m;
-    let peak = 0;
-    for (const value of this.u) if (Math.abs(value) > peak) peak = Math.abs(value);
-    this.peak = peak;
+    [this.peak, this.wake] = this.largest();
+  }
+  // The largest displacement, and the largest one farther than two focal diameters from the focus, but at least a fifth of the former.
+  largest() {
+    let peak = 0, away = 0;
+    const shifts = this.header.foci_m.length ? this.header.foci_m : [[0, 0]], far2 = (2e3 * this.header.fwhm_m) ** 2;
+    for (let n = 0; n < this.frames; ++n) {
+      const frame = this.frame(n), foci = shifts.map(s => [this.focus(n)[0] + 1e3 * s[0], this.focus(n)[1] + 1e3 * s[1]]);
+      for (let k = 0; k < frame.length; ++k) {
+        const value = Math.abs(frame[k]);
+        if (value > peak) peak = value;
+        if (value <= away) continue;
+        const x = (Math.floor(k / this.ny) - this.nx / 2) * this.spacing, y = (k % this.ny - this.ny / 2) * this.spacing;
+        if (foci.every(([a, b]) => (x - a) ** 2 + (y - b) ** 2 > far2)) away = value;
+      }
+    }
+    return [peak, Math.max(away, 0.2 * peak)];
   }
   column(name) { return this.header.columns[name] ?? {value: null, note: ""}; }
   frame(n) { return this.u.subarray(n * this.nx * this.ny, (n + 1) * this.nx * this.ny); }

@@ -1,5 +1,5 @@
 "use strict";
-// Draws one frame of the surface: with WebGL2 as shaded relief or colour map, otherwise as colour map.
+// Draws one frame of the surface as a colour map, with WebGL2 also with its slopes.
 
 // Blue, white, red: equal lightness on both sides of rest.
 function colour(level) {
@@ -16,20 +16,21 @@ const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at; out vec4 shown;
 uniform highp sampler2D field;  // y along rows of x: texel (j, i) is u(x_i, y_j)
-uniform vec2 points; uniform float scale, relief;
+uniform vec2 points, view;  // of the grid, and of the part that is shown
+uniform float scale, relief;  // displacement at the ends of the scale; points per mm if slopes are shown, otherwise 0
 float u(ivec2 p) { return texelFetch(field, clamp(p, ivec2(0), ivec2(points) - 1).yx, 0).r / scale; }
+vec2 gradient(ivec2 p) { return 0.5 * vec2(u(p + ivec2(1, 0)) - u(p - ivec2(1, 0)), u(p + ivec2(0, 1)) - u(p - ivec2(0, 1))); }
 void main() {
-  vec2 p = at * points; vec2 base = floor(p); vec2 w = p - base; ivec2 i = ivec2(base);
+  vec2 p = (at - 0.5) * view + 0.5 * points; vec2 base = floor(p); vec2 w = p - base; ivec2 i = ivec2(base);
   float a = u(i), b = u(i + ivec2(1, 0)), c = u(i + ivec2(0, 1)), d = u(i + ivec2(1, 1));
   float value = mix(mix(a, b, w.x), mix(c, d, w.x), w.y);
   float t = clamp(value, -1.0, 1.0);
   vec3 end = t < 0.0 ? vec3(0.13, 0.33, 0.66) : vec3(0.70, 0.13, 0.17);
-  vec3 flat_colour = mix(vec3(0.97), end, pow(abs(t), 0.8));
-  vec2 slope = vec2(mix(b - a, d - c, w.y), mix(c - a, d - b, w.x));
-  vec3 normal = normalize(vec3(9.0 * slope, 1.0));  // u is positive into the tissue
-  float light = clamp(dot(normal, normalize(vec3(-0.6, 0.7, 0.8))), 0.0, 1.0);
-  vec3 relief_colour = mix(vec3(0.78, 0.72, 0.68), flat_colour, 0.65) * (0.3 + 0.95 * light);
-  shown = vec4(mix(flat_colour, relief_colour, relief), 1.0);
+  vec3 colour = mix(vec3(0.97), end, pow(abs(t), 0.8));
+  // Steep places are darker, whatever their direction: half of the shade at a slope of the scale per 5 mm.
+  vec2 slope = mix(mix(gradient(i), gradient(i + ivec2(1, 0)), w.x), mix(gradient(i + ivec2(0, 1)), gradient(i + ivec2(1, 1)), w.x), w.y);
+  float steep = 5.0 * relief * length(slope);
+  shown = vec4(colour * (1.0 - 0.3 * steep / (1.0 + steep)), 1.0);
 }`;
 
 class Surface {
@@ -50,7 +51,7 @@ class Surface {
     }
     gl.linkProgram(program);
     gl.useProgram(program);
-    this.places = Object.fromEntries(["points", "scale", "relief"].map(name => [name, gl.getUniformLocation(program, name)]));
+    this.places = Object.fromEntries(["points", "view", "scale", "relief"].map(name => [name, gl.getUniformLocation(program, name)]));
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), gl.STATIC_DRAW);
     const corner = gl.getAttribLocation(program, "corner");
@@ -83,7 +84,8 @@ class Surface {
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.uniform2f(this.places.points, nx, ny);
     gl.uniform1f(this.places.scale, scale_m || 1);
-    gl.uniform1f(this.places.relief, relief ? 1 : 0);
+    gl.uniform2f(this.places.view, WIDTH_mm / result.spacing, HEIGHT_mm / result.spacing);
+    gl.uniform1f(this.places.relief, relief ? 1 / result.spacing : 0);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
   drawFlat(result, n, scale_m) {
@@ -96,7 +98,8 @@ class Surface {
     const small = document.createElement("canvas");
     Object.assign(small, {width: nx, height: ny});
     small.getContext("2d").putImageData(image, 0, 0);
-    this.flat.drawImage(small, 0, 0, this.canvas.width, this.canvas.height);
+    const width = WIDTH_mm / result.spacing, height = HEIGHT_mm / result.spacing;
+    this.flat.drawImage(small, 0.5 * (nx - width), 0.5 * (ny - height), width, height, 0, 0, this.canvas.width, this.canvas.height);
   }
 }
 

@@ -1,12 +1,14 @@
 "use strict";
 // The dialog that sends the shown setting to a sweep.
 class SweepDialog {
-  constructor(source, current) {
-    Object.assign(this, {source, current});
+  // `current` gives the shown settings and job, `use` loads settings.
+  constructor(source, current, use) {
+    Object.assign(this, {source, current, use});
     const part = name => document.getElementById("sweep-" + name);
-    this.parts = Object.fromEntries(["dialog", "key", "from", "to", "count", "start", "stop", "state", "table"].map(name => [name, part(name)]));
+    this.parts = Object.fromEntries(["dialog", "key", "from", "to", "count", "start", "stop", "state", "table", "report"].map(name => [name, part(name)]));
     this.parts.start.addEventListener("click", () => this.start());
     this.parts.stop.addEventListener("click", () => this.source.stopSweep());
+    this.parts.report.addEventListener("click", () => window.open(`/report/${this.report}`, "_blank", "noopener"));
     this.parts.key.addEventListener("change", () => this.suggest());
   }
   open() {
@@ -32,7 +34,9 @@ class SweepDialog {
     if (![from, to, count].every(input => input.reportValidity())) return;
     const cases = Number(count.value), a = Number(from.value), b = Number(to.value);
     const values = Array.from({length: cases}, (_, i) => Number((a + (b - a) * i / (cases - 1)).toPrecision(12)));
+    this.base = structuredClone(this.current().settings);
     this.number = this.source.sweep(job, key.value, values);
+    this.parts.report.hidden = true;
     this.parts.state.textContent = this.number < 0 ? "The engine is not connected." : "The sweep starts …";
   }
   receive(message) {
@@ -44,11 +48,31 @@ class SweepDialog {
       failed: message.message,
       done: `The sweep is complete: ${message.folder}. For all figures: shearwake report ${message.folder}`,
     }[message.state];
-    if (message.state === "done") this.showTable(table, message);
+    if (message.rows) { this.showTable(table, message); this.showCurve(message); }
+    if (message.state === "done") { this.report = message.report; this.parts.report.hidden = false; }
+  }
+  // The setting of a row.
+  load(key, value) {
+    const settings = structuredClone(this.base), name = key === SWEPT_FREQUENCY[settings.kind] ? "am" : Object.keys(SLIDERS).find(n => SLIDERS[n].key === key);
+    const layer = key.match(/^medium\.layer\[(\d)\]\.(\w+)$/);
+    if (layer) settings.layers[layer[1] - 1][layer[2]] = value; else settings[name] = value;
+    this.parts.dialog.close();
+    this.use(settings);
+  }
+  // The efficiency over the key, as far as it is computed.
+  showCurve({columns, rows}) {
+    const column = ["eta_period_1", "eta_at_1"].map(name => columns.indexOf(name)).find(i => i > 0 && rows.some(row => row[i] !== null));
+    if (!column) return;
+    const found = rows.filter(row => row[column] !== null).sort((a, b) => a[0] - b[0]);
+    this.curve ??= new Plot(document.getElementById("plot-sweep"), "", "η", "η", {show: true, size: 6});
+    this.curve.fit();
+    this.curve.show(found.map(row => row[0]), found.map(row => row[column]));
   }
   showTable(box, {columns, rows}) {
-    const head = element("tr", {}, ...columns.map(name => element("th", {scope: "col", textContent: name})));
-    const body = rows.map(row => element("tr", {}, ...row.map(value => element("td", {textContent: digits(value)}))));
+    const head = element("tr", {}, ...columns.map(name => element("th", {scope: "col", textContent: name})), element("th", {scope: "col"}));
+    const body = rows.map(row => element("tr", {}, ...row.map(value => element("td", {textContent: digits(value)})),
+      element("td", {}, element("button", {type: "button", textContent: "Use", ariaLabel: `Use ${columns[0]} = ${digits(row[0])}`,
+        onclick: () => this.load(columns[0], row[0])}))));
     box.replaceChildren(element("table", {}, element("thead", {}, head), element("tbody", {}, ...body)));
   }
 }

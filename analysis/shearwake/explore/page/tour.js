@@ -4,7 +4,7 @@ const STOPS = [
   ["#stage", "This is the skin from above. The focus moves over it, and the colours are the displacement. Everything is computed by the engine of shearwake run."],
   ["#controls", "Change a setting: the surface follows within a fraction of a second. A change of the tissue takes a little longer."],
   ["#overlay", "Click on the surface, or use the arrow keys, to move the probe. Its motion and its spectrum are shown with the results."],
-  ["#results", "η is the share of the energy that is near the focus. Faster than the waves of the skin, the focus leaves a Mach cone, and η falls."],
+  ["#results", "η is the share of the energy that is at the focus. Faster than the waves of the skin, the focus leaves a Mach cone, and η falls."],
   ["nav", "Pin settings to compare them, copy a link or a job file, or send the setting to a sweep. The space bar stops and starts the playback."],
 ];
 
@@ -34,9 +34,12 @@ class Tour {
     document.getElementById("tour-step").textContent = `${step + 1} of ${STOPS.length}`;
     this.box.hidden = false;
     const around = this.target.getBoundingClientRect(), own = this.box.getBoundingClientRect();
-    this.box.style.left = `${Math.max(8, Math.min(innerWidth - own.width - 8, around.left))}px`;
-    const below = around.bottom + 10 + own.height < innerHeight;
-    this.box.style.top = `${below ? around.bottom + 10 : Math.max(8, innerHeight - own.height - 10)}px`;
+    // Beside, below or above what it explains, where there is room.
+    const left = Math.max(8, Math.min(innerWidth - own.width - 8, around.left)), top = Math.max(8, Math.min(innerHeight - own.height - 8, around.top));
+    const [x, y] = [[around.right + 10, top], [around.left - own.width - 10, top], [left, around.bottom + 10], [left, around.top - own.height - 10]]
+      .find(([a, b]) => a >= 8 && b >= 8 && a + own.width <= innerWidth - 8 && b + own.height <= innerHeight - 8) ?? [left, innerHeight - own.height - 8];
+    this.box.style.left = `${x}px`;
+    this.box.style.top = `${y}px`;
     document.getElementById("tour-next").focus();
   }
   end() {
