@@ -4,7 +4,6 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/registry/check.hpp"
-#include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/job_source.hpp"
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -132,14 +132,21 @@ struct Estimates {
     double core_hours() const { return layout.seconds * ranks / 3600.0; }
 };
 
+/// CPU time for choosing time steps, and for the errors that they cause. At least one case is
+/// computed.
+constexpr double most_choosing_s = 0.25;
+
 /// The choices of the engines: each distinct line once, in the order of the cases.
 void add_choices(Estimates& e, const cost::CaseCosts& costs) {
+    const std::clock_t began = std::clock();
     for (const PlannedCost& cost : e.cases) {
         const Case& c = cost.planned->physics;
         if (!costs.is_probed(c)) continue;
+        const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+        if (e.probed > 0 && used_s > most_choosing_s) return;
         ++e.probed;
         std::vector<std::string> notes = files_read(c);
-        for (std::string& choice : engines::make_engine(c.solver)->choices(c))
+        for (std::string& choice : costs.engine_of(c).choices(c))
             notes.push_back(std::move(choice));
         for (const std::string& note : notes) {
             const auto known = std::find_if(e.choices.begin(), e.choices.end(),
@@ -361,7 +368,7 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
-    cost::CaseCosts costs(cases, cost::known_rates(ranks, world));
+    cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {}, most_choosing_s);
     if (arguments.probe) {
         const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
                                                    available_B, costs);

@@ -31,11 +31,11 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
 } // namespace
 
 const SpectralPlan& SpectralEngine::plan_of(const Case& given) const {
-    if (!planned_ || !(planned_->given == given)) {
-        planned_.reset();
-        planned_.emplace(Planned{given, SpectralPlan(given)});
-    }
-    return planned_->plan;
+    constexpr std::size_t most = 16; // `plan` needs those of twelve cases twice
+    for (const Planned& known : planned_)
+        if (known.given == given) return known.plan;
+    if (planned_.size() == most) planned_.pop_front();
+    return planned_.emplace_back(Planned{given, SpectralPlan(given)}).plan;
 }
 
 engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {

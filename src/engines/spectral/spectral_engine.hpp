@@ -4,8 +4,8 @@
 #include "engines/engine.hpp"
 #include "engines/spectral/spectral_plan.hpp"
 
+#include <deque>
 #include <map>
-#include <optional>
 #include <string>
 
 namespace shearwake::spectral {
@@ -35,7 +35,7 @@ private:
     /// The plan of the case, which is made once for its resources, its choices and its run. Valid
     /// until the next call.
     const SpectralPlan& plan_of(const Case& given) const;
-    mutable std::optional<Planned> planned_;
+    mutable std::deque<Planned> planned_; // of the latest cases
     mutable std::map<std::string, SampledVariation> variations_; // by key_of_variation()
 };
 

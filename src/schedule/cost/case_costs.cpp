@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fmt/format.h>
+#include <numbers>
+#include <numeric>
 
 namespace shearwake::cost {
 namespace {
@@ -65,16 +68,26 @@ CaseTime time_of(const engines::Resources& needs, int ranks, const Rates& rates)
 }
 
 CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
-                     const BeforeProbe& before_probe)
+                     const BeforeProbe& before_probe, double most_s)
     : rates_(std::move(rates)) {
     std::vector<const PlannedCase*> open;
     for (const PlannedCase* planned : cases) {
         if (is_open(planned->physics)) open.push_back(planned);
     }
     const std::size_t wanted = std::min(most_probes, open.size());
-    for (std::size_t i = 0; i < wanted; ++i) {
+    std::vector<std::size_t> order(wanted);
+    std::iota(order.begin(), order.end(), 0);
+    // Spreads those that are probed before the limit over the plan.
+    if (std::isfinite(most_s))
+        std::ranges::sort(order, {}, [](std::size_t i) {
+            return std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
+        });
+    const std::clock_t began = std::clock(); // CPU time: the same cases on a busy machine
+    for (const std::size_t i : order) {
+        const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+        if (!probes_.empty() && used_s > most_s) return;
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
-        if (before_probe) before_probe(planned, i + 1, wanted);
+        if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
         probes_.push_back({&c, engine_of(c).probed_step_s(c)});
     }

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,8 +38,11 @@ public:
     using BeforeProbe =
         std::function<void(const PlannedCase& planned, std::size_t number, std::size_t count)>;
 
+    /// Probes until `most_s` seconds of CPU time are used, at least one case. With a limit, ranks
+    /// may probe different cases.
     CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
-              const BeforeProbe& before_probe = {});
+              const BeforeProbe& before_probe = {},
+              double most_s = std::numeric_limits<double>::infinity());
 
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
     const engines::Resources& of(const Case& c, int ranks = 1);
@@ -52,6 +56,8 @@ public:
     void use(Rates rates) { rates_ = std::move(rates); }
     /// Whether the time step of the case is known before it runs.
     bool is_probed(const Case& c) const;
+    /// The engine of the case, which remembers the steps that were chosen.
+    engines::Engine& engine_of(const Case& c) const;
     /// The case with the time step of the most similar probe, so that its engine need not probe.
     Case with_step(const Case& c) const;
 
@@ -60,7 +66,6 @@ private:
         const Case* c;
         double step_s;
     };
-    engines::Engine& engine_of(const Case& c) const;
     bool is_open(const Case& c) const; // whether its time step must be probed
 
     Rates rates_;

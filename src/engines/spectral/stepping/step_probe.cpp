@@ -211,10 +211,8 @@ Counts without_low(Counts all, const WaveVectors& low, const WaveVectors& few) {
     return all;
 }
 
-/// Points on both axes through the focus, half a width apart, at which a field is evaluated.
-std::vector<Vec2> points_near_focus(const Load& load, double t_s) {
-    const Vec2 focus = focus_m(load, t_s);
-    const double apart_m = 0.5 * fwhm_m(load.footprint);
+/// Points on both axes through the focus, at which a field is evaluated.
+std::vector<Vec2> points_near(Vec2 focus, double apart_m) {
     std::vector<Vec2> points = {focus};
     for (const int i : {-4, -3, -2, -1, 1, 2, 3, 4}) {
         points.push_back(focus + Vec2{i * apart_m, 0.0});
@@ -299,6 +297,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
     const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
     const std::ptrdiff_t steps = std::lround(probed_s / step_s),
                          per_frame = std::lround(c.time.interval_s / step_s);
+    const double apart_m = 0.5 * fwhm_m(c.scene().load.footprint);
     Series by_step, by_absorber, high_field, low_field;
     Deviation half_way;
     for (std::ptrdiff_t n = 1; n <= steps; ++n) {
@@ -307,7 +306,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
         half.advance();
         std::vector<Vec2> points; // for maxima, at a frame or the step after it
         if (n % per_frame < 2)
-            points = points_near_focus(c.scene().load, static_cast<double>(n) * step_s);
+            points = points_near(focus_m(c.scene().load, static_cast<double>(n) * step_s), apart_m);
         if (n % per_frame == 0) { // what lies between two frames is not part of the field
             by_step.add(size_of(whole, &half, each, points));
             high_field.add(size_of(half, nullptr, above, points));
