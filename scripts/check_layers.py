@@ -7,8 +7,8 @@ and exits 1 if there is one, and 2 if ROOT has no components. Otherwise prints t
 dependencies on each other, and of levels.
 
 ${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt. A folder that the registry does
-not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry and
-benchmarks may. Only an engine and problem/case may include the engine's options, problem/case/solver_options.hpp.
+not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry,
+benchmarks and kwave, which runs files of k-Wave on engine pstd, may. Only an engine and problem/case may include the engine's options, problem/case/solver_options.hpp.
 A folder has at most 25 source files, and `app` does not run jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
@@ -228,8 +228,8 @@ class Tree:
         if ".." in Path(header).parts or where not in self.components or not (self.source / header).is_file():
             return f'"{header}" is not a header of a component; write its path relative to src'
         if component and self.engine_of(where) not in (None, self.engine_of(component.folder)) and \
-                component.folder not in ("engines/registry", "bench"):
-            return f'"{header}": only the registry and benchmarks may include headers of an engine'
+                component.folder not in ("engines/registry", "bench", "kwave"):
+            return f'"{header}": only the registry, benchmarks and kwave may include headers of an engine'
         if component and where != component.folder and not component.may_use(where, path.suffix):
             list_name = "PUBLIC" if path.suffix == ".hpp" else "PUBLIC or PRIVATE"
             return f'"{header}": {component.folder} does not list {where} as {list_name}'

@@ -122,20 +122,47 @@ void print_errors(const std::string& command, const UsageError& error) {
     fmt::print("{}", json_document(command, members));
 }
 
+/// The arguments of `kwave` with complete names of long options, which users of k-Wave's programs
+/// may abbreviate, in the reverse order that CLI11 expects.
+std::vector<std::string> arguments_of_kwave(const CLI::App& app, std::span<char*> given) {
+    const std::vector<std::string> options = option_names(*find_command(app, "kwave"));
+    std::vector<std::string> arguments(given.begin() + 1, given.end());
+    for (std::string& argument : arguments) {
+        if (!argument.starts_with("--")) continue;
+        const std::string name = argument.substr(0, argument.find('='));
+        std::vector<std::string> meant;
+        std::copy_if(options.begin(), options.end(), std::back_inserter(meant),
+                     [&](const std::string& option) { return option.starts_with(name); });
+        if (meant.size() == 1) argument = meant[0] + argument.substr(name.size());
+    }
+    std::reverse(arguments.begin(), arguments.end());
+    return arguments;
+}
+
 /// Parses the command line and executes its command.
 ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, const Comm& world) {
     // CLI11 would only report that a command is required.
     if (argc > 1 && argv[1][0] != '-') find_command(app, argv[1]);
+    const bool is_kwave = argc > 1 && argv[1] == std::string_view("kwave");
+    const ExitCode usage = is_kwave ? ExitCode::internal : ExitCode::usage;
+    const auto print_usage = [&] { // as k-Wave's programs do
+        if (is_kwave && world.is_root()) fmt::print("{}", find_command(app, "kwave")->help());
+    };
     try {
-        app.parse(argc, argv);
+        if (is_kwave)
+            app.parse(arguments_of_kwave(app, {argv, static_cast<std::size_t>(argc)}));
+        else
+            app.parse(argc, argv);
     } catch (const CLI::ExtrasError&) {
-        throw UsageError(unexpected_arguments(app));
+        print_usage();
+        throw UsageError(unexpected_arguments(app), usage);
     } catch (const CLI::ParseError& error) {
         const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
         if (!is_help && !json_command(app, {argv, static_cast<std::size_t>(argc)}).empty())
             throw UsageError(error.what());
+        if (!is_help) print_usage();
         if (world.is_root()) app.exit(error);
-        return is_help ? ExitCode::done : ExitCode::usage;
+        return is_help ? ExitCode::done : usage;
     }
     return action(world);
 }

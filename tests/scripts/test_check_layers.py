@@ -105,7 +105,7 @@ class LayerCheck(unittest.TestCase):
         lists = "shearwake_component(\n    PRIVATE engines/toy lower)\n"
         source = TREE["src/upper/up.cpp"].replace("lower/low.hpp", 'engines/toy/toy.hpp"\n#include "lower/low.hpp')
         self.assert_rejected({**ENGINE, "src/upper/CMakeLists.txt": lists, "src/upper/up.cpp": source},
-                             "only the registry and benchmarks may include headers of an engine")
+                             "only the registry, benchmarks and kwave may include headers of an engine")
 
     def test_rejects_paths_that_leave_the_folder(self):
         self.assert_rejected(self.low('#include "../upper/up.hpp"'), "is not a header of a component")

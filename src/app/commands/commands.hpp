@@ -30,6 +30,7 @@
     command(optimise) \
     command(show) \
     command(respond) \
+    command(kwave) \
     command(bench) \
     command(export) \
     command(measure) \

@@ -37,7 +37,9 @@ Source source_of(const NodeSource& given) {
     return source;
 }
 
-Setup setup_of(const StudyData& study) {
+} // namespace
+
+Setup study_setup(const StudyData& study) {
     Setup setup;
     setup.grid = {study.points, study.spacing_m, study.time_step_s};
     setup.pml = {.points = study.layer_points,
@@ -50,6 +52,8 @@ Setup setup_of(const StudyData& study) {
         setup.sources.push_back(source_of(source));
     return setup;
 }
+
+namespace {
 
 /// Number of steps per frame interval.
 std::ptrdiff_t steps_of_a_frame(const Case& c) {
@@ -95,7 +99,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
               engines::Checkpoints* checkpoints) {
     const auto began = Clock::now();
     const StudyData& study = study_of(c);
-    Stepper<Real> stepper(setup_of(study), team);
+    Stepper<Real> stepper(study_setup(study), team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
         outputs.emplace(
@@ -219,15 +223,7 @@ std::string study_error(const Case& c) {
 }
 
 std::vector<Remark> study_step_remarks(const StudyData& study) {
-    // The spacing of cubic cells with the same largest wave number. An odd number of points has no
-    // wave of two points.
-    double inverse_m2 = 0.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto points = static_cast<double>(study.points[axis]);
-        const double share = study.points[axis] % 2 == 1 ? 1.0 - 1.0 / points : 1.0;
-        inverse_m2 += std::pow(share / study.spacing_m[axis], 2);
-    }
-    const double spacing_m = std::sqrt(3.0 / inverse_m2);
+    const double spacing_m = cubic_spacing_m({study.points, study.spacing_m});
     const Extremes extremes = extremes_of(study, spacing_m);
     const double safe_s = safe_step_s(extremes, spacing_m), step_s = study.time_step_s;
     if (step_s <= safe_s) return {};

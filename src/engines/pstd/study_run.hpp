@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/pstd/scheme/material.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
 #include "problem/case/study_data.hpp"
@@ -17,6 +17,9 @@ MaterialOfNode material_of(const StudyData& study);
 
 /// Whether the material differs between nodes.
 bool is_uneven(const StudyData& study);
+
+/// The grid, absorbing layer, medium and sources of a study, which must exist as long as the setup.
+Setup study_setup(const StudyData& study);
 
 /// Runs a case whose PstdOptions refer to a grid study: grid, absorbing layer, medium and sources
 /// are those of the study. Frames contain the displacement at the points of the domain and the

@@ -45,6 +45,16 @@ std::string percent_known(double ratio) {
 
 } // namespace
 
+double cubic_spacing_m(const Grid& grid) {
+    double inverse_m2 = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto points = static_cast<double>(grid.points[axis]);
+        const double share = grid.points[axis] % 2 == 1 ? 1.0 - 1.0 / points : 1.0;
+        inverse_m2 += std::pow(share / grid.spacing_m[axis], 2);
+    }
+    return std::sqrt(3.0 / inverse_m2);
+}
+
 double largest_step_s(const NodeMaterial& m, double spacing_m) {
     if (m.empty) return infinite;
     const double k2 = k_squared(spacing_m);

@@ -18,6 +18,10 @@ struct Extremes {
     void add(const NodeMaterial& material, double spacing_m);
 };
 
+/// The spacing of cubic cells with the largest wave number of a grid. An odd number of points has
+/// no wave of two points.
+double cubic_spacing_m(const Grid& grid);
+
 /// Largest stable step of a uniform medium on cubic cells, K^2 = 3 (pi/d)^2, for P (c = c_p, E =
 /// chi + 2 eta) and S (c = c_s, E = eta): dt^2 c^2 K^2 + 2 dt K^2 E/rho <= 4. Infinite if no wave
 /// exists.

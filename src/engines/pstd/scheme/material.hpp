@@ -24,6 +24,13 @@ struct NodeMaterial {
 };
 using MaterialOfNode = std::function<NodeMaterial(Node)>;
 
+/// Values at the points of the staggered grid, by the storage index of their field.
+struct StaggeredMaterial {
+    using Value = std::function<double(Node)>;
+    std::array<Value, 3> density_kg_m3;   // at ux, uy, uz
+    std::array<Value, 3> mu_Pa, eta_Pa_s; // at sxy, sxz, syz
+};
+
 /// eta and chi from k-Wave's alpha coefficients for P and S waves [dB/(MHz^2 cm)] with the power
 /// law omega^2: with A(a) = 100 a (1e-6/(2 pi))^2 / (20 log10 e) [Np (rad/s)^-2 m^-1],
 ///     eta = 2 rho c_s^3 A(alpha_s),   chi = 2 rho c_p^3 A(alpha_p) - 2 eta.

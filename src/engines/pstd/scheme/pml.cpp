@@ -8,6 +8,13 @@ namespace shearwake::pstd {
 namespace {
 
 bool in_layer(const Grid& grid, const PmlOptions& options, std::size_t axis, std::ptrdiff_t i) {
+    const auto& given = options.given[axis];
+    if (!given[0].main.empty()) {
+        const auto at = static_cast<std::size_t>(i);
+        return std::any_of(given.begin(), given.end(), [&](const PmlProfile& p) {
+            return p.main[at] != 1.0 || p.other[at] != 1.0;
+        });
+    }
     if (options.strength_1[axis] == 0.0) return false;
     return i < options.points[axis] || i >= grid.points[axis] - options.points[axis];
 }
@@ -16,6 +23,9 @@ bool in_layer(const Grid& grid, const PmlOptions& options, std::size_t axis, std
 
 PmlProfile pml_profile(const Grid& grid, const PmlOptions& options, std::size_t axis,
                        PmlPlaces places, double reference_speed_m_s) {
+    if (const PmlProfile& given = options.given[axis][static_cast<std::size_t>(places)];
+        !given.main.empty())
+        return given;
     const std::ptrdiff_t n = grid.points[axis], layer = options.points[axis];
     const double o = places == PmlPlaces::nodes ? 0.0 : 0.5, length = static_cast<double>(layer);
     PmlProfile profile{std::vector<double>(static_cast<std::size_t>(n), 1.0),
@@ -52,7 +62,10 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
     const std::ptrdiff_t nz = slabs.nz();
     // A short rest between the layers of z goes with them: its factors are 1, and whole rows are
     // faster than three short pieces.
-    const bool whole_rows = in_layer(slabs.grid, options, 2, 0) && nz - 2 * options.points[2] < 32;
+    std::ptrdiff_t rest = 0;
+    for (std::ptrdiff_t z = 0; z < nz; ++z)
+        rest += in_layer(slabs.grid, options, 2, z) ? 0 : 1;
+    const bool whole_rows = rest < nz && rest < 32;
     std::vector<int> kept(static_cast<std::size_t>(nz));
     for (std::ptrdiff_t x = 0; x < slabs.x_count(); ++x) {
         for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y) {

@@ -6,22 +6,27 @@
 
 namespace shearwake::pstd {
 
+/// Factors of the layer along one axis, for fields on nodes and for those half a cell on: `main`
+/// for the part that this axis' derivative feeds, `other` for the other parts (ratio times the
+/// strength). With s = strength c_ref/d [depth/points]^4 the factor is exp(-s dt/2), 1 outside.
+struct PmlProfile {
+    std::vector<double> main, other;
+    bool operator==(const PmlProfile&) const = default;
+};
+enum class PmlPlaces { nodes, half_a_cell_on };
+
 /// The split-field multi-axial perfectly matched layer inside the grid. Strength 0: none.
 struct PmlOptions {
     std::array<std::ptrdiff_t, 3> points = {10, 10, 10}; // on each side of an axis
     std::array<double, 3> strength_1 = {2.0, 2.0, 2.0};  // Np per grid point, k-Wave's PMLAlpha
     double multi_axial_ratio_1 = 0.1;
     double reference_speed_m_s = 0.0; // 0: the largest c_p of the grid
+    /// Specified factors of an axis, at its PmlPlaces, in place of those that follow from the
+    /// numbers above. The layer is where one of them is not 1. Empty: none are specified.
+    std::array<std::array<PmlProfile, 2>, 3> given = {};
     bool operator==(const PmlOptions&) const = default;
 };
 
-/// Factors of the layer along one axis, for fields on nodes and for those half a cell on: `main`
-/// for the part that this axis' derivative feeds, `other` for the other parts (ratio times the
-/// strength). With s = strength c_ref/d [depth/points]^4 the factor is exp(-s dt/2), 1 outside.
-struct PmlProfile {
-    std::vector<double> main, other;
-};
-enum class PmlPlaces { nodes, half_a_cell_on };
 PmlProfile pml_profile(const Grid& grid, const PmlOptions& options, std::size_t axis,
                        PmlPlaces places, double reference_speed_m_s);
 

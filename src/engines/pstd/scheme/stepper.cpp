@@ -111,12 +111,22 @@ void Stepper<Real>::make_coefficients(const Setup& setup, const MaterialOfNode& 
     constexpr std::size_t planes[3][2] = {{0, 1}, {0, 2}, {1, 2}}; // of sxy, sxz, syz
     const Value mu = [&](Node n) { return material(n).mu_Pa(); };
     const Value eta = [&](Node n) { return material(n).eta_Pa_s; };
+    StaggeredMaterial staggered;
+    if (setup.staggered) staggered = *setup.staggered;
+    for (std::size_t i = 0; i < 3 && !setup.staggered; ++i) {
+        staggered.density_kg_m3[i] = [&, i](Node n) {
+            return density_between(grid, material, n, i);
+        };
+        staggered.mu_Pa[i] = [&, i](Node n) {
+            return harmonic_between(grid, mu, n, planes[i][0], planes[i][1]);
+        };
+        staggered.eta_Pa_s[i] = [&, i](Node n) {
+            return harmonic_between(grid, eta, n, planes[i][0], planes[i][1]);
+        };
+    }
     for (std::size_t i = 0; i < 3; ++i) {
-        dt_over_rho_[i] =
-            coefficient([&](Node n) { return dt_s / density_between(grid, material, n, i); });
-        dt_mu_[i] = coefficient([&](Node n) {
-            return dt_s * harmonic_between(grid, mu, n, planes[i][0], planes[i][1]);
-        });
+        dt_over_rho_[i] = coefficient([&](Node n) { return dt_s / staggered.density_kg_m3[i](n); });
+        dt_mu_[i] = coefficient([&](Node n) { return dt_s * staggered.mu_Pa[i](n); });
     }
     dt_lambda_ = coefficient([&](Node n) { return dt_s * material(n).lambda_Pa(); });
     dt_p_modulus_ = coefficient(
@@ -126,8 +136,7 @@ void Stepper<Real>::make_coefficients(const Setup& setup, const MaterialOfNode& 
     chi_2eta_ =
         coefficient([&](Node n) { return material(n).chi_Pa_s + 2.0 * material(n).eta_Pa_s; });
     for (std::size_t i = 0; i < 3; ++i)
-        eta_[i] = coefficient(
-            [&](Node n) { return harmonic_between(grid, eta, n, planes[i][0], planes[i][1]); });
+        eta_[i] = coefficient(staggered.eta_Pa_s[i]);
 }
 
 template <class Real>

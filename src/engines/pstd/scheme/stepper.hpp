@@ -12,6 +12,7 @@
 #include "parallel/comm.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace shearwake::pstd {
 
@@ -23,6 +24,8 @@ struct Setup {
     MaterialOfNode material; // asked on every rank for its nodes and the next plane of them
     Absorption absorption = Absorption::none;
     std::vector<Source> sources; // put in in this order
+    /// In place of the averages of the material of the nodes.
+    std::optional<StaggeredMaterial> staggered = std::nullopt;
 };
 
 /// The staggered-grid pseudospectral velocity-stress scheme with split-field multi-axial PML that

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "kwave/run.hpp"
+
+namespace shearwake::app {
+
+void add_kwave(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<kwave::Arguments>(
+        app, action, "kwave",
+        "run the elastic input file of k-Wave (pstdElastic3D with 'SaveToDisk') and write the "
+        "output "
+        "file of its compiled programs; exit code 1 for every error, as they have",
+        kwave::run);
+    command
+        .add_option("-i", arguments.input,
+                    "input file: of k-Wave, or the study of scripts/import-kwave")
+        ->required()
+        ->type_name("FILE");
+    command.add_option("-o", arguments.output, "output file, which is replaced")
+        ->required()
+        ->type_name("FILE");
+    for (const auto& [name, text] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"-p,--p_raw", "pressure at the sensor in every step (default)"},
+             {"--p_max", "its maximum"},
+             {"--p_min", "its minimum"},
+             {"--p_rms", "its root mean square"},
+             {"--p_max_all", "its maximum at every node of the grid, with the absorbing layer"},
+             {"--p_min_all", "its minimum at every node"},
+             {"--p_final", "its value at every node after the last step"},
+             {"-u,--u_raw", "velocities ux, uy, uz at their staggered points near the sensor"},
+             {"--u_non_staggered_raw", "velocities at the nodes of the sensor"},
+             {"--u_split_field_raw",
+              "their compressional and shear parts (ux_split_p, ux_split_s, ...)"},
+             {"--u_max", "maximum of each velocity"},
+             {"--u_min", "minimum of each velocity"},
+             {"--u_rms", "root mean square of each velocity"},
+             {"--u_max_all", "maximum of each velocity at every point of the grid"},
+             {"--u_min_all", "minimum of each velocity at every point"},
+             {"--u_final", "each velocity at every point after the last step"}}) {
+        const std::string names = name, record = names.substr(names.find("--") + 2);
+        command.add_flag_callback(
+            names, [&records = arguments.records, record] { records.insert(record); }, text);
+    }
+    command.add_option("-s", arguments.first_step, "first step that is recorded (default 1)")
+        ->type_name("STEP")
+        ->check(CLI::Range(1L, 1L << 30));
+    command.add_flag("--copy_sensor_mask", arguments.copies_sensor_mask,
+                     "store the sensor mask in the output file");
+    command
+        .add_option("--precision", arguments.precision,
+                    "precision of the computation: double (default) or single")
+        ->check(one_of({"double", "single"}));
+    command
+        .add_option("--output_precision", arguments.output_precision,
+                    "precision of the output file: single (default, as in k-Wave) or double")
+        ->check(one_of({"single", "double"}));
+    command.add_option("-c", arguments.gzip_level, "gzip level of the output file (default 0)")
+        ->type_name("LEVEL")
+        ->check(CLI::Range(0, 9));
+    command
+        .add_option("--benchmark", arguments.steps,
+                    "run only this number of steps, which is the Nt of the output")
+        ->type_name("N")
+        ->check(CLI::Range(1L, 1L << 30));
+    command
+        .add_option("--checkpoint_file", arguments.checkpoint,
+                    "end at a checkpoint, which the same command resumes; removed at the end")
+        ->type_name("FILE");
+    command
+        .add_option("--checkpoint_interval", arguments.checkpoint_interval_s,
+                    "seconds until the checkpoint")
+        ->type_name("S")
+        ->check(CLI::Range(1.0, 1e9));
+    command
+        .add_option("--checkpoint_timesteps", arguments.checkpoint_steps,
+                    "steps until the checkpoint")
+        ->type_name("N")
+        ->check(CLI::Range(1L, 1L << 30));
+    command
+        .add_option("-r", arguments.progress_percent,
+                    "interval of progress lines in percent (default 5)")
+        ->type_name("PERCENT")
+        ->check(CLI::Range(1, 100));
+    command
+        .add_option("--verbose", arguments.verbose,
+                    "what is printed: 0 basic (default), 1 records, 2 memory")
+        ->type_name("LEVEL")
+        ->check(CLI::Range(0, 2));
+    command
+        .add_option("-t", arguments.threads,
+                    "ranks that kspaceFirstOrder-elastic starts; otherwise ignored with a note")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
+    command.set_version_flag("--version", full_version_text());
+    command.add_option("-g", arguments.gpu, "ignored with a note: number of a GPU")->type_name("N");
+}
+
+} // namespace shearwake::app

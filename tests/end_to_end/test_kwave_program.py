@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`shearwake kwave` reproduces k-Wave's results from its elastic input files, and rejects others."""
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy
+
+from program import PROGRAM, ROOT, ProgramTest, environment, launch
+
+DATA = ROOT / "tests" / "data" / "kwave"
+CASES = ("homogeneous", "ewp_3d", "p0_pml_outside", "stress_lossy", "dirichlet", "plane_wave")
+AXES = ("x", "y", "z")
+# Largest difference relative to the largest value. The input and output files have numbers of 32 bits (6e-8), whose
+# effect on the fields of the six cases was measured as 7e-8 to 2.2e-6 in double and up to 3.3e-5 in single precision.
+TOLERANCE = {"double": 1e-5, "single": 1e-4}
+
+
+def flags_of(record):
+    raw = {"p": ["--p_raw"], "u": ["--u_raw"], "u_non_staggered": ["--u_non_staggered_raw"],
+           "u_split_field": ["--u_split_field_raw"], "I": ["--p_raw"], "I_avg": ["--p_raw"]}
+    return sorted({flag for name in record.split() for flag in raw.get(name, ["--" + name])})
+
+
+def put(file, name, values, kind="long"):
+    if name in file:
+        del file[name]
+    dataset = file.create_dataset(name, data=numpy.asarray(values, dtype="u8" if kind == "long" else "f4"))
+    dataset.attrs["data_type"], dataset.attrs["domain_type"] = numpy.bytes_(kind), numpy.bytes_("real")
+
+
+class KWaveTest(ProgramTest):
+    def run_file(self, file, *options, ranks=1, expect=0):
+        done = subprocess.run([*launch(ranks), PROGRAM, "kwave", "-i", file, "-o", self.folder / "out.h5", *options],
+                              cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False, timeout=300)
+        self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def changed(self, case, change):
+        path = self.folder / "in.h5"
+        shutil.copyfile(DATA / f"{case}_input.h5", path)
+        with h5py.File(path, "a") as file:
+            change(file)
+        return path
+
+
+class Reference(KWaveTest):
+    def sensor(self, case, group):
+        """The input file with the sensor of a group."""
+        name = "sensor_mask_corners" if "sensor_mask_corners" in group else "sensor_mask_index"
+
+        def change(file):
+            if case == "p0_pml_outside":  # the file counts from the layer outside of the user's grid
+                return
+            nodes = group[name][()]
+            put(file, name, nodes[None] if nodes.ndim == 2 else nodes[None, None])
+            put(file, "sensor_mask_type", [[[int(nodes.ndim == 2)]]])
+        return self.changed(case, change)
+
+    def compare(self, case, group, points, tolerance):
+        compared = 0
+        with h5py.File(self.folder / "out.h5") as out:
+            def scale(name, key):
+                """The largest value of a quantity: of all components of a vector, since one may vanish by symmetry."""
+                names = [f"u{axis}{name[2:]}" for axis in AXES] if name[0] == "u" else [name]
+                return max(float(numpy.abs(group[n][key] if key else group[n][()]).max()) for n in names)
+
+            for name in group:
+                if name.startswith(("sensor_", "I")):
+                    continue
+                for key in (group[name] if isinstance(group[name], h5py.Group) else [None]):
+                    found = (out[name][key] if key else out[name])[()]
+                    expected = (group[name][key] if key else group[name])[()]
+                    if name.endswith(("_all", "_final")):
+                        pad = [(n - m) // 2 for n, m in zip(found.shape, points)]
+                        found = found[tuple(slice(p, p + m, 4) for p, m in zip(pad, points))]
+                    numpy.testing.assert_allclose(found.reshape(expected.shape), expected, rtol=0.0,
+                                                  atol=tolerance * scale(name, key), err_msg=f"{case} {name} {key}")
+                    compared += 1
+        return compared
+
+    def check(self, case, ranks, precision="double"):
+        with h5py.File(DATA / f"{case}_reference.h5") as file:
+            points = [int(file.attrs["N" + axis]) for axis in reversed(AXES)]
+            for name in ("binary", "corners"):
+                if name not in file:
+                    continue
+                group = file[name]
+                self.run_file(self.sensor(case, group), "-s", str(int(group.attrs.get("record_start_index", 1))),
+                              "--precision", precision, *flags_of(group.attrs["record"]), ranks=ranks)
+                self.assertGreater(self.compare(case, group, points, TOLERANCE[precision]), 3)
+
+    def test_all_cases_on_one_to_three_ranks(self):
+        for number, case in enumerate(CASES):
+            for ranks in {1, 2 + number % 2}:
+                with self.subTest(case=case, ranks=ranks):
+                    self.check(case, ranks)
+
+    def test_single_precision(self):
+        for case in CASES:
+            with self.subTest(case=case):
+                self.check(case, 1, "single")
+
+
+class Program(KWaveTest):
+    def test_output_has_the_layout_of_kwave(self):
+        self.run_file(DATA / "homogeneous_input.h5", "-p", "--u_max", "--p_final", "-s", "11", "-c", "3", "--copy_sensor_mask")
+        with h5py.File(self.folder / "out.h5") as out, h5py.File(DATA / "homogeneous_input.h5") as given:
+            for name, value in {"file_type": b"output", "major_version": b"1", "minor_version": b"2"}.items():
+                self.assertEqual(out.attrs[name], value)
+            for name in ("created_by", "creation_date", "file_description", "host_names", "number_of_cpu_cores", "total_memory_in_use",
+                         "peak_core_memory_in_use", "total_execution_time", "simulation_phase_execution_time",
+                         "data_loading_phase_execution_time", "pre-processing_phase_execution_time",
+                         "post-processing_phase_execution_time"):
+                self.assertEqual(out.attrs.get_id(name).dtype.kind, "S", name)
+            for name, shape in {"p": (1, 110, 12), "ux_max": (1, 1, 12), "uz_max": (1, 1, 12), "p_final": (24, 25, 28)}.items():
+                self.assertEqual((out[name].shape, out[name].dtype), (shape, numpy.dtype("f4")))
+                self.assertEqual((out[name].attrs["data_type"], out[name].attrs["domain_type"]), (b"float", b"real"))
+            for name in ("Nx", "Ny", "Nz", "Nt", "t_index", "pml_x_size", "axisymmetric_flag", "ux_source_flag", "u_source_mode"):
+                self.assertEqual((out[name].shape, out[name].dtype, out[name].attrs["data_type"]), ((1, 1, 1), numpy.dtype("u8"), b"long"))
+            for name in ("dt", "dx", "dy", "dz", "c_ref", "pml_y_alpha", "sensor_mask_index"):
+                numpy.testing.assert_array_equal(out[name][()], given[name][()])
+            self.assertEqual((int(out["Nt"][0, 0, 0]), int(out["t_index"][0, 0, 0])), (120, 120))
+
+    def test_options_have_the_meaning_of_kwaves_programs(self):
+        file = DATA / "homogeneous_input.h5"
+        text = self.run_file(file, "--benchmark", "20", "-r", "10", "--u_non", "-g", "0", "--verbose", "2", "-t", "1")
+        self.assertEqual(text.count(" %  step "), 10)
+        self.says(text, "-g is ignored")
+        with h5py.File(self.folder / "out.h5") as out:
+            self.assertEqual(out["ux_non_staggered"].shape, (1, 20, 12))
+            self.assertNotIn("p", out)
+        self.run_file(file)
+        with h5py.File(self.folder / "out.h5") as out:  # without a record: p
+            self.assertEqual([name for name in out if name[0] in "pu" and out[name].dtype == "f4" and out[name].size > 1], ["p"])
+        for wrong in (["-s", "121"], ["-c", "10"], ["--verbose", "3"], ["--p_m"], ["--checkpoint_file", "c.h5"],
+                      ["--checkpoint_timesteps", "3"], ["-r", "0"], ["-t", "0"]):
+            self.run_file(file, *wrong, expect=1)
+        done = subprocess.run([PROGRAM, "kwave"], env=environment(), capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.says(done.stdout, "--checkpoint_timesteps")
+        self.says(done.stderr, "-i is required")
+        for option in ("--help", "-h", "--version"):
+            subprocess.run([PROGRAM, "kwave", option], env=environment(), capture_output=True, check=True)
+
+    def test_resumed_run_is_bit_identical(self):
+        """Legs that end by themselves, on other numbers of ranks, and one that is killed."""
+        records = ["-p", "-u", "--p_rms", "--u_max_all", "--u_final", "--p_min", "--u_non_staggered_raw"]
+        file = DATA / "stress_lossy_input.h5"
+        self.run_file(file, *records)
+        shutil.copyfile(self.folder / "out.h5", self.folder / "complete.h5")
+        for leg, ranks in enumerate((1, 2, 3)):
+            self.run_file(file, *records, "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40", ranks=ranks)
+            with h5py.File(self.folder / "out.h5") as out:
+                self.assertEqual((out["t_index"][0, 0, 0], out["p"].shape), (40 * (leg + 1), (1, 140, 9)))
+        self.assertIn("must be a checkpoint of the same input file and options",
+                      self.run_file(file, "-p", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40", expect=1))
+        killed = subprocess.Popen([PROGRAM, "kwave", "-i", file, "-o", "out.h5", *records, "--checkpoint_file", "c.h5",
+                                   "--checkpoint_interval", "99"], cwd=self.folder, env=environment(), stdout=subprocess.DEVNULL)
+        time.sleep(0.1)
+        killed.kill()
+        killed.wait()
+        self.run_file(file, *records, "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")
+        self.assertFalse((self.folder / "c.h5").exists())
+        with h5py.File(self.folder / "complete.h5") as complete, h5py.File(self.folder / "out.h5") as out:
+            for name in complete:
+                if name.endswith("ux_non_staggered"):  # a sum over ranks: other rounding errors
+                    numpy.testing.assert_allclose(out[name][()], complete[name][()], rtol=0, atol=1e-6 * numpy.abs(complete[name][()]).max())
+                else:
+                    numpy.testing.assert_array_equal(out[name][()], complete[name][()], name)
+
+    def test_termination_saves_a_checkpoint(self):
+        def longer(file):
+            file["Nt"][...] = 100000
+        path = self.changed("stress_lossy", longer)
+        running = subprocess.Popen([PROGRAM, "kwave", "-i", path, "-o", "out.h5", "--checkpoint_file", "c.h5", "--checkpoint_interval",
+                                    "9999", "-r", "1"], cwd=self.folder, env=environment(), stdout=subprocess.PIPE, encoding="utf-8")
+        while " %" not in running.stdout.readline():
+            pass
+        running.send_signal(signal.SIGTERM)
+        self.assertIn("repeat the command to resume", running.communicate(timeout=60)[0])
+        self.assertEqual(running.returncode, 0)
+        self.assertTrue((self.folder / "c.h5").exists())
+
+    def test_name_of_kwave_starts_ranks(self):
+        done = subprocess.run([ROOT / "scripts" / "kspaceFirstOrder-elastic", "-i", DATA / "plane_wave_input.h5", "-o", "out.h5", "-t", "2",
+                               "--benchmark", "5"], cwd=self.folder, env={**environment(), "SHEARWAKE": str(PROGRAM)},
+                              capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.says(done.stdout, "2 ranks", " 100 %")
+
+
+class Errors(KWaveTest):
+    def refused(self, change, *words, case="homogeneous", ranks=1, options=()):
+        text = self.run_file(self.changed(case, change), *options, ranks=ranks, expect=1)
+        self.says(text, "in.h5", *words)
+        self.assertFalse((self.folder / "out.h5").exists())
+        self.assertFalse((self.folder / "out.h5.part").exists())
+
+    def set_to(self, name, value, at=(0, 0, 0)):
+        def change(file):
+            file[name][at] = value
+        return change
+
+    def test_each_fault_is_named(self):
+        for name, value, *words in (
+                ("elastic_flag", 0, "acoustic"), ("nonlinear_flag", 1, "nonlinear_flag"), ("axisymmetric_flag", 1, "axisymmetric_flag"),
+                ("p_source_flag", 3, "time reversal"), ("transducer_source_flag", 1, "transducer"), ("absorbing_flag", 2, "absorbing_flag"),
+                ("nonuniform_grid_flag", 1, "nonuniform_grid_flag"), ("Nx", 1, "Nx is 1"), ("Nz", 1, "Nz", "three-dimensional"),
+                ("Nt", 0, "Nt is 0"), ("Nx", 29, "expected"), ("dx", 0.0, "dx is 0"), ("dt", numpy.nan, "dt contains nan"),
+                ("dt", 2e-4, "dt", "unstable"), ("dx", 1.01e-3, "ddx_k_shift_pos_r"), ("u_source_mode", 3, "u_source_mode"),
+                ("ux_source_flag", 41, "ux_source_input", "(1, 41, 1)"), ("mu", -1.0, "mu is -1"), ("rho0_sgy", 0.0, "rho0_sgy is 0"),
+                ("lambda", -1e9, "lambda + 2 mu"), ("pml_x_size", 15, "pml_x_size"), ("sensor_mask_type", 2, "sensor_mask_type"),
+                ("sensor_mask_index", 0, "sensor_mask_index contains 0"), ("sensor_mask_index", 16801, "16801"),
+                ("u_source_index", 16801, "u_source_index contains 16801"), ("pml_x", 1.5, "pml_x is 1.5", "index 1")):
+            with self.subTest(name=name, value=value):
+                self.refused(self.set_to(name, value), *words)
+
+    def test_fault_of_a_node_is_named_on_every_number_of_ranks(self):
+        for ranks in (1, 2):
+            self.refused(self.set_to("mu_sgxz", numpy.nan, (3, 4, 20)), "mu_sgxz contains nan", "(21, 5, 4)", case="dirichlet", ranks=ranks)
+
+    def test_structure_is_validated(self):
+        def without(file):
+            del file["mu_sgxy"]
+
+        def double(file):
+            value = file["lambda"][()].astype("f8")
+            put(file, "lambda", value)
+            del file["lambda"]
+            file["lambda"] = value
+
+        def other_kind(file):
+            file["mu"].attrs["data_type"] = numpy.bytes_("long")
+
+        def twice(file):
+            file["u_source_index"][0, 0, 1] = file["u_source_index"][0, 0, 0]
+
+        def labelled(file):
+            put(file, "ux_source_input", numpy.ones((1, 40, 3)), "float")
+
+        def output(file):
+            file.attrs["file_type"] = numpy.bytes_("output")
+
+        def version(file):
+            file.attrs["major_version"] = numpy.bytes_("2")
+
+        def corners(file):
+            put(file, "sensor_mask_type", [[[1]]])
+            put(file, "sensor_mask_corners", [[[3, 1, 1, 2, 4, 4]]])
+
+        def link(file):
+            del file["mu"]
+            file["mu"] = h5py.ExternalLink("elsewhere.h5", "mu")
+
+        for change, words in ((without, ["mu_sgxy is missing"]), (double, ["lambda", "32 bits"]), (other_kind, ["mu", "data_type"]),
+                              (twice, ["u_source_index", "more than once"]), (labelled, ["3 series for 12 source nodes", "labelled"]),
+                              (output, ["file_type", "output"]), (version, ["version 2.2"]), (corners, ["sensor_mask_corners", "cuboid 1"]),
+                              (link, ['"mu" leads to another file'])):
+            with self.subTest(change=change.__name__):
+                self.refused(change, *words)
+
+    def test_attributes_of_other_writers_are_read(self):
+        def change(file):
+            file["mu"].attrs["data_type"] = "float"  # of variable length
+            file["Nx"].attrs["domain_type"] = numpy.bytes_("real\0")
+            file.attrs["file_type"] = numpy.bytes_("input\0")
+        self.run_file(self.changed("homogeneous", change), "--benchmark", "2")
+
+    def test_growing_field_ends_with_an_error(self):
+        def change(file):  # an additive source whose values overflow
+            file["ux_source_input"][...] = 1e38
+            file["u_source_mode"][...] = 0
+        self.refused(change, "no longer finite at step", options=("--precision", "single"))
+
+    def test_a_hundred_mutated_files(self):
+        """Single bytes, blocks and lengths of a valid file are changed. The program either refuses the file with exit code 1 and
+        writes nothing, or computes a valid file, whose change is within the numbers of a field."""
+        random.seed(42)
+        valid = (DATA / "homogeneous_input.h5").read_bytes()
+        refused = 0
+        for number in range(100):
+            data = bytearray(valid)
+            kind = number % 4
+            if kind == 0:
+                data = data[:random.randrange(len(data))]
+            elif kind == 1:
+                for _ in range(40):
+                    data[random.randrange(len(data))] = random.randrange(256)
+            elif kind == 2:  # the head and the tables of objects
+                for _ in range(3):
+                    data[random.randrange(4096)] = random.randrange(256)
+            else:
+                at = random.randrange(len(data))
+                data[at:at + 512] = os.urandom(len(data[at:at + 512]))
+            (self.folder / "in.h5").write_bytes(data)
+            (self.folder / "out.h5").unlink(missing_ok=True)
+            done = subprocess.run([PROGRAM, "kwave", "-i", "in.h5", "-o", "out.h5", "--benchmark", "2"], cwd=self.folder,
+                                  env=environment(), capture_output=True, encoding="utf-8", errors="replace", check=False, timeout=120)
+            self.assertIn(done.returncode, (0, 1), f"file {number}: {done.stderr}")
+            self.assertEqual((self.folder / "out.h5").exists(), done.returncode == 0)
+            self.assertFalse((self.folder / "out.h5.part").exists())
+            refused += done.returncode
+        self.assertGreater(refused, 50)
