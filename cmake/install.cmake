@@ -8,7 +8,6 @@ install(DIRECTORY jobs DESTINATION ${data} USE_SOURCE_PERMISSIONS)
 install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE PATTERN *.egg-info EXCLUDE
     PATTERN build EXCLUDE)
 install(DIRECTORY tests/baselines DESTINATION ${data}/tests)
-install(DIRECTORY scripts/import_kwave DESTINATION ${data}/scripts PATTERN __pycache__ EXCLUDE)
 install(PROGRAMS scripts/kspaceFirstOrder-elastic DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES scripts/common.sh scripts/make_map.py DESTINATION ${data}/scripts)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN conf.py EXCLUDE)

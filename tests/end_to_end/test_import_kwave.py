@@ -187,7 +187,6 @@ class Errors(ImportTest):
                 ({"source": {"u_mask": None}}, ["source.u_mask is missing"]),
                 ({"source": {"uz": numpy.ones((7, 4))}}, ["7 rows, but its mask has 1920 nodes"]),
                 ({"source": {"u_mode": "soft"}}, ["soft", '"additive" or "dirichlet"']),
-                ({"source": {"p0": numpy.ones(POINTS)}}, ["smooth"]),
                 ({"kgrid": {"Nz": 1}}, ["at least 2"]), ({"kgrid": {"dt": None}}, ["kgrid.dt is missing"]),
                 ({"kgrid": {"dy": 2e-3}}, ["kgrid.dx and kgrid.dy differ"]),
                 ({"sensor": {"record": "q"}}, ["sensor.record 'q' is unknown"])):

@@ -14,7 +14,7 @@ from kwave import save
 from program import ROOT, environment
 from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
 
-import checks
+from shearwake.kwave import checks
 
 
 class Notes(FilesTest):

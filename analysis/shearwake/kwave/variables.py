@@ -2,7 +2,7 @@
 """Which variables of a file are read, and names that may be misspelt."""
 import difflib
 
-from structures import BadInput
+from .structures import BadInput
 
 NAMES = ("kgrid", "medium", "source", "sensor", "options")
 ARGUMENTS = "input_args"  # usual in scripts: pstdElastic3D(kgrid, medium, source, sensor, input_args{:})

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The fields that the sensor records, from the names in k-Wave's sensor.record."""
-from structures import BadInput
+from .structures import BadInput
 
 FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 SERIES = {"p": ["sxx", "syy", "szz"], "u": ["ux", "uy", "uz"]}  # p is minus the mean of the normal stresses

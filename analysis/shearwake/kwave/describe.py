@@ -2,8 +2,8 @@
 """Describes an imported simulation, so that a wrong order of indices can be recognised."""
 import numpy as np
 
-from checks import supported_frequency_Hz
-from record import FIELDS
+from .checks import supported_frequency_Hz
+from .record import FIELDS
 
 
 def counted(number, noun):

@@ -3,7 +3,7 @@
 are probably not intended."""
 import numpy as np
 
-from structures import BadInput
+from .structures import BadInput
 
 LARGEST_SPACING_m, LARGEST_SIZE_m = 0.1, 1.0  # of a body part; larger values are probably not in m
 LEAST_DENSITY_kg_m3, LARGEST_DENSITY_kg_m3 = 10.0, 3e4  # no tissue, liquid or metal lies outside

@@ -12,11 +12,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from checks import check_layer_nodes
-from describe import lines_of, summary_of
-from files import structures
-from structures import BadInput
-from study import Study
+from .checks import check_layer_nodes
+from .describe import lines_of, summary_of
+from .files import structures
+from .structures import BadInput
+from .study import Study
 
 SCHEMA = "shearwake grid study 1"
 

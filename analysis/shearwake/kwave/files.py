@@ -2,10 +2,10 @@
 """Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
 import h5py
 import numpy as np
-from shearwake.inputs import BadLink, open_self_contained
+from ..inputs import BadLink, open_self_contained
 
-from structures import BadInput, Structure, Unreadable, kind_of, text_of
-from variables import NAMES, chosen_variables
+from .structures import BadInput, Structure, Unreadable, kind_of, text_of
+from .variables import NAMES, chosen_variables
 
 STUDY = "shearwake grid study"  # begins the schema of the files that this script writes
 # The first fields of each structure, for messages.

@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
-from checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
-from record import FIELDS, recorded_fields
-from structures import BadInput, Structure, text_of
+from .checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
+from .record import FIELDS, recorded_fields
+from .structures import BadInput, Structure, text_of
 
 PSTD_CFL = 0.1  # of pstdElastic3D: kspaceFirstOrder_setDefaults.m
 # The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
@@ -41,6 +41,8 @@ def check_fields(structure, notes):
 
 
 def three(value, name, whole=False):
+    if np.size(value) == 2:  # k-Wave: the second value belongs to y and z
+        value = np.ravel(value)[[0, 1, 1]]
     values = np.broadcast_to(np.ravel(value), 3) if np.size(value) in (1, 3) else None
     if values is None or np.any(values < 0) or (whole and np.any(values != np.floor(values))):
         raise BadInput(f"{name} must be one {'whole ' if whole else ''}number or three, 0 or more")
@@ -79,6 +81,22 @@ def largest_factor(number):
     return largest
 
 
+def smoothed(values, restores_maximum=False):
+    """The values filtered in wave number space by k-Wave's window: a Blackman window over the distance from the origin,
+    interpolated linearly between as many points as the longest axis has. An even axis is periodic, an odd one symmetric."""
+    shape = values.shape
+    points = [n if n % 2 else n + 1 for n in shape]
+    most = max(points)
+    angle = 2.0 * np.pi * np.arange(most) / (most - 1)
+    blackman = 0.42 - 0.5 * np.cos(angle) + 0.08 * np.cos(2.0 * angle)
+    half = 0.5 * (most - 1)
+    axes = [np.linspace(-half, half, n)[:m] for n, m in zip(points, shape)]
+    distance = np.sqrt(sum(axis ** 2 for axis in np.meshgrid(*axes, indexing="ij", sparse=True)))
+    window = np.where(distance > half, 0.0, np.abs(np.interp(distance, np.linspace(-half, half, most), blackman)))
+    found = np.real(np.fft.ifftn(np.fft.fftn(values) * np.fft.ifftshift(window)))
+    return found * (np.max(np.abs(values)) / np.max(np.abs(found))) if restores_maximum else found
+
+
 class Study:
     """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
 
@@ -115,6 +133,10 @@ class Study:
             three(option.array("PMLSize") if "PMLSize" in option else 10, "options.PMLSize", True)
         self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
         self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
+        smooth = np.ravel(option.array("Smooth")) if "Smooth" in option else np.array([1.0, 0.0, 0.0])
+        if smooth.size not in (1, 3):
+            raise BadInput("options.Smooth must be one value or three, for p0, the speeds and the density")
+        self.smooths = np.broadcast_to(smooth, 3) != 0.0
         self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
         self.check_layer()
 
@@ -200,6 +222,8 @@ class Study:
             if found.shape not in ((), tuple(self.points)):
                 raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
                                f"shape {grid_of(self.points)} of the grid{shape_hint(found, self.points)}")
+            if found.shape and self.smooths[{"density": 2}.get(field, 1)] and not field.startswith("alpha"):
+                found = smoothed(found)
             check_range(found, f"medium.{field}", self, positive=field in ("density", "sound_speed_compression"))
             return found
 
@@ -264,6 +288,8 @@ class Study:
                 raise BadInput(f"source.{kind}_mask is missing; source.{driven[0]} requires it")
             nodes, labels = self.nodes_of(source.array(f"{kind}_mask"), f"source.{kind}_mask")
             mode = source.text(f"{kind}_mode", "additive")
+            if mode == "additive-no-correction" and kind == "u":
+                mode = "additive"  # the same in pstdElastic3D
             if mode not in ("additive", "dirichlet"):
                 raise BadInput(f"source.{kind}_mode is \"{mode}\"; it must be \"additive\" or \"dirichlet\"")
             for field in driven:
@@ -271,8 +297,11 @@ class Study:
         if self.times_are_automatic and self.sources:
             self.notes.append("kgrid: k-Wave itself chooses times only for an initial pressure, and stops at a study with a source "
                               "that varies with time and the times \"auto\"")
-        if "p0" in source:
-            self.add_initial_pressure(source.array("p0"))
+        if "p0" in source and np.any(source.array("p0")):
+            if any(field in source for field in ("sxx", "syy", "szz")):
+                self.notes.append("source.p0 replaces sxx, syy and szz, as in k-Wave")
+                self.sources = [one for one in self.sources if one["field"] not in ("sxx", "syy", "szz")]
+            self.add_initial_pressure(source.array("p0"), source.text("s_mode", "additive"))
         if not self.sources:
             raise BadInput("source has none of the fields ux ... uz, sxx ... syz and p0")
 
@@ -313,14 +342,14 @@ class Study:
         self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights, "rows": rows,
                              "series": series[:, :self.steps], "is_initial": False})
 
-    def add_initial_pressure(self, p0):
-        if self.options.number("Smooth", 1.0) != 0.0:
-            raise BadInput("k-Wave would smooth source.p0: smooth it in MATLAB with p0 = smooth(p0, true), and "
-                           "set options.Smooth = false")
-        nodes, _ = self.nodes_of(np.where(p0 != 0.0, 1.0, 0.0), "source.p0")
+    def add_initial_pressure(self, p0, mode):
+        if p0.shape == tuple(self.points - 2 * self.first) and self.smooths[0]:
+            p0 = smoothed(p0, restores_maximum=True)
+        everywhere = mode == "dirichlet"  # prescribes the stresses of all nodes for two steps
+        nodes, _ = self.nodes_of(np.where((p0 != 0.0) | everywhere, 1.0, 0.0), "source.p0")
         weights = -0.5 * p0[tuple((nodes - self.first).T)]
         for field in ("sxx", "syy", "szz"):
-            self.sources.append({"field": field, "mode": "additive", "nodes": nodes, "weights": weights,
+            self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights,
                                  "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2)), "is_initial": True})
 
     # ---- the sensor
