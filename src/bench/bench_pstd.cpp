@@ -148,12 +148,15 @@ void measure(const pstd::Node& grid, pstd::Absorption absorption, int steps, dou
     out.add(name + ": CPU time per step and rank", best.of_core, "s");
     out.add(name + ": lower bound", fft_s + bytes_s, "s");
     out.add(name + ": memory per point", memory_B / points, "B");
+    out.add(name + ": points per second", 1e-6 * points / best.passed, "Mpoint/s");
+    out.add(name + ": share of the copy bandwidth", bytes_s / best.of_core, "1");
     out.print("  {:>4} x {:>3} x {:>3}  {:<8} {:<6} {:9.2f} {:9.2f} {:8.1f} {:8.2f} {:8.2f} "
-              "{:6.2f} {:8.0f}\n",
+              "{:6.2f} {:8.0f} {:9.2f} {:6.2f}\n",
               grid[0], grid[1], grid[2], lossy ? "lossy" : "lossless",
               sizeof(Real) == 8 ? "double" : "single", 1e3 * best.passed, 1e3 * best.of_core,
               1e9 * best.of_core * world.size() / points, 1e3 * fft_s, 1e3 * bytes_s,
-              best.of_core / (fft_s + bytes_s), memory_B / points);
+              best.of_core / (fft_s + bytes_s), memory_B / points, 1e-6 * points / best.passed,
+              bytes_s / best.of_core);
     std::fflush(stdout);
 }
 
@@ -167,8 +170,9 @@ ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& 
         out.print("engine pstd, {} rank{}: uniform solid, absorbing layer of 10 points on each "
                   "side, {} steps; each core copies {:.1f} GB/s\n",
                   world.size(), world.size() == 1 ? "" : "s", arguments.steps, copied_B_s / 1e9);
-        out.print("  {:<16} {:<8} {:<6} {:>9} {:>9} {:>8} {:>8} {:>8} {:>6} {:>8}\n", "points", "",
-                  "", "ms/step", "core ms", "ns/point", "FFTs ms", "bytes ms", "ratio", "B/point");
+        out.print("  {:<16} {:<8} {:<6} {:>9} {:>9} {:>8} {:>8} {:>8} {:>6} {:>8} {:>9} {:>6}\n",
+                  "points", "", "", "ms/step", "core ms", "ns/point", "FFTs ms", "bytes ms",
+                  "ratio", "B/point", "Mpoint/s", "copies");
     }
     for (const pstd::Node& grid : grids) {
         for (const pstd::Absorption absorption :
@@ -181,7 +185,7 @@ ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& 
         out.print("  ms/step: wall-clock time of the fastest step; core ms: CPU time per rank; "
                   "ns/point: CPU time of all\n  ranks per point; ratio: core ms over the lower "
                   "bound, which is the FFTs alone plus the least memory\n  traffic at the rate of "
-                  "copies\n");
+                  "copies; copies: the least traffic per core ms as a share of this rate\n");
     return ExitCode::done;
 }
 

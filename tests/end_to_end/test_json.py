@@ -152,6 +152,7 @@ class Json(ProgramTest):
             found = self.document("bench", *arguments)
             self.assertEqual((found["name"], found["ranks"]), (arguments[0], 1))
             self.assertTrue(any("lower bound" in m["name"] and m["value"] > 0 for m in found["measurements"]))
+        self.assertEqual({m["unit"] for m in found["measurements"] if m["value"] > 0}, {"s", "B", "Mpoint/s", "1"})
 
     def test_the_schema_describes_every_member(self):
         documents = [document["properties"] for document in SCHEMA["$defs"].values() if "properties" in document]
