@@ -277,6 +277,12 @@ class Errors(KWaveTest):
             file["u_source_mode"][...] = 0
         self.refused(change, "no longer finite at step", options=("--precision", "single"))
 
+    def test_import_names_the_command_for_elastic_files(self):
+        done = subprocess.run([ROOT / "scripts" / "import-kwave", DATA / "homogeneous_input.h5"], cwd=self.folder, env=environment(),
+                              capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 3)
+        self.says(done.stderr, "homogeneous_input.h5 is an elastic input file of k-Wave", "shearwake kwave -i")
+
     def test_a_hundred_mutated_files(self):
         """Single bytes, blocks and lengths of a valid file are changed. The program either refuses the file with exit code 1 and
         writes nothing, or computes a valid file, whose change is within the numbers of a field."""

@@ -115,6 +115,8 @@ def read_hdf5(path):
             raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
                            "k-Wave")
         acoustic = [name for name in ACOUSTIC if name in file]
+        if "kgrid" not in file and "elastic_flag" in file and np.all(file["elastic_flag"][()] == 1):
+            raise BadInput(f"{path} is an elastic input file of k-Wave: run it with shearwake kwave -i {path} -o OUT.h5")
         if len(acoustic) > 1 and "kgrid" not in file:
             raise BadInput(f"{path} is an input file of the acoustic C++ code of k-Wave (it contains {', '.join(acoustic)}), which has "
                            "no shear waves; save the structures kgrid, medium and source of a simulation for pstdElastic3D instead")

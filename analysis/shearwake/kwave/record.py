@@ -6,6 +6,7 @@ FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 SERIES = {"p": ["sxx", "syy", "szz"], "u": ["ux", "uy", "uz"]}  # p is minus the mean of the normal stresses
 # Values that follow from time series, which are recorded instead.
 DERIVED = {"max": "the maximum", "min": "the minimum", "rms": "the root mean square"}
+HINT = "; shearwake kwave -i STUDY.h5 records it"
 # Values on the entire grid and parts of the fields. They are not available.
 ABSENT = {"p_final", "p_max_all", "p_min_all", "u_final", "u_max_all", "u_min_all", "u_split_field"}
 
@@ -22,17 +23,17 @@ def recorded_fields(record, notes):
         elif quantity in SERIES and suffix in DERIVED:
             fields.update(SERIES[quantity])
             notes.append(f"sensor.record '{name}' is not computed: the time series of {quantity} is recorded, of which "
-                         f"it is {DERIVED[suffix]}")
+                         f"it is {DERIVED[suffix]}{HINT}")
         elif name == "u_non_staggered":
             fields.update(SERIES["u"])
-            notes.append("sensor.record 'u_non_staggered' is not computed: u is recorded at its staggered positions")
+            notes.append("sensor.record 'u_non_staggered' is not computed: u is recorded at its staggered positions" + HINT)
         elif name in ("I", "I_avg"):
             fields.update(SERIES["p"] + SERIES["u"])
             notes.append(f"sensor.record '{name}' is not computed: the stresses and velocities are recorded, of which it "
                          f"is {'a product' if name == 'I' else 'an averaged product'}")
         elif name in ABSENT:
             notes.append(f"sensor.record '{name}' is not recorded: only time series at the nodes of sensor.mask are "
-                         "available")
+                         f"available{HINT}")
         else:
             raise BadInput(f"sensor.record '{name}' is unknown; known are p, u, {', '.join(FIELDS)} and the other names "
                            "of k-Wave")
