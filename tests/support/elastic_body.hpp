@@ -51,7 +51,9 @@ public:
 
         const double growth_1_s = kappa / body_radius_m * std::sqrt(solid_mu_Pa / solid_kg_m3);
         constexpr double step_s = 1e-9; // nothing is stabilised
-        auto v = spectral::lateral_variation(case_, mesh_, *vectors_, step_s, alone_);
+        auto v =
+            spectral::lateral_variation(case_, mesh_, slabs_->share(),
+                                        spectral::largest_k_rad_m(case_.domain), step_s, &alone_);
         spectral::Background b = v.background;
         // The weights of the implicit operator are .26 and 1/12.
         for (std::size_t i = 0; i < b.density_kg_m3.size(); ++i) {
