@@ -2,7 +2,7 @@
 #include "kwave/run.hpp"
 
 #include "base/units.hpp"
-#include "engines/pstd/estimate.hpp"
+#include "engines/pstd/pstd_plan.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "kwave/input.hpp"
 #include "kwave/recorder.hpp"
@@ -188,14 +188,17 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     const double points = static_cast<double>(grid.points[0]) *
                           static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
     const bool lossy = input->setup.absorption == pstd::Absorption::kelvin_voigt;
+    const engines::Resources planned{
+        .arrays =
+            pstd::arrays_of_stepper({.points = points,
+                                     .steps = static_cast<double>(steps),
+                                     .absorption = input->setup.absorption,
+                                     .precision = sizeof(Real) == 4 ? Precision::single_precision
+                                                                    : Precision::double_precision,
+                                     .uneven = true},
+                                    world.size())};
     const double needed_B =
-        pstd::stepper_memory_B({.points = points,
-                                .steps = static_cast<double>(steps),
-                                .absorption = input->setup.absorption,
-                                .precision = sizeof(Real) == 4 ? Precision::single_precision
-                                                               : Precision::double_precision,
-                                .uneven = true,
-                                .ranks = world.size()}) +
+        planned.memory_per_rank_B() +
         static_cast<double>(sizeof(pstd::NodeMaterial)) * points / world.size() +
         Recorder::memory_B(*input, arguments.records, steps - arguments.first_step + 1,
                            world.size());
