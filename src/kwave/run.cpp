@@ -188,20 +188,22 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     const double points = static_cast<double>(grid.points[0]) *
                           static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
     const bool lossy = input->setup.absorption == pstd::Absorption::kelvin_voigt;
-    const engines::Resources planned{
-        .arrays =
-            pstd::arrays_of_stepper({.points = points,
-                                     .steps = static_cast<double>(steps),
-                                     .absorption = input->setup.absorption,
-                                     .precision = sizeof(Real) == 4 ? Precision::single_precision
-                                                                    : Precision::double_precision,
-                                     .uneven = true},
-                                    world.size())};
-    const double needed_B =
-        planned.memory_per_rank_B() +
-        static_cast<double>(sizeof(pstd::NodeMaterial)) * points / world.size() +
-        Recorder::memory_B(*input, arguments.records, steps - arguments.first_step + 1,
-                           world.size());
+    double source_nodes = 0.0;
+    for (const pstd::Source& source : input->setup.sources)
+        source_nodes += static_cast<double>(source.nodes.size());
+    const pstd::PstdPlan plan{
+        .grid = input->setup.grid,
+        .pml = input->setup.pml,
+        .steps = static_cast<double>(steps),
+        .absorption = input->setup.absorption,
+        .precision = sizeof(Real) == 4 ? Precision::single_precision : Precision::double_precision,
+        .uneven = true,
+        .coefficients = pstd::varying_coefficients(true, true, true, input->setup.absorption),
+        .source_nodes = source_nodes};
+    const engines::Resources planned{.arrays = pstd::arrays_of(plan, world.size())};
+    const double needed_B = planned.memory_per_rank_B() +
+                            Recorder::memory_B(*input, arguments.records,
+                                               steps - arguments.first_step + 1, world.size());
     if (const double available_B = pipeline::memory_per_rank_B(world); needed_B > available_B)
         throw UsageError(fmt::format("the run needs {:.3g} GB per rank, but only {:.3g} GB are "
                                      "available; record fewer nodes or use more machines",

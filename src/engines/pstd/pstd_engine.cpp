@@ -18,14 +18,14 @@
 namespace shearwake::pstd {
 namespace {
 
-Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s) {
+Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+               const PstdPlan& plan) {
     Setup setup;
-    const double d_m = c.domain.spacing_m;
-    setup.grid = {grid.points, {d_m, d_m, d_m}, step_s};
-    setup.pml = absorbing_layer(c, options);
+    setup.grid = plan.grid;
+    setup.pml = plan.pml;
     setup.material = [=, &c](Node node) { return material_at(c, options, grid, node); };
-    setup.absorption = is_lossy(c.scene().medium) ? Absorption::kelvin_voigt : Absorption::none;
-    setup.sources = {load_source(c, options, grid, step_s)};
+    setup.absorption = plan.absorption;
+    setup.sources.push_back(load_source(c, options, grid, plan.grid.dt_s));
     return setup;
 }
 
@@ -54,14 +54,37 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
                                : step_of(c, options).per_frame;
 }
 
+/// Whether some body, or the map, has a property of its own.
+template <class Of>
+bool varies(const Medium& medium, Of Body::*of_body, std::vector<double> MaterialMap::*of_map) {
+    return std::ranges::any_of(medium.bodies,
+                               [&](const Body& b) { return (b.*of_body).has_value(); }) ||
+           (medium.map && !((*medium.map).*of_map).empty());
+}
+
 PstdPlan plan_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
-                 std::ptrdiff_t per_frame) {
-    return {.points = static_cast<double>(grid.points[0]) * static_cast<double>(grid.points[1]) *
-                      static_cast<double>(grid.points[2]),
+                 std::ptrdiff_t per_frame, int ranks) {
+    const double d_m = c.domain.spacing_m;
+    const Medium& medium = c.scene().medium;
+    const Absorption absorption = is_lossy(medium) ? Absorption::kelvin_voigt : Absorption::none;
+    const Grid nodes{
+        grid.points, {d_m, d_m, d_m}, c.time.interval_s / static_cast<double>(per_frame)};
+    const Slabs slabs = slabs_of(nodes, ranks, ranks - 1);
+    const double displacements = static_cast<double>(
+        frame_places(c, options, grid).planes + (c.record.volumes_s.empty() ? 0 : 2 * grid.levels));
+    return {.grid = nodes,
+            .pml = absorbing_layer(c, options),
             .steps = static_cast<double>(c.time.frames * per_frame),
-            .absorption = is_lossy(c.scene().medium) ? Absorption::kelvin_voigt : Absorption::none,
+            .absorption = absorption,
             .precision = options.precision,
-            .uneven = varies_laterally(c.scene().medium)};
+            .uneven = varies_laterally(medium),
+            .coefficients = varying_coefficients(
+                varies(medium, &Body::density_kg_m3, &MaterialMap::density_kg_m3),
+                varies(medium, &Body::c_s_m_s, &MaterialMap::c_s_m_s) ||
+                    varies(medium, &Body::c_p_m_s, &MaterialMap::c_p_m_s),
+                varies(medium, &Body::viscosity_Pa_s, &MaterialMap::viscosity_Pa_s), absorption),
+            .source_nodes = most_source_nodes(c, options),
+            .output_B = displacements * sizeof(double) * static_cast<double>(slabs.rows())};
 }
 
 /// With snapshots, every step adds to the displacements of all points.
@@ -81,8 +104,10 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
     if (step.refused) throw CaseFailure(refusal(options, step));
+    PstdPlan plan = plan_of(c, options, grid, step.per_frame, team.size());
+    plan.grid.dt_s = step.step_s;
     std::optional<Setup> setup;
-    together(team, [&] { setup = setup_of(c, options, grid, step.step_s); });
+    together(team, [&] { setup = setup_of(c, options, grid, plan); });
     Stepper<Real> stepper(*setup, team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
@@ -94,9 +119,8 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     observer.begin(outputs->frames.slab());
     if (!c.record.volumes_s.empty()) observer.volume_levels(outputs->volumes->levels_m());
     PstdMarch<Real> field(c, step.per_frame, stepper, *outputs, "displacement_u_z", team);
-    const engines::MarchWork work = case_work(c, grid, plan_of(c, options, grid, step.per_frame));
-    if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints, work, began) ==
-        engines::MarchEnd::stopped)
+    if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints,
+                       case_work(c, grid, plan), began) == engines::MarchEnd::stopped)
         return;
     observer.solved({.notes = engines::notes_of(pstd::choices(c, options, step)),
                      .steps = stepper.steps(),
@@ -109,16 +133,13 @@ engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return study_resources(c, ranks);
     const CaseGrid grid = case_grid(c, options);
-    const PstdPlan plan = plan_of(c, options, grid, steps_per_frame(c, options));
-    engines::Resources all{.arrays = arrays_of_stepper(plan, ranks),
+    const PstdPlan plan = plan_of(c, options, grid, steps_per_frame(c, options), ranks);
+    engines::Resources all{.arrays = arrays_of(plan, ranks),
                            .work = engines::parts_of(case_work(c, grid, plan)),
                            .useful_ranks =
                                static_cast<int>(std::min(grid.points[0], grid.points[1]))};
-    const double points = plan.points / ranks;
-    all.arrays.push_back({"materials of nodes at the start", sizeof(NodeMaterial) * points});
-    if (c.record.volumes_s.empty()) return all;
-    all.arrays.push_back({"displacement of nodes", 3.0 * sizeof(double) * points});
-    all.written_B = engines::volumes_B(c, static_cast<double>(grid.levels));
+    if (!c.record.volumes_s.empty())
+        all.written_B = engines::volumes_B(c, static_cast<double>(grid.levels));
     return all;
 }
 

@@ -1,43 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/pstd_plan.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace shearwake::pstd {
 namespace {
 
-/// Values per point of the totals and parts of velocity and stress, and of the transforms of
-/// gradients.
-struct ValuesPerPoint {
-    double fields = 9.0 + 15.0, transforms = 6.0;
-    explicit ValuesPerPoint(Absorption absorption) {
-        if (absorption != Absorption::none) transforms = 15.0;
-    }
-};
+double points_of(const Grid& grid) {
+    return static_cast<double>(grid.points[0]) * static_cast<double>(grid.points[1]) *
+           static_cast<double>(grid.points[2]);
+}
 
 } // namespace
 
+double varying_coefficients(bool density, bool speeds, bool viscosity, Absorption absorption) {
+    // Densities; mu of three shears, lambda and the P modulus; chi, chi + 2 eta, and eta of shears.
+    return (density ? 3.0 : 0.0) + (density || speeds ? 5.0 : 0.0) +
+           (viscosity && absorption != Absorption::none ? 5.0 : 0.0);
+}
+
 engines::MarchWork march_work(const Case& c, const PstdPlan& plan) {
-    const ValuesPerPoint values(plan.absorption);
+    const bool lossy = plan.absorption != Absorption::none;
     const double columns = static_cast<double>(c.domain.nx * c.domain.ny);
     const double frames = static_cast<double>(c.time.frames);
     const double given = columns * static_cast<double>(c.measure.depths_m.size()) * frames;
-    return {.kind = fmt::format(
-                "pstd {}{}{}", plan.precision == Precision::single_precision ? "single" : "double",
-                plan.absorption != Absorption::none ? " lossy" : "", plan.uneven ? " uneven" : ""),
-            .unknowns =
-                (values.fields + values.transforms) * plan.points + columns + given / plan.steps,
+    // Values that a step reads and writes per point: totals, parts, and transforms of gradients.
+    const double per_point = 9.0 + 15.0 + (lossy ? 15.0 : 6.0);
+    return {.kind = fmt::format("pstd {}{}{}",
+                                plan.precision == Precision::single_precision ? "single" : "double",
+                                lossy ? " lossy" : "", plan.uneven ? " uneven" : ""),
+            .unknowns = per_point * points_of(plan.grid) + columns + given / plan.steps,
             .steps = plan.steps};
 }
 
-std::vector<engines::Array> arrays_of_stepper(const PstdPlan& plan, int ranks) {
+std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks) {
+    const Slabs slabs = slabs_of(plan.grid, ranks, ranks - 1); // with an edge in x
+    const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
+    const auto all = static_cast<double>(slabs.reals());
+    const double of_plane = static_cast<double>(slabs.ny() * slabs.pitch);
+    double parts = 0.0, runs = 0.0;
+    for (std::size_t f = 0; f < field_count; ++f) {
+        const Parts of = parts_of(static_cast<Field>(f));
+        const SplitRuns split(slabs, plan.pml, of, {});
+        for (std::size_t p = 0; p + 1 < of.count; ++p)
+            parts += static_cast<double>(split.size(p));
+        runs += split.memory_B();
+    }
     const bool lossy = plan.absorption != Absorption::none;
-    const ValuesPerPoint values(plan.absorption);
-    const double of_value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
-    const double array_B = of_value_B * plan.points / ranks;
-    return {{"velocity and stress with their parts", values.fields * array_B},
-            {"transforms of gradients", values.transforms * array_B},
-            {"coefficients of nodes", !plan.uneven ? 0.0 : (lossy ? 13.0 : 8.0) * array_B}};
+    // Derivatives along x and accelerations; a part of a field that travels to other ranks and
+    // back.
+    const auto exchanges = static_cast<double>(parts_of_exchange(all * value_B, ranks));
+    const double transforms = (lossy ? 6.0 + 3.0 : 3.0) * all + (lossy ? 12.0 : 6.0) * of_plane +
+                              2.0 * all / exchanges * (ranks - 1.0) / ranks;
+    const double source_B =
+        plan.source_nodes * sizeof(Node) + plan.source_nodes / ranks * PlacedSource<double>::node_B;
+    // Materials, and a coefficient while it is computed, are released before the output is
+    // allocated.
+    const double materials_B = sizeof(NodeMaterial) * static_cast<double>((slabs.x_count() + 1) *
+                                                                          slabs.ny() * slabs.nz()) +
+                               all * value_B;
+    return {{"velocity and stress", 9.0 * all * value_B},
+            {"their parts in the absorbing layer", parts * value_B + runs},
+            {"derivatives along x and accelerations", transforms * value_B},
+            {"coefficients of nodes", plan.coefficients * all * value_B},
+            {"sources", source_B},
+            {"displacement of nodes", plan.output_B},
+            {"materials at the start", std::max(0.0, materials_B - plan.output_B)}};
 }
 
 } // namespace shearwake::pstd

@@ -85,13 +85,27 @@ FramePlaces frame_places(const Case& c) {
     return frames;
 }
 
-PstdPlan plan_of(const Case& c) {
+PstdPlan plan_of(const Case& c, int ranks) {
     const StudyData& study = study_of(c);
-    return {.points = static_cast<double>(study.size()),
-            .steps = static_cast<double>(study.steps),
-            .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
-            .precision = std::get<PstdOptions>(c.solver).precision,
-            .uneven = is_uneven(study)};
+    const auto varies = [](const std::vector<double>& values) { return values.size() > 1; };
+    const Setup setup = study_setup(study);
+    double nodes = 0.0;
+    for (const NodeSource& source : study.sources)
+        nodes += static_cast<double>(source.nodes.size());
+    PstdPlan plan{.grid = setup.grid,
+                  .pml = setup.pml,
+                  .steps = static_cast<double>(study.steps),
+                  .absorption = setup.absorption,
+                  .precision = std::get<PstdOptions>(c.solver).precision,
+                  .uneven = is_uneven(study),
+                  .coefficients = varying_coefficients(
+                      varies(study.density_kg_m3), varies(study.c_p_m_s) || varies(study.c_s_m_s),
+                      varies(study.chi_Pa_s) || varies(study.eta_Pa_s), setup.absorption),
+                  .source_nodes = nodes};
+    plan.output_B =
+        sizeof(double) *
+        static_cast<double>(slabs_of(plan.grid, ranks, ranks - 1).rows() * frame_places(c).planes);
+    return plan;
 }
 
 template <class Real>
@@ -99,6 +113,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
               engines::Checkpoints* checkpoints) {
     const auto began = Clock::now();
     const StudyData& study = study_of(c);
+    const PstdPlan plan = plan_of(c, team.size());
     Stepper<Real> stepper(study_setup(study), team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
@@ -109,8 +124,8 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     });
     observer.begin(outputs->frames.slab());
     PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
-    if (engines::march(field, study.steps, observer, checkpoints, march_work(c, plan_of(c)),
-                       began) == engines::MarchEnd::stopped)
+    if (engines::march(field, study.steps, observer, checkpoints, march_work(c, plan), began) ==
+        engines::MarchEnd::stopped)
         return;
     observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
                                            study.points[0], study.points[1], study.points[2])},
@@ -130,8 +145,8 @@ engines::Resources study_resources(const Case& c, int ranks) {
         stored += static_cast<double>(source.series.size() + 5 * source.nodes.size());
     const double recorded = static_cast<double>(study.sensors.size() * study.sensor_fields.size()) *
                             static_cast<double>(study.steps - study.sensor_start + 1);
-    const PstdPlan plan = plan_of(c);
-    engines::Resources all{.arrays = arrays_of_stepper(plan, ranks),
+    const PstdPlan plan = plan_of(c, ranks);
+    engines::Resources all{.arrays = arrays_of(plan, ranks),
                            .work = engines::parts_of(march_work(c, plan)),
                            .useful_ranks =
                                static_cast<int>(std::min(study.points[0], study.points[1])),

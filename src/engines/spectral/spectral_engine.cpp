@@ -84,6 +84,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     const SpectralPlan plan = plan_of(given); // a copy, since an observer may ask for other plans
     const auto& [c, time, mesh] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
+    const ProbedErrors errors = probed_errors(c, options, time.step_s); // its memory is released
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team, fft::Planning::measured);
     SpectralMarch field(c, mesh, slabs, time, team);
     observer.begin({slabs.share().x_start, slabs.share().x_count});
@@ -91,7 +92,6 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     if (engines::march(field, plan.steps(), observer, checkpoints, plan.work(), began) ==
         engines::MarchEnd::stopped)
         return;
-    const ProbedErrors errors = probed_errors(c, options, time.step_s);
     auto notes = discretisation_notes(time, mesh, errors);
     for (const auto& more : {edge_notes(c), body_notes(given)})
         notes.insert(notes.end(), more.begin(), more.end());

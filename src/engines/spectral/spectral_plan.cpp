@@ -17,8 +17,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <complex>
 #include <fmt/format.h>
+#include <numeric>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -42,8 +43,11 @@ double map_bytes(const Medium& medium) {
            sizeof(double);
 }
 
-double sponge_values_of(const SpongePlan& sponge, double levels) {
-    return sponge.every > 0 ? 3.0 * levels * static_cast<double>(sponge.nx * sponge.ny) : 0.0;
+/// Lines over x of the ky of a coarse grid, on the ranks that have these ky of the domain.
+double sponge_B(const SpongePlan& sponge, double levels, double rows) {
+    if (sponge.every == 0) return 0.0;
+    return 3.0 * levels * static_cast<double>(sponge.nx) *
+           std::min(rows, static_cast<double>(sponge.ny / 2 + 1)) * 2.0 * sizeof(double);
 }
 
 double factor_entries(const DepthMesh& mesh) {
@@ -59,6 +63,15 @@ double strain_planes_B(const VariationPlan& v, double nx, double ny, int ranks) 
     const double lines = most_rows(ny, ranks);
     return v.planes() * 2.0 * sizeof(double) *
            (window > 0.0 ? lines * window + nx : std::max(lines * nx, up(nx, ranks) * ny / 2.0));
+}
+
+/// The data of the planes that ranks exchange, in both directions.
+double exchanged_B(const VariationPlan& v, double ny, int ranks) {
+    const double of_point_B = v.components * sizeof(std::complex<double>) *
+                              static_cast<double>(v.extent.x_end - v.extent.x_begin) *
+                              (0.5 * ny + 1.0);
+    return 2.0 * of_point_B * StrainPlanes::points_together(v.points, of_point_B) * (ranks - 1.0) /
+           (ranks * ranks);
 }
 
 /// The matrices and planes of the box.
@@ -85,14 +98,16 @@ Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPl
     Arrays arrays = {{"factors", pencil_lanes * factor_entries(mesh) * sizeof(Block)},
                      {"displacement", (v.box ? 3.0 : 2.0) * displacement_B},
                      {"planes of strain", strain_planes_B(v, nx, ny, ranks)},
+                     {"exchange of planes", exchanged_B(v, ny, ranks)},
                      {"box of elastic bodies", box_B(v, ranks)},
-                     {"sponge", sponge_values_of(sponge, levels) * sizeof(double) /
-                                    std::min<double>(ranks, static_cast<double>(sponge.ny))},
-                     {"strain and moduli of cells", per_cell * v.fullest_cells * sizeof(double)}};
+                     {"sponge", sponge_B(sponge, levels, most_rows(ny, ranks))},
+                     {"strain and moduli of cells", per_cell * v.fullest_cells * sizeof(double)},
+                     {"surfaces of bodies", v.surfaces * v.fullest_cells / std::max(v.cells, 1.0) *
+                                                sizeof(LateralVariation::Surface)}};
     double stepper_B = 0.0;
     for (const engines::Array& array : arrays)
         stepper_B += array.bytes;
-    const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
+    const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(CellMaterial);
     arrays.push_back({"samples of materials at the start", std::max(0.0, sampled_B - stepper_B)});
     return arrays;
 }
@@ -127,8 +142,11 @@ SampledVariation SpectralPlan::sampled_variation() const {
     const Case layers = without_rigid_bodies(c);
     SampledVariation result;
     if (layers.scene().medium.bodies.empty() && !layers.scene().medium.map) return result;
-    constexpr double most_samples = 5e4;
-    const double nodes = static_cast<double>(mesh.elements()) * (mesh.degree + 1.0);
+    constexpr double most_samples = 2e5;
+    double nodes = 0.0;
+    for (std::size_t e = 0; e < mesh.elements(); ++e)
+        if (varies_between(layers.scene().medium, mesh.ends_m[e], mesh.ends_m[e + 1]))
+            nodes += mesh.degree + 1.0;
     std::ptrdiff_t stride = 1;
     while (nodes * static_cast<double>((c.domain.nx / stride) * (c.domain.ny / stride)) >
            most_samples)
@@ -154,6 +172,8 @@ SampledVariation SpectralPlan::sampled_variation() const {
     sizes.cells = before.back();
     sizes.points = static_cast<double>(v.points.size());
     sizes.components = v.components();
+    for (const auto& of_point : v.surfaces) // as many per length of an outline
+        sizes.surfaces += static_cast<double>(of_point.size()) * result.stride;
     sizes.iterates = v.iterates;
     sizes.extent = PlaneCells{.points = v.points}.extent(nullptr);
     for (std::ptrdiff_t* end :

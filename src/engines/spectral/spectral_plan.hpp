@@ -19,6 +19,7 @@ struct VariationPlan {
     double components = 0.0;
     double cells = 0.0;         // cells with data, sum over all points
     double fullest_cells = 0.0; // on the rank with most cells
+    double surfaces = 0.0;      // cells that surfaces of bodies cross, sum over all points
     bool iterates = false;      // whether every step takes iterations
     CellExtent extent;          // that of all cells
     std::optional<BoxGrid> box; // on which iterations take place

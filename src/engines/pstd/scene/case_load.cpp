@@ -103,6 +103,7 @@ Source stress_above(const Case& c, const CaseGrid& grid, double step_s) {
                                                               static_cast<double>(fading_nodes)),
                                                      2));
     const Columns columns{c.domain.ny, std::ssize(weights)};
+    source.nodes.reserve(static_cast<std::size_t>(c.domain.nx * c.domain.ny * columns.planes));
     for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
             for (std::ptrdiff_t k = 0; k < columns.planes; ++k)
@@ -237,6 +238,12 @@ Source load_source(const Case& c, const PstdOptions& options, const CaseGrid& gr
     if (options.load != PstdLoad::traction) return moved_skin(c, grid, options, step_s);
     if (options.top == PstdTop::nothing) return stress_above(c, grid, step_s);
     return force_sheet(c, options, grid, step_s);
+}
+
+double most_source_nodes(const Case& c, const PstdOptions& options) {
+    const bool in_air = options.load == PstdLoad::traction && options.top == PstdTop::nothing;
+    return static_cast<double>(c.domain.nx * c.domain.ny *
+                               (in_air ? flat_nodes + fading_nodes - 1 : 1));
 }
 
 } // namespace shearwake::pstd

@@ -23,4 +23,7 @@ namespace shearwake::pstd {
 /// them. Not collective.
 Source load_source(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s);
 
+/// The number of its nodes, or their maximum if it depends on the motion of the load.
+double most_source_nodes(const Case& c, const PstdOptions& options);
+
 } // namespace shearwake::pstd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/placed_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace shearwake::pstd {
@@ -26,6 +27,10 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
     const Grid& grid = slabs.grid;
     // As in k-Wave, stresses are scaled with dx along every axis.
     const double d_m = grid.spacing_m[is_velocity(source.field) ? index_of(source.field) : 0];
+    const auto mine = static_cast<std::size_t>(
+        std::ranges::count_if(source.nodes, [&](const Node& node) { return slabs.has(node[0]); }));
+    which_.reserve(mine);
+    places_.reserve(mine);
     for (std::size_t n = 0; n < source.nodes.size(); ++n) {
         const Node& node = source.nodes[n];
         if (!slabs.has(node[0])) continue;
@@ -56,7 +61,7 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
         places_.push_back(place);
     }
     values_.resize(which_.size());
-    source_.nodes.clear();
+    source_.nodes = std::vector<Node>();
 }
 
 template <class Real>

@@ -40,12 +40,16 @@ private:
         double before;   // total after the previous sample
     };
     double work_factor(const Slabs& slabs, const MaterialOfNode& material, const Node& node) const;
-    Source source_;
+    Source source_; // without its nodes
     std::vector<std::size_t> which_;
     std::vector<Place> places_;
     std::vector<double> values_;
     double work_J_ = 0.0;
     bool unknown_ = false;
+
+public:
+    /// Memory of a node of this rank.
+    static constexpr double node_B = sizeof(std::size_t) + sizeof(Place) + sizeof(double);
 };
 
 } // namespace shearwake::pstd

@@ -60,6 +60,11 @@ public:
     }
     /// Values of the first and of the second array of parts.
     std::ptrdiff_t size(std::size_t part) const { return sizes_[part]; }
+    /// Memory of the runs themselves.
+    double memory_B() const {
+        return static_cast<double>(runs_.capacity() * sizeof(SplitRun) +
+                                   starts_.capacity() * sizeof(std::size_t));
+    }
 
 private:
     void add(std::ptrdiff_t begin, std::ptrdiff_t end, int face, const Parts& parts);

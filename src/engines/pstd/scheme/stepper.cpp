@@ -20,6 +20,8 @@ public:
     KnownNodes(const Slabs& slabs, const MaterialOfNode& material)
         : slabs_(slabs), start_(slabs.x_start()) {
         const std::ptrdiff_t end = std::min(start_ + slabs.x_count() + 1, slabs.nx());
+        if (slabs.x_count() > 0)
+            nodes_.reserve(static_cast<std::size_t>((end - start_) * slabs.ny() * slabs.nz()));
         for (std::ptrdiff_t x = start_; x < end && slabs.x_count() > 0; ++x)
             for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y)
                 for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z)

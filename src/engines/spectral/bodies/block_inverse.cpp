@@ -108,11 +108,4 @@ std::vector<double> BlockInverse::multiply(const std::vector<double>& columns) c
     return product;
 }
 
-double BlockInverse::memory_B() const {
-    double values = 0.0;
-    for (const Matrix& block : blocks_->mine)
-        values += static_cast<double>(block.size());
-    return values * sizeof(double);
-}
-
 } // namespace shearwake::spectral

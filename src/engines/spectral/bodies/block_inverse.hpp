@@ -24,7 +24,6 @@ public:
     bool invert();
     /// The product of the matrix with columns of size(), on every rank. Collective.
     std::vector<double> multiply(const std::vector<double>& columns) const;
-    double memory_B() const;
 
 private:
     struct Blocks;

@@ -188,9 +188,4 @@ std::vector<RigidMotion> EndlessBodies::motions() const {
     return all;
 }
 
-double EndlessBodies::memory_B() const {
-    return markers_.memory_B() + systems_.memory_B() +
-           static_cast<double>(blocks_.size() * sizeof(Block) + rows_.size() * sizeof(double));
-}
-
 } // namespace shearwake::spectral

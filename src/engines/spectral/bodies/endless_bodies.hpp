@@ -22,7 +22,6 @@ public:
     void begin_forces(std::ptrdiff_t row) override;
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
     std::vector<RigidMotion> motions() const override;
-    double memory_B() const override;
 
     const EndlessBodies* as_endless() const override { return this; }
     const std::vector<Body>& endless() const { return bodies(); }

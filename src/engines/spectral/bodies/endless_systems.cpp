@@ -45,11 +45,6 @@ const double* EndlessSystems::inverse(std::size_t index) const {
     return matrices_->inverse[index].data();
 }
 
-double EndlessSystems::memory_B() const {
-    return static_cast<double>(matrices_->inverse.size() * unknowns() * unknowns() *
-                               sizeof(double));
-}
-
 /// Four unit forces are solved for at once, in the four parts of a pencil. U, W and V of equal |k|
 /// respond independently of the direction, and V independently of the others.
 void EndlessSystems::respond(const VerticalOperator& op, const Solve& solve, std::ptrdiff_t row,

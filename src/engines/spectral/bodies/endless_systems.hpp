@@ -50,7 +50,6 @@ public:
         return phases_.data() + 2 * count() * (along_x_ ? row : block);
     }
     Block mirrored(std::ptrdiff_t row, std::ptrdiff_t block) const;
-    double memory_B() const { return static_cast<double>(phases_.size() * sizeof(Block)); }
 
 private:
     void place(const Case& c, const DepthMesh& mesh);
@@ -94,7 +93,6 @@ public:
     }
     /// The inverse of a system of this rank (index into mine()), column by column.
     const double* inverse(std::size_t index) const;
-    double memory_B() const;
 
 private:
     struct Matrices;

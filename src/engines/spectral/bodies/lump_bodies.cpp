@@ -207,11 +207,6 @@ void LumpBodies::exert(const std::vector<double>& forces) {
     planes_->set(values_);
 }
 
-double LumpBodies::memory_B() const {
-    return inverse_.memory_B() + planes_->memory_B() +
-           static_cast<double>(values_.size() * sizeof(double) + taps_.size() * sizeof(Tap));
-}
-
 std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& mesh,
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
@@ -224,8 +219,10 @@ std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& m
 LumpSizes lump_sizes(const Case& c, const DepthMesh& mesh) {
     LumpSizes sizes;
     double last_m = -1.0;
+    const std::vector<Body> bodies = lump_bodies(c);
     for (const Placed& p : placed_markers(c, mesh)) {
         sizes.markers += 1.0;
+        sizes.markers_m.push_back(bodies[p.body].centre_m + p.offset_m);
         if (p.depth_m != last_m) sizes.depths += 1.0;
         last_m = p.depth_m;
     }

@@ -44,7 +44,6 @@ public:
     void begin_forces(std::ptrdiff_t row) override;
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
     std::vector<RigidMotion> motions() const override;
-    double memory_B() const override;
 
     const LumpBodies* as_lumps() const override { return this; }
     const std::vector<Body>& lumps() const { return bodies(); }
@@ -90,6 +89,7 @@ std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& m
 /// Sizes of the lumps of a case. Not collective.
 struct LumpSizes {
     double markers = 0.0, depths = 0.0;
+    std::vector<Vec3> markers_m; // their places
     /// Points of a plane around the lumps along x and y.
     double points_x = 0.0, points_y = 0.0;
 };

@@ -63,8 +63,6 @@ public:
     virtual void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) = 0;
     /// The displacements of all bodies, for output.
     virtual std::vector<RigidMotion> motions() const = 0;
-    /// Memory of this rank in bytes.
-    virtual double memory_B() const = 0;
 
     /// Determines the forces that correct the evaluated next displacement, and advances the bodies.
     /// Collective.

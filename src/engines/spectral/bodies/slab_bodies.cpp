@@ -152,11 +152,6 @@ void SlabBodies::hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& sol
     respond(row, block, solve, d);
 }
 
-double SlabBodies::memory_B() const {
-    return static_cast<double>((inverses_.size() + pencil_.size() + 2 * values_.size()) *
-                               sizeof(Block));
-}
-
 double slab_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const auto depths = static_cast<double>(held_depths_m(c, mesh).size());
     const double columns = std::ceil(static_cast<double>(c.domain.nx) / (2.0 * lane_count));

@@ -26,7 +26,6 @@ public:
     void hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d);
     void hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d, double scale,
               const Block* u, const Block* before);
-    double memory_B() const;
 
 private:
     /// The unknowns U and W, then V of all depths.

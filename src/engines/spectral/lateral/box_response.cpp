@@ -89,12 +89,6 @@ BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
     });
 }
 
-double BoxResponse::memory_B() const {
-    return planes_.memory_B() +
-           static_cast<double>(matrices_.size() * sizeof(float) +
-                               (given_.size() + result_.size()) * sizeof(Block));
-}
-
 /// A field like `of` whose cells are this rank's part of the points [0, nx) x [0, ny) at all points
 /// over depth.
 LateralField BoxResponse::near_corner(std::ptrdiff_t nx, std::ptrdiff_t ny) const {

@@ -60,8 +60,6 @@ public:
     /// Applies G to a stress. The result has the sign of a force (minus). Collective.
     void respond(const Values& stress, Values& strain, Precision precision);
 
-    double memory_B() const;
-
 private:
     int component(std::ptrdiff_t plane) const {
         return static_cast<int>(plane % field_.variation().components());

@@ -57,9 +57,6 @@ public:
     void begin_row(std::ptrdiff_t row);
     void impulse(const VerticalOperator& op, std::ptrdiff_t row, std::ptrdiff_t block,
                  Block* pencil);
-    double memory_B() const {
-        return static_cast<double>((planes_.size() + values_.size()) * sizeof(double));
-    }
 
 private:
     void lose(std::ptrdiff_t planes);

@@ -51,12 +51,13 @@ public:
     const Values& strain() const { return strain_; } // e
     /// S e.
     const Values& stress();
-    double memory_B() const { return static_cast<double>(5 * strain_.size() * sizeof(double)); }
 
 private:
     double curvature();
     double sum_over_team();
-    double bytes(double times) const { return times * 0.2 * memory_B(); }
+    double bytes(double times) const {
+        return times * static_cast<double>(strain_.size() * sizeof(double));
+    }
     /// Sets the direction to the residual and returns the norm of the latter.
     double restart(const Values& residual);
     /// Computes the residual b - (1 + G S) e from b.

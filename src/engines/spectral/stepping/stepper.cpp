@@ -284,20 +284,6 @@ double Stepper::value_bytes(double times) const {
     return times * static_cast<double>(field_.size() * sizeof(double));
 }
 
-double Stepper::memory_B() const {
-    const LateralVariation& v = field_.variation();
-    const std::size_t blocks = factors_.size() + now_.size() + before_.size() +
-                               predicted_.change.size() + predicted_.load.size();
-    std::size_t values = static_cast<std::size_t>(lane_count) * blocks;
-    for (const auto* kept :
-         {&strain_, &strain_before_, &stress_, &change_, &reaction_, &predicted_.strain, &v.lambda,
-          &v.mu, &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
-        values += kept->size();
-    return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
-           bodies_->memory_B() + slab_bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
-           (box_ ? box_->memory_B() : 0.0);
-}
-
 StrainSolver::Responses Stepper::on_plane() {
     return {.full = [this](const auto& stress, auto& strain) { strain_of(stress, strain); },
             .rounded = {}};

@@ -88,8 +88,6 @@ public:
     /// Whether the iterations use the matrices of a box instead of complete planes.
     bool uses_box() const { return box_.has_value(); }
     const StepClock& clock() const { return clock_; }
-    /// Memory of this rank's arrays in bytes.
-    double memory_B() const;
     const StrainPlanes& planes() const { return *planes_; }
     const LateralField& field() const { return field_; }
     const RigidBodies& bodies() const { return *bodies_; }

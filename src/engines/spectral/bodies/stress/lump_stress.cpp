@@ -101,6 +101,7 @@ LumpStress::LumpStress(const LumpBodies& lumps, const Medium& medium, const Doma
     for (std::size_t depth = 0; depth < rows_.size(); ++depth)
         near_.each_row(depth, [&](NearStress::Row&& all) {
             Row row{all.place, {}};
+            row.entries.reserve(all.entries.size());
             for (const auto& [marker, per_force] : all.entries)
                 row.entries.push_back(
                     {marker, {per_force[0][zz], per_force[1][zz], per_force[2][zz]}});
@@ -120,52 +121,63 @@ void LumpStress::add_zz(std::size_t depth, double factor, double* plane) const {
 
 namespace {
 
-/// Points of the patches per marker.
-constexpr double points_per_marker = 10.0;
+/// Points of a plane that are corrected, and their pairs with markers next to them.
+struct Corrections {
+    double points = 0.0, pairs = 0.0;
+};
 
-/// Points of all levels of a volume that are corrected.
-double volume_points(const Case& c, const DepthMesh& mesh) {
-    const double far_m = NearStress::reach * c.domain.spacing_m;
-    double points = 0.0;
+/// Counts the corrections of a plane on a part of its points.
+Corrections corrections_at(const Case& c, const std::vector<Vec3>& markers_m, double depth_m) {
+    const double h_m = c.domain.spacing_m, far_m = NearStress::reach * h_m;
+    constexpr int along = 16; // samples along x and y
+    Corrections all;
     for (const Body& body : lump_bodies(c)) {
         const Bounds box = bounds(lump_in(body, c.domain));
-        const Vec3 length_m = box.high_m - box.low_m + Vec3{2 * far_m, 2 * far_m, 2 * far_m};
-        double levels = 0.0;
-        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
-            if (std::abs(mesh.z_m(level) - body.centre_m.z) < 0.5 * length_m.z) levels += 1.0;
-        // Without the body and the corners, about half of the box.
-        points += 0.5 * levels * std::min(length_m.x, c.domain.extent_x_m()) *
-                  std::min(length_m.y, c.domain.extent_y_m()) /
-                  (c.domain.spacing_m * c.domain.spacing_m);
+        if (depth_m < box.low_m.z - far_m || depth_m > box.high_m.z + far_m) continue;
+        const auto step_m = [&](double low_m, double high_m, double extent_m) {
+            return std::min(high_m - low_m + 2.0 * far_m, extent_m) / along;
+        };
+        const double x_m = step_m(box.low_m.x, box.high_m.x, c.domain.extent_x_m()),
+                     y_m = step_m(box.low_m.y, box.high_m.y, c.domain.extent_y_m());
+        const double share = x_m * y_m / (h_m * h_m); // points per sample
+        for (int i = 0; i < along; ++i)
+            for (int j = 0; j < along; ++j) {
+                const Vec3 at_m{body.centre_m.x + (i + 0.5 - along / 2.0) * x_m,
+                                body.centre_m.y + (j + 0.5 - along / 2.0) * y_m, depth_m};
+                if (volume_fraction(body, at_m, {}) > 0.5) continue;
+                double near = 0.0, least_m = far_m;
+                for (const Vec3& marker_m : markers_m) {
+                    const double distance_m = norm(marker_m - at_m);
+                    least_m = std::min(least_m, distance_m);
+                    if (distance_m < NearStress::marker_reach * h_m) near += 1.0;
+                }
+                if (least_m == far_m) continue;
+                all.points += share;
+                all.pairs += share * near;
+            }
     }
-    return points;
+    return all;
 }
 
 } // namespace
 
-double lump_stress_pairs(const Case& c, const DepthMesh& mesh) {
-    if (!records_tensors(c.record) || lump_bodies(c).empty()) return 0.0;
-    return volume_points(c, mesh) * points_per_marker * lump_sizes(c, mesh).markers;
-}
-
 double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const LumpSizes sizes = lump_sizes(c, mesh);
-    const auto depths = static_cast<double>(stress_depths_m(c).size());
-    const double volumes_B =
-        records_tensors(c.record)
-            ? GridForces::memory_B(sizes.depths, static_cast<double>(mesh.clear_levels())) +
-                  volume_points(c, mesh) * (100.0 + sizes.markers / 8.0) / ranks
-            : 0.0;
-    if (sizes.markers == 0.0 || (depths == 0.0 && volumes_B == 0.0)) return 0.0;
-    // Markers within marker_reach of a point: those of a surface that passes through it.
-    const double near = std::min(sizes.markers, 300.0);
-    const double points =
-        std::min(sizes.points_x + 2.0 * NearStress::reach, static_cast<double>(c.domain.nx)) *
-        std::min(sizes.points_y + 2.0 * NearStress::reach, static_cast<double>(c.domain.ny));
+    const std::vector<double> depths_m = stress_depths_m(c);
+    const bool tensors = records_tensors(c.record);
+    if (sizes.markers == 0.0 || (depths_m.empty() && !tensors)) return 0.0;
     const double of_patch =
         3.2 * std::pow(patch_radius / patch_points, 2) * sizeof(SurfacePatches::Share);
-    return volumes_B + GridForces::memory_B(sizes.depths, depths) + sizes.markers * of_patch +
-           depths * points * near * 4.0 * sizeof(double) / ranks;
+    double bytes = sizes.markers * of_patch +
+                   GridForces::memory_B(sizes.depths, static_cast<double>(depths_m.size()));
+    for (const double depth_m : depths_m)
+        bytes += corrections_at(c, sizes.markers_m, depth_m).pairs * sizeof(double) * 4.0 / ranks;
+    if (!tensors) return bytes;
+    bytes += GridForces::memory_B(sizes.depths, static_cast<double>(mesh.clear_levels()));
+    for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
+        bytes += corrections_at(c, sizes.markers_m, mesh.z_m(level)).points *
+                 (100.0 + sizes.markers / 8.0) / ranks;
+    return bytes;
 }
 
 } // namespace shearwake::spectral

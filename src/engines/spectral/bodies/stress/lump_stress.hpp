@@ -35,9 +35,6 @@ private:
     std::vector<double> forces_;         // [marker][x, y, z]
 };
 
-/// Number of pairs of points and points of patches in the corrections of one volume. Not
-/// collective.
-double lump_stress_pairs(const Case& c, const DepthMesh& mesh);
 /// Memory of the corrections of a case on the rank that needs most, in bytes. Not collective.
 double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
 

@@ -11,9 +11,6 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Largest distance of a marker from a point whose stress it corrects, in spacings: with the points
-/// of its kernel, at most that of GridForces.
-constexpr double marker_reach = 8.0;
 /// The sum over the points of the patches is accurate from this distance from the surface on, in
 /// spacings. It is evaluated there for points that are closer.
 constexpr double least_distance = 0.4;

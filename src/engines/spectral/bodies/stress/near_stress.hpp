@@ -50,6 +50,9 @@ class NearStress {
 public:
     /// Within this distance of the surface, in spacings, stresses are corrected.
     static constexpr double reach = 5.0;
+    /// Largest distance of a marker from a point whose stress it corrects, in spacings: with the
+    /// points of its kernel, at most that of GridForces.
+    static constexpr double marker_reach = 8.0;
 
     /// Not collective, nor are the members.
     explicit NearStress(NearSolid solid);
