@@ -36,7 +36,7 @@ def square_map(path):
 
 def surface_of(folder, case=0, time=-1):
     """A snapshot of a complete case of an output folder: extent in mm, displacement in um with y upwards, x and y in mm."""
-    _, x, y, u = surface([c for c in load(folder).cases if c.whole][case], time)
+    _, x, y, u = surface([c for c in load(folder).cases if c.is_complete][case], time)
     half = 0.5 * (x[1] - x[0])
     return 1e3 * np.array([x[0] - half, x[-1] + half, y[0] - half, y[-1] + half]), 1e6 * u.T, (1e3 * x, 1e3 * y)
 

@@ -55,7 +55,7 @@ def draw(shot):
     for spine in axes.spines.values():
         spine.set_visible(True)
     speed = 1e-3 * np.hypot(*np.diff(wake.focus_at(shot.case, shot.t_s)[2][-2:], axis=0)[0]) / (
-        shot.case.series["time"][1] - shot.case.series["time"][0])
+        shot.case.over_time["time"][1] - shot.case.over_time["time"][0])
     arrow_and_words(axes, shot, speed, shot.case.value("mach_angle_theory_deg"))
     scale_bar(axes)
     bar = figure.colorbar(image, cax=figure.add_axes([0.892, 0.1195, 0.018, 0.84]), extend="both")
@@ -69,7 +69,7 @@ def draw(shot):
 
 def draw_folder(folder, picture):
     """Draws the first complete case with a snapshot in an output folder of jobs/mach-cone.toml."""
-    shots = [s for c in load(folder).cases if c.whole and (s := snapshot(c))]
+    shots = [s for c in load(folder).cases if c.is_complete and (s := snapshot(c))]
     if not shots:
         raise ValueError(f"{folder} contains no complete case with a snapshot")
     figure = draw(shots[0])

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import checksum, stored
 from .errors import NotRecorded
-from .plan import Column
+from .plan import Column, first_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,7 +46,7 @@ class Case:
 
     `id` is the hash of its physical parameters, `settings` the values of the swept keys, and `path` its file, which exists
     once the case is complete. Lengths in files are in m, times in s and stresses in Pa; the scalars of the table have the
-    unit that their name states.
+    unit that their name states. `damage` states what verify() found to be wrong with the file, and is empty otherwise.
     """
 
     def __init__(self, path: Path, entry: dict[str, Any], sweep: Sweep | None = None) -> None:
@@ -56,6 +56,7 @@ class Case:
         self.is_reference: bool = entry["is_reference"]
         self.reference_id: str = entry["reference_id"]
         self.sweep = sweep
+        self.damage = ""
         self._parameters_text: str = entry.get("case", "")
 
     def __repr__(self) -> str:
@@ -67,33 +68,46 @@ class Case:
     @property
     def _row(self) -> dict[str, Any]:
         """The row of the table of `reduce`; empty if there is none."""
-        table = self.sweep._reduced if self.sweep is not None else None
+        table = self.sweep.reduced if self.sweep is not None else None
         return table.rows.get(self.id, {}) if table else {}
 
     @property
+    def has_file(self) -> bool:
+        """Whether the case has a file, which may be damaged."""
+        return self.path.name in self.sweep._files if self.sweep is not None else self.path.exists()
+
+    @property
     def is_complete(self) -> bool:
-        """Whether the case has a file. A file with its final name is complete."""
-        return self.sweep._has_file(self.id) if self.sweep is not None else self.path.exists()
+        """Whether the case has a file that is not known to be damaged."""
+        return self.status == "complete"
 
     @property
     def status(self) -> str:
-        """`complete`; otherwise what `reduce` stated, for example `failed`, or `missing` if it is not computed."""
+        """`complete`, or `damaged` if verify() found damage; otherwise what `reduce` stated, for example `failed`, or
+        `missing` if it is not computed."""
+        if self.damage:
+            return "damaged"
         state = self._row.get("status", "missing")
-        if self.is_complete:
+        if self.has_file:
             return "complete" if state == "missing" else state
         return "missing" if state == "complete" else state
 
     @property
     def reason(self) -> str:
-        """Why the case is not complete, as stated by `reduce`; empty for a complete case."""
-        if self.status == "complete":
-            return ""
+        """Why the case is not complete, as stated by verify() or `reduce`; empty for a complete case."""
+        if self.damage or self.status == "complete":
+            return self.damage
         return self._row["note"] if self._row.get("status") == self.status else "not computed"
+
+    @property
+    def note(self) -> str:
+        """The column `note` of the table: the reason, or what is empty or not valid in a complete case."""
+        return self.reason or self._row.get("note", "")
 
     @property
     def reference(self) -> Case | None:
         """The reference of this case, or None."""
-        return self.sweep[self.reference_id] if self.sweep is not None and self.reference_id else None
+        return self.sweep._by_id.get(self.reference_id) if self.sweep is not None else None
 
     @functools.cached_property
     def _scalars(self) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
@@ -102,10 +116,10 @@ class Case:
     @property
     def values(self) -> dict[str, float]:
         """The columns of the table for this case; NaN: empty. Without a table they are read from the file, which contains
-        no ratios to the reference."""
+        no ratios to the reference. A damaged case has none."""
         row = self._row
-        if row.get("status") == "complete":
-            return {name: math.nan if value is None else value for name, value in row["values"].items()}
+        if row.get("status") == "complete" and not self.damage:
+            return row["values"]
         return self._scalars[0] if self.status == "complete" else {}
 
     @property
@@ -121,12 +135,14 @@ class Case:
         """The scalars of the file with their units and meanings."""
         return [Column(name, unit, meaning) for name, (unit, meaning) in self._scalars[2].items()]
 
-    def value(self, column: str) -> float:
-        """A column of the table; NaN if it is empty, or if the case is not complete. Raises KeyError if the column does not exist,
-        and NotRecorded if that is unknown because no case is complete."""
+    def value(self, column: str, default: Any = REQUIRED) -> float:
+        """A column of the table; NaN if it is empty, or if the case is not complete. Returns `default` if the column does not
+        exist, without which KeyError is raised, and NotRecorded if that is unknown because no case is complete."""
         values = self.values
         if column in values:
             return values[column]
+        if default is not REQUIRED:
+            return default
         known = [c.name for c in (self.sweep.columns if self.sweep is not None else [])] or [c.name for c in self.columns]
         if column not in known:
             raise KeyError(f"{column} is not a column{suggestion(column, known)}")
@@ -136,7 +152,7 @@ class Case:
     def warnings(self) -> list[dict[str, str]]:
         """The stored warnings: `severity` (`error`: the readings are not valid), `key` and `message`. Raises NotRecorded."""
         row = self._row
-        if row.get("status") == "complete" and self.is_complete:
+        if row.get("status") == "complete" and self.has_file:
             return row["warnings"]
         return json.loads(self.attributes.get("warnings") or "[]")
 
@@ -154,7 +170,7 @@ class Case:
 
     def _file(self) -> Path:
         """The path of the file. Raises NotRecorded if the case is not complete."""
-        if not self.is_complete:
+        if not self.has_file:
             raise NotRecorded(f"case {self.id} has no file: {self.reason}")
         return self.path
 
@@ -183,11 +199,25 @@ class Case:
         return node
 
     def verify(self) -> None:
-        """Reads the entire file. Raises Damaged if it does not match its checksum."""
+        """Reads the entire file, and records in `damage` what is wrong with it. Raises Damaged if it does not match its checksum
+        or is not the file of this case, OSError if it cannot be read, and NotRecorded without a file."""
+        self.damage = ""
+        path = self._file()
+        for name in ("_scalars", "attributes", "parameters", "groups", "series", "over_time"):
+            self.__dict__.pop(name, None)  # read from a file that may have been replaced
         try:
-            checksum.verify_case(self._file())
-        except checksum.Damaged as error:
-            raise checksum.Damaged(f"{self.path} is damaged: {error}") from error
+            checksum.verify_case(path)
+            if self.attributes["case_id"] != self.id:
+                raise ValueError("it contains another case")
+            if len({len(values) for values in (*self.over_time.values(), self.over_time["time"])}) > 1:
+                raise ValueError("its series have different lengths")
+            self.parameters
+        except OSError as error:
+            self.damage = first_line(error)
+            raise
+        except (RuntimeError, KeyError, ValueError, IndexError, TypeError) as error:
+            self.damage = f"{path} is damaged: {first_line(error)}"
+            raise checksum.Damaged(self.damage) from error
 
     @functools.cached_property
     def groups(self) -> list[str]:
@@ -246,6 +276,11 @@ class Case:
         """The quantities over time: measures (depth, time), position of the focus in m and force in N (time)."""
         found = self.dataset()
         return found[[name for name, item in found.data_vars.items() if item.ndim]]
+
+    @functools.cached_property
+    def over_time(self) -> dict[str, np.ndarray]:
+        """The quantities over time as arrays (time), measures at the first depth, read now. Raises NotRecorded."""
+        return {name: values[0] if values.ndim == 2 else values for name, values in self.arrays().items() if name != "depth"}
 
     @property
     def surface(self) -> xr.DataArray:

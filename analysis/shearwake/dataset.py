@@ -105,7 +105,7 @@ class Builder:
         self.examples = list({layout_of(case): case for case in reversed(complete)}.values())[::-1]
         self.files = np.full(grid.cells.shape, None, dtype=object)
         for cell, case in np.ndenumerate(grid.cells):
-            if case is not None and case.is_complete:
+            if case is not None and case.has_file:
                 self.files[cell] = case.path
         self.coordinates: dict[str, xr.Variable] = dict(grid.coordinates)
         self.variables: dict[str, xr.Variable] = {}
@@ -167,7 +167,7 @@ class Builder:
 
 def ratio_reference(sweep: Sweep, case: Case, names: Sequence[str]) -> Case | None:
     """The complete reference of a case on which one of the columns depends; None if none does."""
-    ratios = {c["name"] for c in sweep._reduced.columns if c.get("over_reference_of")} if sweep._reduced else set()
+    ratios = {c.name for c in sweep.columns if c.over_reference_of}
     reference = case.reference if ratios.intersection(names) else None
     return reference if reference is not None and reference.status == "complete" else None
 
@@ -188,7 +188,7 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
     if references:
         for cell, case in np.ndenumerate(grid.cells):
             grid.cells[cell] = case.reference if case is not None else None
-    builder = Builder(grid, [case for case in grid.cells.flat if case is not None and case.is_complete])
+    builder = Builder(grid, [case for case in grid.cells.flat if case is not None and case.has_file])
     for name in names:
         add_named(builder, sweep, name)
     if builder.complete:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,18 +15,22 @@ from .from_cases import plan_of_cases
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the table."""
+    """A column of the table. `shown` is where the page of the report shows it, `over_reference_of` the measure that a ratio
+    divides by that of the reference, and `counts_samples` whether the value depends on the spacing of the grid."""
 
     name: str
     unit: str
     meaning: str
+    shown: str = ""
+    over_reference_of: str = ""
+    counts_samples: bool = False
 
 
 @dataclass
 class Table:
-    """The table that `shearwake reduce` wrote: `columns` as in its JSON file, and its rows by case id."""
+    """The table that `shearwake reduce` wrote, and its rows by case id as in its JSON file, with NaN for empty values."""
 
-    columns: list[dict[str, Any]]
+    columns: list[Column]
     rows: dict[str, dict[str, Any]]
 
 
@@ -68,4 +73,6 @@ def read_table(folder: Path, name: str) -> Table | None:
     if not path.exists():
         return None
     table = json.loads(path.read_text(encoding="utf-8"))
-    return Table(table["columns"], {row["id"]: row for row in table["cases"]})
+    for row in table["cases"]:
+        row["values"] = {name: math.nan if value is None else value for name, value in row["values"].items()}
+    return Table([Column(**column) for column in table["columns"]], {row["id"]: row for row in table["cases"]})

@@ -37,7 +37,7 @@ class Plot:
         ends at the largest displacement farther than four focal radii from the focus, at least at a fifth of the peak.
         Raises NotRecorded."""
         t_s, x, y, u = self._snapshot(t)
-        if "focus_x" not in self.case.series:
+        if "focus_x" not in self.case.over_time:
             raise NotRecorded(f"case {self.case.id} has no focus; use plot.surface()")
         axes = self._draw(t_s, x, y, u, axes, end_um or wake.scale_end([(self.case, t_s, x, y, u)]))
         wake.draw_theory(axes, self.case, t_s)

@@ -2,6 +2,7 @@
 """The output folder of a sweep. Opening it reads the plan; everything else is read when it is needed."""
 from __future__ import annotations
 
+import contextlib
 import functools
 import html
 import json
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Se
 
 from . import program, stored
 from .case import Case
-from .checksum import Damaged, verify_case
+from .checksum import Damaged
 from .errors import NotAnOutputFolder, NotRecorded, NotValid
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, read_plan, read_table
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 class Sweep:
     """An output folder. `cases` are its cases in the order of the plan, `references` their references, and `every_case`
-    both."""
+    both. `uncertain` is the design of [uncertain], None without it, and `adaptive_axes` lists the adaptive axes."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
@@ -35,7 +36,12 @@ class Sweep:
         self.swept_keys: list[str] = plan["swept_keys"]
         self.x: str = plan["table"]["x"]
         self.series_keys: list[str] = plan["table"]["series"]
-        self.every_case = [Case(self.folder / "cases" / (entry["id"] + ".h5"), entry, self) for entry in plan["cases"]]
+        self.uncertain: dict[str, Any] | None = plan.get("uncertain")
+        self.adaptive_axes: list[dict[str, Any]] = plan.get("adaptive", [])
+        try:
+            self.every_case = [Case(self.folder / "cases" / (entry["id"] + ".h5"), entry, self) for entry in plan["cases"]]
+        except (KeyError, TypeError) as error:
+            raise NotAnOutputFolder(f"{self.folder} is not an output folder of shearwake: {first_line(error)}") from error
         self.cases = [case for case in self.every_case if not case.is_reference]
         self.references = [case for case in self.every_case if case.is_reference]
         self._by_id = {case.id: case for case in self.every_case}
@@ -59,11 +65,9 @@ class Sweep:
         except FileNotFoundError:
             return set()
 
-    def _has_file(self, case_id: str) -> bool:
-        return case_id + ".h5" in self._files
-
     @functools.cached_property
-    def _reduced(self) -> Table | None:
+    def reduced(self) -> Table | None:
+        """The table of `shearwake reduce`; None if there is none. Raises NotAnOutputFolder if it is damaged."""
         try:
             return read_table(self.folder, self.name)
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -71,9 +75,11 @@ class Sweep:
                                     f"shearwake reduce {self.folder}") from error
 
     def refresh(self) -> None:
-        """Forgets which cases are complete, and the table, so that the results of an active run become visible."""
-        for name in ("_files", "_reduced"):
+        """Forgets which cases are complete or damaged, and the table, so that the results of an active run become visible."""
+        for name in ("_files", "reduced"):
             self.__dict__.pop(name, None)
+        for case in self.every_case:
+            case.damage = ""
 
     def select(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> list[Case]:
         """The cases with these values of swept keys, given in full in a mapping or as keywords by their last part:
@@ -94,8 +100,8 @@ class Sweep:
     @property
     def columns(self) -> list[Column]:
         """The columns of the table, with units and meanings. Without a table they follow from the first complete case."""
-        if self._reduced:
-            return [Column(c["name"], c["unit"], c["meaning"]) for c in self._reduced.columns]
+        if self.reduced:
+            return self.reduced.columns
         first = next((case for case in self.every_case if case.is_complete), None)
         return first.columns if first else []
 
@@ -201,15 +207,12 @@ class Sweep:
         return f"<p><b>{html.escape(self.title or self.name)}</b>: {html.escape(repr(self))}</p>" + self.table.head(10).to_html()
 
     def verify(self) -> dict[str, str]:
-        """Reads all case files. Returns the damage of each case whose file does not match its checksum."""
-        damage = {}
+        """Verifies all case files. Returns the damage of each damaged case, whose status is "damaged" from now on."""
         for case in self.every_case:
-            if case.is_complete:
-                try:
-                    verify_case(case.path)
-                except (OSError, ValueError, RuntimeError) as error:
-                    damage[case.id] = first_line(error)
-        return damage
+            if case.has_file:
+                with contextlib.suppress(Damaged, OSError):
+                    case.verify()
+        return {case.id: case.damage for case in self.every_case if case.damage}
 
 
 def unit_of(key: str) -> str:

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The path of the focus, the focal disc and the theoretical Mach lines, and their drawing into a snapshot.
-
-A case is an object with the series `time`, `focus_x`, `focus_y` and `force`, and with setting() and value(), as `Case` of
-this package and the cases of the report.
 """
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .case import Case
 
 LINE = "#111111"
 AWAY = 4.0  # distance from the focus, in focal radii, beyond which the field is the wake
@@ -23,23 +23,18 @@ def halo(width: float = 2.5, colour: str = "white") -> list[Any]:
     return [patheffects.withStroke(linewidth=width, foreground=colour)]
 
 
-def series(case: Any, name: str) -> np.ndarray:
-    """The values of a series over time."""
-    return np.asarray(case.series[name])
-
-
-def offsets_mm(case: Any) -> np.ndarray:
+def offsets_mm(case: Case) -> np.ndarray:
     """Offsets of simultaneous foci from the moving point; zero for a single focus."""
     x = case.setting("load", "modulation", "foci_x_m", default=[0.0])
     y = case.setting("load", "modulation", "foci_y_m", default=[0.0])
     return 1e3 * np.column_stack([x, y])
 
 
-def runs_straight_on(case: Any) -> bool:
+def runs_straight_on(case: Case) -> bool:
     """Whether a single focus moves once along a straight line, so that it draws no shape."""
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
-    path: np.ndarray = np.column_stack([series(case, "focus_x"), series(case, "focus_y")])
+    path: np.ndarray = np.column_stack([case.over_time["focus_x"], case.over_time["focus_y"]])
     way = path[-1] - path[0]
     length = float(np.hypot(*way))
     if not length > 0:
@@ -49,39 +44,37 @@ def runs_straight_on(case: Any) -> bool:
     return bool(off.max() < 1e-6 * length and (on >= 0).all())
 
 
-def passing_ms(case: Any) -> float | None:
-    """The time at which the moving focus is nearest to the trace if it passes it exactly once, else None."""
+def passing_ms(case: Case, x_m: float, y_m: float) -> float | None:
+    """The time at which the moving focus is nearest to a point if it passes it exactly once, else None."""
     radius = case.setting("measure", "focal_radius_m")
-    distance = np.hypot(series(case, "focus_x") - case.trace_at_m[0],
-                        series(case, "focus_y") - case.trace_at_m[1])
+    distance = np.hypot(case.over_time["focus_x"] - x_m, case.over_time["focus_y"] - y_m)
     covered = distance <= radius
     entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
-    return None if entries != 1 or covered.all() else 1e3 * series(case, "time")[distance.argmin()]
+    return None if entries != 1 or covered.all() else 1e3 * case.over_time["time"][distance.argmin()]
 
 
-def is_passed(case: Any) -> bool:
-    """Whether the focal disc ever covers the trace."""
-    distance = np.hypot(series(case, "focus_x") - case.trace_at_m[0],
-                        series(case, "focus_y") - case.trace_at_m[1])
+def is_passed(case: Case, x_m: float, y_m: float) -> bool:
+    """Whether the focal disc ever covers a point."""
+    distance = np.hypot(case.over_time["focus_x"] - x_m, case.over_time["focus_y"] - y_m)
     return bool((distance <= case.setting("measure", "focal_radius_m")).any())
 
 
-def last_pressed(case: Any) -> int:
+def last_pressed(case: Case) -> int:
     """Index of the last frame with a force, since a path that has ended exerts none."""
-    pressed: Any = np.flatnonzero(series(case, "force")) if "force" in case.series else ()
-    return int(pressed[-1]) if len(pressed) else len(series(case, "time")) - 1
+    pressed: Any = np.flatnonzero(case.over_time["force"]) if "force" in case.over_time else ()
+    return int(pressed[-1]) if len(pressed) else len(case.over_time["time"]) - 1
 
 
-def is_over(case: Any, t_s: float) -> bool:
+def is_over(case: Case, t_s: float) -> bool:
     """Whether the load has ended before this time."""
-    return int(np.argmin(np.abs(series(case, "time") - t_s))) > last_pressed(case) + 1
+    return int(np.argmin(np.abs(case.over_time["time"] - t_s))) > last_pressed(case) + 1
 
 
-def focus_at(case: Any, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Position of the focus in mm, its unit direction of motion (None at rest) and its path up to time t_s.
     After the end of the load, the last values."""
-    time = series(case, "time")
-    path = 1e3 * np.column_stack([series(case, "focus_x"), series(case, "focus_y")])
+    time = case.over_time["time"]
+    path = 1e3 * np.column_stack([case.over_time["focus_x"], case.over_time["focus_y"]])
     now = min(int(np.argmin(np.abs(time - t_s))), last_pressed(case))
     before = max(0, min(now, len(time) - 1) - 1)
     step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]
@@ -98,12 +91,12 @@ def fronts(focus: np.ndarray, direction: np.ndarray, angle_deg: float, length: f
         yield np.array([focus, focus + length * turned])
 
 
-def front_length(case: Any, focus: np.ndarray, path: np.ndarray, angle_deg: float) -> float:
+def front_length(case: Case, focus: np.ndarray, path: np.ndarray, angle_deg: float) -> float:
     """Length of a Mach line, whose far end was emitted at the start of the path."""
     return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
 
 
-def draw_theory(axes: Any, case: Any, t_s: float, width: float = 1.0) -> bool:
+def draw_theory(axes: Any, case: Case, t_s: float, width: float = 1.0) -> bool:
     """Draws path, focal disc and Mach lines; after the end of the load only the path. Returns whether Mach
     lines were drawn."""
     focus, direction, path = focus_at(case, t_s)
@@ -118,10 +111,7 @@ def draw_theory(axes: Any, case: Any, t_s: float, width: float = 1.0) -> bool:
         axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
                   linewidth=1.3 * width, path_effects=halo(2.6 * width))
         axes.plot(x, y, "o", color=LINE, markersize=2.0 * width)
-    try:
-        angle = case.value("mach_angle_theory_deg")
-    except KeyError:  # for example a scan
-        return False
+    angle = case.value("mach_angle_theory_deg", math.nan)  # a scan has no such column
     if direction is None or math.isnan(angle) or is_over(case, t_s):
         return False
     length = front_length(case, focus, path, angle)
@@ -132,7 +122,7 @@ def draw_theory(axes: Any, case: Any, t_s: float, width: float = 1.0) -> bool:
     return True
 
 
-def scale_end(shots: list[tuple[Any, float, np.ndarray, np.ndarray, np.ndarray]]) -> float:
+def scale_end(shots: list[tuple[Case, float, np.ndarray, np.ndarray, np.ndarray]]) -> float:
     """End of the colour scale of snapshots (case, t_s, x_mm, y_mm, u_um): the largest |u| away from the focus, so that the
     wake is visible, but at least LEAST times the peak, so that the focus remains distinguishable."""
     outside = []

@@ -39,7 +39,7 @@ class CaseFiles(ProgramTest):
             self.says(self.shearwake("reduce", out, expect=4).said, "1 damaged case file", id_)
             self.assertEqual({row["id"]: row["status"] for row in table(out)}[id_], "damaged")
         else:
-            self.assertEqual(load.load(out).by_id(id_).status, "damaged")
+            self.assertEqual(load.load(out).by_id[id_].status, "damaged")
 
     def readers(self):
         return self.chance.choice(["verify", "show", "status --verify", "reduce", "report"])
@@ -58,7 +58,7 @@ class CaseFiles(ProgramTest):
         self.shearwake("verify", self.out)
         self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
         self.shearwake("reduce", self.out)
-        self.assertEqual(load.load(self.out).by_id(self.victim.stem).status, "complete")
+        self.assertEqual(load.load(self.out).by_id[self.victim.stem].status, "complete")
         with h5py.File(self.victim, "r+") as file:
             name = next(name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.shape == ())
             file[name][()] = 2.0 * file[name][()] + 1.0

@@ -261,6 +261,32 @@ class Reading(InFolder):
         with self.assertRaises(shearwake.Damaged):
             sweep.cases[0].verify()
 
+    def test_a_case_that_was_found_to_be_damaged_has_no_values(self):
+        shutil.copytree("out/small", "out/flipped")
+        sweep = shearwake.open("out/flipped")
+        case, other = sweep.cases[0], sweep.cases[1]
+        sound = case.path.read_bytes()
+        case.path.write_bytes(sound[:1000] + bytes([sound[1000] ^ 1]) + sound[1001:])
+        self.assertEqual(case.status, "complete")  # not read yet
+        damage = sweep.verify()
+        self.assertEqual((case.status, case.is_complete, case.values), ("damaged", False, {}))
+        self.assertIn("its bytes do not match its checksum", case.reason)
+        self.assertEqual(damage, {case.id: case.reason})
+        self.assertEqual(sweep.table.loc[case.id, "status"], "damaged")
+        self.assertTrue(np.isnan(sweep.dataset("peak_um")["peak_um"].sel(am_frequency_Hz=case.settings[AM]).min()))
+        self.assertEqual((other.status, other.damage), ("complete", ""))
+        case.path.write_bytes(other.path.read_bytes())
+        with self.assertRaisesRegex(shearwake.Damaged, "it contains another case"):
+            case.verify()
+        case.path.write_bytes(sound)
+        case.verify()
+        self.assertEqual((case.status, sweep.verify()), ("complete", {}))
+
+    def test_an_unknown_column_has_the_default(self):
+        case = self.opened().cases[0]
+        self.assertEqual(case.value("focal_rms_mm", -1.0), -1.0)
+        self.assertEqual(case.value("focal_rms_um", -1.0), case.value("focal_rms_um"))
+
     def test_the_tables_beside_the_table_of_cases_are_frames(self):
         shutil.copytree("out/small", "tables-of-all-kinds")
         folder = Path("tables-of-all-kinds")

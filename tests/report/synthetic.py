@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from program import seal
+from shearwake import Case
 from shearwake.checksum import sealed
 from shearwake.report import __main__ as report, style
 
@@ -107,6 +108,13 @@ def draw(file, time, lines):
     mean["drawn_line"] = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     points = np.concatenate(lines)
     mean["drawn_x"], mean["drawn_y"] = points[:, 0], points[:, 1]
+
+
+def lone_case(path, parameters=None, attributes=None):
+    """A case whose file, if there is one, lacks attributes, with these parameters and attributes instead."""
+    case = Case(Path(path), {"id": "case", "settings": {}, "is_reference": False, "reference_id": ""})
+    case.parameters, case.attributes = parameters or {}, attributes or {}
+    return case
 
 
 class Folder:

@@ -32,7 +32,7 @@ class CasesAloneTest(unittest.TestCase):
 
     def assert_same(self, first, second):
         for name in ("title", "name", "swept_keys", "x", "series_keys", "job_text"):
-            self.assertEqual(getattr(first, name), getattr(second, name), name)
+            self.assertEqual(getattr(first.sweep, name), getattr(second.sweep, name), name)
         for name in ("id", "settings", "is_reference", "reference_id", "status"):
             self.assertEqual([getattr(c, name) for c in first.cases],
                              [getattr(c, name) for c in second.cases], name)

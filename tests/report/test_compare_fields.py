@@ -11,7 +11,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from shearwake.report import compare_words, load
+from synthetic import lone_case
+
+from shearwake.report import compare_words
 from shearwake.report.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                              place_of_largest, relative_l2)
 from shearwake.report.compare_sensors import compare_sensors
@@ -44,8 +46,8 @@ def sensor_case(folder, spacing_m, factor, nodes, points=None):
     if points:
         with h5py.File(folder / "study.h5", "w") as file:
             file["grid/points"], file["grid/spacing_m"] = np.array(points, float), np.full(3, spacing_m)
-    return load.Case("case", {}, False, "", path, physics={"domain": {"spacing_m": spacing_m}},
-                     attributes={"job": 'solver.pstd.study = "study.h5"', "started": "2999-01-01T00:00:00Z"})
+    return lone_case(path, {"domain": {"spacing_m": spacing_m}},
+                     {"job": 'solver.pstd.study = "study.h5"', "started": "2999-01-01T00:00:00Z"})
 
 
 class CompareFields(unittest.TestCase):
@@ -94,7 +96,7 @@ class CompareFields(unittest.TestCase):
                     surface = file.create_group("surface")
                     surface["time"], surface["u_z"] = [0.004], u[None, None]
                     surface["x"], surface["y"] = axis(u.shape[0], 1e-3), axis(u.shape[1], 1e-3)
-                cases.append(load.Case(name, {}, False, "", Path(folder) / name))
+                cases.append(lone_case(Path(folder) / name))
             return compare_surfaces(*cases)
 
     def test_of_equal_differences_the_place_with_the_largest_y_is_chosen(self):

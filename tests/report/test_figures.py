@@ -185,7 +185,7 @@ class FolderTest(unittest.TestCase):
         sweep = load.load(folder.save())
         case, reference = sweep.cases
         np.testing.assert_allclose(fig_drive.lead_mm(sweep, case),
-                                   2.0 * np.sin(1e3 * case.series["time"]), atol=1e-12)
+                                   2.0 * np.sin(1e3 * case.over_time["time"]), atol=1e-12)
         self.assertIsNone(fig_drive.lead_mm(sweep, reference))
 
     def test_frames_are_thinned_until_they_fit_on_the_page(self):
@@ -248,14 +248,16 @@ class SpectrogramTest(unittest.TestCase):
 
 
 class BandTest(unittest.TestCase):
-    def sweep(self, **measure):
-        case = load.Case(case_id(1), {}, False, "", Path("none"), status="complete",
-                         physics={"measure": measure})
-        case.scalars = {"share_100_500_1": 0.2}
-        return load.Sweep(Path("none"), "n", "t", [], "", [], [case], "", [])
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        folder = Folder(temporary.name)
+        folder.add({AM: 100.0}, scalars={"share_100_500_1": 0.2})
+        self.loaded = load.load(folder.save())
 
     def test_bands_are_columns_of_the_table(self):
-        sweep = self.sweep(bands_Hz=[100.0, 500.0, 500.0, 1000.0])
+        sweep = self.loaded
+        sweep.cases[0].parameters["measure"]["bands_Hz"] = [100.0, 500.0, 500.0, 1000.0]
         shares = fig_frequency.bands(sweep)
         self.assertEqual([band.column for band in shares], ["share_100_500_1", "share_500_1000_1"])
         self.assertEqual(shares[0].velocity, "velocity_share_100_500_1")
@@ -263,7 +265,7 @@ class BandTest(unittest.TestCase):
         self.assertFalse(fig_frequency.has_values(sweep, shares[1].column))
 
     def test_the_perceptible_band_is_drawn_if_the_job_has_no_bands(self):
-        self.assertEqual([band.column for band in fig_frequency.bands(self.sweep())],
+        self.assertEqual([band.column for band in fig_frequency.bands(self.loaded)],
                          ["rms_40_400_um"])
 
 

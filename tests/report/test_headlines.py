@@ -181,7 +181,7 @@ class HeadlineTest(unittest.TestCase):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
         sweep = load.load(folder.save())
-        sweep.uncertain = {"keys": [AM], "exceedance": {"eta_period_1": 0.1}}
+        sweep.sweep.uncertain = {"keys": [AM], "exceedance": {"eta_period_1": 0.1}}
         with mock.patch.object(sample, "read_statistics", lambda *_: rows):
             text = sample.sentence(sweep)
         self.assertIn("Over 23 of 25 samples", text)
@@ -227,7 +227,7 @@ class HeadlineTest(unittest.TestCase):
         loaded = load.load(folder.save())
         self.assertTrue(summary(loaded).startswith("No efficiency is stated"))  # the skin moves the receptors
         for case in loaded.cases:
-            case.physics["afferents"] = {"input": "carrier"}
+            case.parameters["afferents"] = {"input": "carrier"}
         text = summary(loaded).replace("\N{NO-BREAK SPACE}", " ")
         self.assertTrue(text.startswith("The PC afferents fire 1 spike at AM frequency 100 Hz and 23293 spikes at AM frequency "
                                         "200 Hz; the RA afferents are silent. No efficiency is stated"), text)
@@ -250,7 +250,7 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual(warnings_of.of_figure(sweep, "drive"), [])
         self.assertEqual(len(warnings_of.of_figure(sweep, "raster_1")), 1)  # not that of the measures
         for case in sweep.cases:
-            case.physics["afferents"] = {"input": "carrier"}
+            case.parameters["afferents"] = {"input": "carrier"}
         self.assertEqual(warnings_of.of_figure(sweep, "raster_1"), [])
         self.assertEqual(len(warnings_of.of_figure(sweep, "eta")), 2)
         table = (folder.path / "tables" / "s.csv").read_text()
@@ -284,7 +284,7 @@ class HeadlineTest(unittest.TestCase):
 
         sweep = self.with_own_references(widths=(2.0, 3.0))
         self.assertEqual(labels(sweep), ["plain STM"])
-        sweep.reference_of(sweep.cases[0]).scalars["eta_period_1"] = 0.3
+        sweep.reference_of(sweep.cases[0]).values["eta_period_1"] = 0.3
         self.assertEqual(len(labels(sweep)), 2)
 
     def test_a_reference_of_several_curves_is_one_line_in_the_colour_of_the_first(self):

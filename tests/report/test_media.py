@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 
-from synthetic import Folder, case_id
+from synthetic import Folder, case_id, lone_case
 
 from shearwake.report import fig_drive, fig_medium, load, medium_files
 
@@ -90,11 +90,11 @@ class Maps(MediaTest):
 
     def test_a_swept_or_overridden_key_selects_the_map(self):
         path = self.map()
-        case = load.Case("1", {"medium.map": str(path)}, False, "", path, attributes={"started": "2026-01-02T03:04:05Z"})
-        sweep = load.Sweep(self.root, "", "", [], "", [], [case], "", [])
-        self.assertEqual(medium_files.file_of(sweep, case, "medium.map"), path)
+        case = lone_case(path, attributes={"started": "2026-01-02T03:04:05Z"})
+        case.settings = {"medium.map": str(path)}
+        self.assertEqual(medium_files.file_of(self.root, "", case, "medium.map"), path)
         case.settings, case.attributes["overrides"] = {}, 'medium.map = "soft.h5"\nload.peak_Pa = 3'
-        self.assertEqual(medium_files.file_of(sweep, case, "medium.map"), path)
+        self.assertEqual(medium_files.file_of(self.root, "", case, "medium.map"), path)
 
 
 class Studies(MediaTest):

@@ -128,7 +128,7 @@ class FolderTest(unittest.TestCase):
             text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
             file.attrs["case"] = np.bytes_((text + MEDIUM).encode())
         case = load.load(folder.save()).cases[0]
-        medium = case.physics["medium"]
+        medium = case.parameters["medium"]
         x = 1e-3 * np.array([0.0, 4.0, 4.0, 4.0, 6.1, 4.0])
         z = 1e-3 * np.array([5.0, 5.0, 9.0, 20.0, 5.0, 31.0])
         np.testing.assert_array_equal(fig_medium.speed(medium, x, np.array(0.01), z),
@@ -149,7 +149,7 @@ class FolderTest(unittest.TestCase):
         with h5py.File(folder.file(case_id(1)), "r+") as file:
             text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
             file.attrs["case"] = np.bytes_((text + rigid).encode())
-        medium = load.load(folder.save()).cases[0].physics["medium"]
+        medium = load.load(folder.save()).cases[0].parameters["medium"]
         np.testing.assert_array_equal(fig_medium.speed(medium, np.array([0.0, 4e-3]), np.array(0.01), np.array(5e-3)),
                                       [3.0, math.nan])
         del medium["body"][0]["rigid"]  # an elastic body with the speed of the layer
@@ -248,7 +248,7 @@ class FolderTest(unittest.TestCase):
         loaded = load.load(sweep(self.root).save())
         self.assertFalse(curve_chart.have_errors(loaded, "eta_period_1"))
         for case in loaded.cases:
-            case.scalars["eta_period_1_error"] = 0.01
+            case.values["eta_period_1_error"] = 0.01
         line = chart.chart_data(curve_chart.curve_chart(loaded, "eta", "eta_period_1", "eta"))["lines"][0]
         self.assertEqual(line["error"], [0.01, 0.01, 0.01])
         self.assertIn("Error bars", curve_chart.error_caption(loaded, "eta_period_1"))

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 # Sets the path of the imports below.
-from synthetic import AM, FWHM, SCALARS, Folder, Page, case_id, sweep, with_pdf, write_case
+from synthetic import AM, FWHM, SCALARS, Folder, Page, case_id, lone_case, sweep, with_pdf, write_case
 
 from shearwake import wake
 from shearwake.report import __main__ as report, layout, load, words
@@ -264,9 +264,9 @@ class WordsTest(unittest.TestCase):
 
 class WakeTest(unittest.TestCase):
     def test_a_path_that_has_ended_stays_at_its_last_position(self):
-        case = load.Case(case_id(1), {}, False, "", Path("none"))
-        case.series = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
-                       "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM do not end the load
+        case = lone_case("none")
+        case.over_time = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
+                          "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM do not end the load
         focus, direction, path = wake.focus_at(case, 5.0)
         self.assertEqual((focus[0], direction[0], len(path)), (2e3, 1.0, 3))
         self.assertFalse(wake.is_over(case, 1.0) or wake.is_over(case, 3.0))

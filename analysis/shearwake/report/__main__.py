@@ -20,7 +20,8 @@ from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, 
                fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
 from .figure import Figure
 from .in_one_piece import in_one_piece
-from .load import NoPlan, Sweep, load
+from ..errors import NotAnOutputFolder
+from .load import Selection, load
 from .page import page
 from .player import player
 from .progress import Progress
@@ -34,12 +35,12 @@ SCHEMA = 1       # version of the JSON document
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
-def of_all(sweep: Sweep) -> list[tuple[str, Callable]]:
+def of_all(selection: Selection) -> list[tuple[str, Callable]]:
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
-    first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
-    if sweep.uncertain:
+    first = [("adaptive axes", fig_adaptive.figures)] if selection.sweep.adaptive_axes else []
+    if selection.sweep.uncertain:
         return [*first, ("samples", fig_uncertain.figures)]
-    if fig_optimise.is_study(sweep):  # its cases are five modulations each, which the generic figures cannot distinguish
+    if fig_optimise.is_study(selection):  # its cases are five modulations each, which the generic figures cannot distinguish
         return [*first, ("optima", fig_optimise.figures)]
     return [*first, ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
@@ -53,15 +54,15 @@ class NoCase(Exception):
 OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the sweep they show
 
 
-def of_few(sweep: Sweep) -> list[tuple[str, Callable]]:
+def of_few(selection: Selection) -> list[tuple[str, Callable]]:
     """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
     time and frequency are omitted if there are too many curves for a panel."""
-    if fig_optimise.is_study(sweep):
+    if fig_optimise.is_study(selection):
         return [("medium", fig_medium.figures), ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
     made = [("surface", fig_surface.figures), ("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
             ("medium", fig_medium.figures), ("volumes", fig_volume.figures),
             ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
-    if len(layout.groups(sweep)) > style.CURVES:
+    if len(layout.groups(selection)) > style.CURVES:
         return made
     return [*made, ("profiles", fig_profiles.figures), ("time courses", fig_time.figures),
             ("traces", fig_traces.figures), ("spectra", fig_spectra.figures),
@@ -81,45 +82,45 @@ def attempt(name, problems, draw, *arguments):
         return None
 
 
-def shown_caption(sweep, figure, made):
+def shown_caption(selection, figure, made):
     """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
     of them if each shows a single case."""
     alone = len(made) > 1 and all(len(f.cases) == 1 for f in made)
     if alone and figure is not made[0]:
         return ""
     ids = {i for f in made for i in f.cases} if alone else set(figure.cases)
-    every = layout.ordinary(sweep)
+    every = layout.ordinary(selection)
     count = sum(case.id in ids for case in every)
     return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""
 
 
-def draw_all(sweep: Sweep, some: Sweep, folder: Path, drawn: Drawn,
+def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
              progress: Progress) -> tuple[list[Figure], str, list[str]]:
-    """The figures, of which those with a panel or a line per case show only the sweep `some`, the player of the surface,
+    """The figures, of which those with a panel or a line per case show only the cases `some`, the player of the surface,
     and a sentence for each part that could not be drawn."""
     figures: list[Figure] = []
     problems: list[str] = []
-    if not layout.ordinary(sweep):
+    if not layout.ordinary(selection):
         return figures, "", problems
-    groups = [(name, draw, sweep) for name, draw in of_all(sweep)]
+    groups = [(name, draw, selection) for name, draw in of_all(selection)]
     all_cases = len(groups)
-    groups += [(name, draw, some) for name, draw in of_few(sweep)]
-    missing = sum(not case.whole for case in sweep.cases)
+    groups += [(name, draw, some) for name, draw in of_few(selection)]
+    missing = sum(not case.is_complete for case in selection.cases)
     for n, (name, draw, cases) in enumerate(groups):
         progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
         made = attempt(name, problems, drawn.draw, name, draw, cases, folder) or []
         for figure in made:
             if figure.cases is None:
-                figure.cases = [case.id for case in cases.cases if case.whole]
+                figure.cases = [case.id for case in cases.cases if case.is_complete]
         for figure in made:
             if missing and n < all_cases and not figure.name.startswith("heat_"):  # heat maps mark these cases
                 figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
             if n >= all_cases and name not in OF_THEIR_OWN:
-                figure.caption += shown_caption(sweep, figure, made)
-            figure.warnings = warnings_of.of_figure(sweep, figure.name, figure.cases)
+                figure.caption += shown_caption(selection, figure, made)
+            figure.warnings = warnings_of.of_figure(selection, figure.name, figure.cases)
             figures.append(figure)
     progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
-    return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, sweep) or "", problems
+    return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, selection) or "", problems
 
 
 def collect_garbage_seldom() -> None:
@@ -128,37 +129,37 @@ def collect_garbage_seldom() -> None:
     gc.set_threshold(200_000, 20, 20)
 
 
-def selected(sweep: Sweep, ids: Sequence[str]) -> Sweep:
+def selected(selection: Selection, ids: Sequence[str]) -> Selection:
     """The cases of figures with a panel or a line per case. Raises NoCase."""
-    complete = [case.id for case in layout.ordinary(sweep)]
+    complete = [case.id for case in layout.ordinary(selection)]
     if wrong := [i for i in ids if i not in complete]:
-        raise NoCase(f"{', '.join(wrong)}: not the id of a complete case of {sweep.folder}, references apart; "
-                     f"tables/{sweep.name}.csv lists the ids")
-    return layout.only(sweep, ids) if ids else layout.few(sweep)
+        raise NoCase(f"{', '.join(wrong)}: not the id of a complete case of {selection.sweep.folder}, references apart; "
+                     f"tables/{selection.sweep.name}.csv lists the ids")
+    return layout.only(selection, ids) if ids else layout.few(selection)
 
 
-def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path, str, list[str], Sweep]:
-    """Returns the path of the page, the summary, the figures that could not be drawn, and the sweep. Raises NoPlan,
-    NoCase."""
+def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path, str, list[str], Selection]:
+    """Returns the path of the page, the summary, the figures that could not be drawn, and the cases. Raises
+    NotAnOutputFolder, NoCase."""
     progress = Progress()
-    sweep = load(directory, progress.show)
-    some = selected(sweep, only)
+    selection = load(directory, progress.show)
+    some = selected(selection, only)
     folder = Path(directory) / "report"
     path = folder / "index.html"
     with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
         drawn = Drawn(folder, part)
-        figures, moving, problems = draw_all(sweep, some, part, drawn, progress)
+        figures, moving, problems = draw_all(selection, some, part, drawn, progress)
         drawn.save()
-        (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
+        (part / path.name).write_text(page(selection, figures, part, problems, moving), encoding="utf-8")
     progress.end()
-    return path, summary(sweep), problems, sweep
+    return path, summary(selection), problems, selection
 
 
-def document(path: Path, result: str, sweep: Sweep, damaged: list[str]) -> str:
+def document(path: Path, result: str, selection: Selection, damaged: list[str]) -> str:
     """The JSON document of `shearwake report --json`."""
-    complete = [case for case in sweep.cases if case.whole]
-    return json.dumps({"schema": SCHEMA, "command": "report", "folder": str(sweep.folder), "page": str(path),
-                       "result": result, "cases": len(sweep.cases), "complete": len(complete),
+    complete = [case for case in selection.cases if case.is_complete]
+    return json.dumps({"schema": SCHEMA, "command": "report", "folder": str(selection.sweep.folder), "page": str(path),
+                       "result": result, "cases": len(selection.cases), "complete": len(complete),
                        "not_valid": sum(any(w["severity"] == "error" for w in case.warnings) for case in complete),
                        "damaged": damaged}, indent=1, ensure_ascii=False)
 
@@ -171,23 +172,23 @@ def main(arguments: list[str]) -> int:
     given = parser.parse_args(arguments)
     collect_garbage_seldom()
     try:
-        path, result, problems, sweep = write_report(given.folder, [i for i in given.only.split(",") if i])
+        path, result, problems, selection = write_report(given.folder, [i for i in given.only.split(",") if i])
     except NoCase as error:
         print(f"report: {error}", file=sys.stderr)
         return USAGE
-    except (NoPlan, OSError) as error:
+    except (NotAnOutputFolder, OSError) as error:
         print(f"report: {error}", file=sys.stderr)
         return ENVIRONMENT
     for problem in problems:
         print(f"report: {problem}", file=sys.stderr)
-    damaged = [case.id for case in sweep.cases if case.status == "damaged"]
+    damaged = [case.id for case in selection.cases if case.status == "damaged"]
     if damaged:
         print(f"report: {counted(len(damaged), 'damaged case file')}: {', '.join(damaged)}", file=sys.stderr)
     try:
         if not given.json:
             print(f"result: {result}\nreport: {path}", flush=True)
         elif not problems:
-            print(document(path, result, sweep, damaged), flush=True)
+            print(document(path, result, selection, damaged), flush=True)
     except OSError as error:
         print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet

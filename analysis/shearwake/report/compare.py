@@ -14,10 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..case import Case
+from ..errors import NotAnOutputFolder
+from ..plan import first_line
 from . import compare_fields, compare_words
 from .compare_fields import compare_surfaces, compare_traces
 from .compare_sensors import compare_sensors
-from .load import NoPlan, first_line, load, single_case
+from .load import load, single_case
 
 USAGE, ENVIRONMENT = 2, 6
 SCHEMA = 1
@@ -38,9 +41,9 @@ class Side:
     def __init__(self, path):
         self.path = Path(path)
         if self.path.is_dir():
-            sweep = load(self.path)
-            self.cases = [c for c in sweep.cases if c.whole]
-            self.counting = {c["name"] for c in sweep.columns if c["counts_samples"]}
+            selection = load(self.path)
+            self.cases = [c for c in selection.cases if c.is_complete]
+            self.counting = {c.name for c in selection.sweep.columns if c.counts_samples}
         else:
             self.cases = [one_case(self.path)]
             self.counting = counting_columns(self.cases[0])
@@ -96,7 +99,7 @@ def pairs_of(first, second):
 
 
 def grid_of(case):
-    d = case.physics["domain"]
+    d = case.parameters["domain"]
     return {"points": [d["nx"], d["ny"]], "spacing_mm": round(1e3 * d["spacing_m"], 9)}
 
 
@@ -107,7 +110,7 @@ def same_value(a, b):
 def compare_columns(a, b, counting):
     """The columns that both have, and the names of those that are not compared because they count samples of
     different grids."""
-    names = [n for n in a.scalars if n in b.scalars and not n.endswith("_error")]
+    names = [n for n in a.values if n in b.values and not n.endswith("_error")]
     excluded = [n for n in names if n in counting] if grid_of(a) != grid_of(b) else []
     rows = []
     for name in names:
@@ -200,7 +203,7 @@ def main(arguments: list[str]) -> int:
     except Incomparable as error:
         print(f"error: {error}", file=sys.stderr)
         return USAGE
-    except (NoPlan, NotACase, OSError) as error:
+    except (NotAnOutputFolder, NotACase, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return ENVIRONMENT
     if given.json:

@@ -88,18 +88,19 @@ def compare_surfaces(first, second):
 
 def compare_traces(first, second):
     """One entry for each trace point that both recorded, over the times that both have."""
-    pairs = common_times(first.series["time"], second.series["time"])
+    pairs = common_times(first.over_time["time"], second.over_time["time"])
     if not pairs:
         return []
     ours, theirs = (np.array(list(side)) for side in zip(*pairs))
     found = []
-    for at, u in first.traces:
-        for other, v in second.traces:
+    one, two = load.traces(first), load.traces(second)
+    for at, u in zip(one.points_m, one.u_z_m):
+        for other, v in zip(two.points_m, two.u_z_m):
             if math.dist(at, other) > SAME_m:
                 continue
             a, b = u[ours], v[theirs]
             n = int(np.argmax(np.abs(a - b)))
             found.append({"at_mm": [1e3 * at[0], 1e3 * at[1]], "times": len(pairs),
                           "relative_l2": relative_l2(a, b), "largest_um": 1e6 * float(abs(a - b)[n]),
-                          "time_ms": 1e3 * float(first.series["time"][ours[n]])})
+                          "time_ms": 1e3 * float(first.over_time["time"][ours[n]])})
     return found

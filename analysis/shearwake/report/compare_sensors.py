@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import inputs
-from . import load
 from .compare_fields import SAME_m, common_times, relative_l2
 from .load import UNREADABLE
 from .medium_files import file_of
@@ -32,7 +31,7 @@ class Places:
 def sensor(case):
     """The sensor of a case; None without one."""
     try:
-        found, units = case.stored.arrays("sensor"), case.stored.units("sensor")
+        found, units = case.arrays("sensor"), case.units("sensor")
         nodes = [tuple(int(index) for index in node) for node in zip(*(found[axis] for axis in "ijk"))]
         fields = {name: (units[name], values) for name, values in found.items() if values.ndim == 2}
         time_s = found["time"]
@@ -46,7 +45,7 @@ def places(case, nodes):
     folder = case.path.resolve().parent.parent
     job = folder / "job.toml"
     text = job.read_text(encoding="utf-8", errors="replace") if job.is_file() else str(case.attributes.get("job", ""))
-    path = file_of(load.Sweep(folder, "", "", [], "", [], [case], text, []), case, "solver.pstd.study")
+    path = file_of(folder, text, case, "solver.pstd.study")
     try:
         points, spacing_m = inputs.study_grid(path or "")
     except (OSError, KeyError, ValueError):

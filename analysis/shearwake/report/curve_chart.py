@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Interactive versions of the curves against the swept key, with their error bars."""
+import math
+
 import numpy as np
 
 from . import layout, style
@@ -11,7 +13,7 @@ from .words import value_text
 
 def errors(cases, column):
     """Half the lengths of the error bars, which `reduce` adds as columns; NaN without."""
-    return np.array([case.value(column + "_error") for case in cases])
+    return np.array([case.value(column + "_error", math.nan) for case in cases])
 
 
 def draw_errors(axes, x, y, cases, column, colour):
@@ -24,25 +26,25 @@ def draw_errors(axes, x, y, cases, column, colour):
     return bool(known.any())
 
 
-def have_errors(sweep, column):
+def have_errors(selection, column):
     """Whether a valid case has an error; values that are not valid have no error bars."""
-    return bool(np.isfinite(errors(valid(sweep, column), column)).any())
+    return bool(np.isfinite(errors(valid(selection, column), column)).any())
 
 
-def error_caption(sweep, *columns):
-    if any(have_errors(sweep, column) for column in columns):
+def error_caption(selection, *columns):
+    if any(have_errors(selection, column) for column in columns):
         return " Error bars: the estimated numerical error."
     return ""
 
 
-def reference_lines(sweep, figure, group, column, label, colour):
+def reference_lines(selection, figure, group, column, label, colour):
     """The values of the reference at each x of a curve, and crosses where they are not valid."""
-    pairs = [(layout.x_position(sweep, c), r) for c in group.cases if (r := sweep.reference_of(c))]
-    values = np.array([r.value(column) for _, r in pairs])
+    pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.reference_of(c))]
+    values = np.array([r.value(column, math.nan) for _, r in pairs])
     if not pairs or not np.isfinite(values).any():
         return []
     return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=True),
-                        split(sweep, [r for _, r in pairs], column, figure, values))
+                        split(selection, [r for _, r in pairs], column, figure, values))
 
 
 def with_crosses(line, parts):
@@ -54,26 +56,26 @@ def with_crosses(line, parts):
     return [line, crosses] if np.isfinite(line.y).any() else [crosses]
 
 
-def curve_chart(sweep, figure, column, y_label, title="", y_log=False):
+def curve_chart(selection, figure, column, y_label, title="", y_log=False):
     """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
     references."""
-    found = layout.groups(sweep)
-    name = layout.reference_name(layout.all_references(sweep))
+    found = layout.groups(selection)
+    name = layout.reference_name(layout.all_references(selection))
     lines, colours = [], {}
     for group, colour in zip(found, style.distinct(len(found))):
-        x = [layout.x_position(sweep, c) for c in group.cases]
-        y = [c.value(column) for c in group.cases]
+        x = [layout.x_position(selection, c) for c in group.cases]
+        y = [c.value(column, math.nan) for c in group.cases]
         line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
                     error=errors(group.cases, column), points=True)
-        lines += with_crosses(line, split(sweep, group.cases, column, figure, y))
+        lines += with_crosses(line, split(selection, group.cases, column, figure, y))
         colours[group.label] = colour
-    sets = [] if sweep.is_ratio(column) else layout.by_reference(sweep, found, column)
+    sets = [] if selection.is_ratio(column) else layout.by_reference(selection, found, column)
     for same in sets:
-        label = name if len(sets) == 1 else layout.references_label(sweep, same)
+        label = name if len(sets) == 1 else layout.references_label(selection, same)
         colour = style.INK if len(sets) == 1 else colours[same[0].label]
-        lines += reference_lines(sweep, figure, same[0], column, label, colour)
+        lines += reference_lines(selection, figure, same[0], column, label, colour)
     lines.sort(key=lambda line: (line.dashed, line.crossed))
-    values = layout.x_values(sweep)
-    names = None if layout.is_numeric(sweep) else [value_text(sweep.x, v) for v in values]
-    return Chart(layout.axis_label(sweep, sweep.x), y_label.replace("\n", " "), lines, title, names,
+    values = layout.x_values(selection)
+    names = None if layout.is_numeric(selection) else [value_text(selection.x, v) for v in values]
+    return Chart(layout.axis_label(selection, selection.x), y_label.replace("\n", " "), lines, title, names,
                  names is None and bool(layout.is_logarithmic(values)), y_log)

@@ -21,23 +21,23 @@ def settings_text(case, key):
     return ", ".join(f"{k} = {cell(float(v) if isinstance(v, int) else v)}" for k, v in case.settings.items() if k != key)
 
 
-def curves(sweep, key, column):
+def curves(selection, key, column):
     """{settings: (x, y, label)} of the valid cases in ascending order."""
     found = {}
-    for case in layout.ordinary(sweep):
-        if key in case.settings and is_valid(case) and not math.isnan(case.value(column)):
-            found.setdefault(settings_text(case, key), []).append((float(case.settings[key]), case.value(column), case))
+    for case in layout.ordinary(selection):
+        if key in case.settings and is_valid(case) and not math.isnan(case.value(column, math.nan)):
+            found.setdefault(settings_text(case, key), []).append((float(case.settings[key]), case.value(column, math.nan), case))
     made = {}
     for settings, points in found.items():
         points.sort(key=lambda p: p[0])
-        others = [layout.setting_text(sweep, k, v) for k, v in points[0][2].settings.items() if k != key]
+        others = [layout.setting_text(selection, k, v) for k, v in points[0][2].settings.items() if k != key]
         made[settings] = ([p[0] for p in points], [p[1] for p in points], ", ".join(others))
     return made
 
 
-def draw_axis(axes, sweep, axis, rows):
+def draw_axis(axes, selection, axis, rows):
     key, column = axis["key"], axis["column"]
-    made = curves(sweep, key, column)
+    made = curves(selection, key, column)
     named = {row["settings"] for row in rows}
     shown = layout.evenly([s for s in made if s in named] or list(made), style.CURVES)
     for colour, settings in zip(style.distinct(len(shown)), shown):
@@ -54,19 +54,19 @@ def draw_axis(axes, sweep, axis, rows):
     if axis["goal"] == "crossing" and "level" in axis:
         axes.axhline(axis["level"], color=style.GREY, linewidth=0.8)
     elif axis["goal"] == "crossing":
-        crossed = sorted((case.settings[key], reference.value(column)) for case in layout.ordinary(sweep)
-                         if key in case.settings and (reference := sweep.reference_of(case)) and is_valid(reference))
+        crossed = sorted((case.settings[key], reference.value(column, math.nan)) for case in layout.ordinary(selection)
+                         if key in case.settings and (reference := selection.reference_of(case)) and is_valid(reference))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
-    axes.set_xlabel(layout.axis_label(sweep, key))
-    axes.set_ylabel(fig_heat.measure_label(sweep, column))
+    axes.set_xlabel(layout.axis_label(selection, key))
+    axes.set_ylabel(fig_heat.measure_label(selection, column))
     if 1 < len(shown) <= style.DIRECT_LABELS:
         axes.legend()
     return len(shown), len(made)
 
 
-def sentence(sweep, axis, rows):
+def sentence(selection, axis, rows):
     """What is known about an axis."""
-    name = layout.name(sweep, axis["key"])
+    name = layout.name(selection, axis["key"])
     if not rows:
         return f" {name}: no curve has values."
     if axis["goal"] == "refine":
@@ -80,18 +80,18 @@ def sentence(sweep, axis, rows):
     return f" {name}: {axis['goal'] if len(places) == 1 else GOALS[axis['goal']]} of {axis['column']} at {', '.join(places)}."
 
 
-def figures(sweep, folder):
-    rows = read_adaptive(sweep.folder, sweep.name)
-    if not sweep.adaptive or not rows:
+def figures(selection, folder):
+    rows = read_adaptive(selection.sweep.folder, selection.sweep.name)
+    if not selection.sweep.adaptive_axes or not rows:
         return []
-    figure, made = plt.subplots(len(sweep.adaptive), 1, figsize=(style.WIDTH_in, 2.9 * len(sweep.adaptive) + 0.3),
+    figure, made = plt.subplots(len(selection.sweep.adaptive_axes), 1, figsize=(style.WIDTH_in, 2.9 * len(selection.sweep.adaptive_axes) + 0.3),
                                 squeeze=False, layout="constrained")
     text = ("Points: the cases that the adaptive axes chose. Band: the estimated error of linear interpolation between "
             "them. Dashed: the extremum or the crossing.")
-    for axes, axis in zip(made[:, 0], sweep.adaptive):
+    for axes, axis in zip(made[:, 0], selection.sweep.adaptive_axes):
         mine = [row for row in rows if row["key"] == axis["key"]]
-        shown, every = draw_axis(axes, sweep, axis, mine)
-        text += sentence(sweep, axis, mine)
+        shown, every = draw_axis(axes, selection, axis, mine)
+        text += sentence(selection, axis, mine)
         if shown < every:
             text += f" The panel shows {shown} of {counted(every, 'curve')}; the table lists all."
     style.save(figure, folder / "adaptive.png")

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+from ..case import Case
 from . import fig_curves as curves_module, layout, style
 from .figure import Figure
 from .validity import invalid_caption
@@ -17,40 +18,51 @@ PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
 FEWEST = 5
 
 
-def with_enough_spikes(sweep, kind):
-    """The sweep without the vector strengths of cases with too few spikes, and the number of these cases."""
-    few = [c for c in sweep.cases if not math.isnan(c.value(f"{kind}_vector_strength_1"))
-           and not c.value(f"{kind}_spikes_1") >= FEWEST * c.value(f"{kind}_active_1")]
-    rest = [replace(c, scalars={**c.scalars, f"{kind}_vector_strength_1": math.nan}) if c in few else c for c in sweep.cases]
-    return replace(sweep, cases=rest), few
+class Without(Case):
+    """A case with an empty value in place of that of a column."""
+
+    def __init__(self, case, column):
+        self.__dict__.update(vars(case), column=column)
+
+    @property
+    def values(self):
+        return {**super().values, self.column: math.nan}
 
 
-def class_figure(sweep, folder, kind):
-    sweep, few = with_enough_spikes(sweep, kind)
+def with_enough_spikes(selection, kind):
+    """The selection without the vector strengths of cases with too few spikes, and the number of these cases."""
+    few = [c for c in selection.cases if not math.isnan(c.value(f"{kind}_vector_strength_1", math.nan))
+           and not c.value(f"{kind}_spikes_1", math.nan) >= FEWEST * c.value(f"{kind}_active_1", math.nan)]
+    rest = [Without(c, f"{kind}_vector_strength_1") if c in few else c for c in selection.cases]
+    return replace(selection, cases=rest), few
+
+
+def class_figure(selection, folder, kind):
+    selection, few = with_enough_spikes(selection, kind)
     columns = [(f"{kind}_{name}", label) for name, label in PANELS]
-    columns = [c for c in columns if curves_module.has_any(sweep, c[0])]
-    if not columns or not any(c.value(f"{kind}_spikes_1") > 0 for c in layout.ordinary(sweep)):
+    columns = [c for c in columns if curves_module.has_any(selection, c[0])]
+    if not columns or not any(c.value(f"{kind}_spikes_1", math.nan) > 0 for c in layout.ordinary(selection)):
         return None
-    name, curves = f"afferents_{kind}", curves_module.curves_of(sweep)
+    name, curves = f"afferents_{kind}", curves_module.curves_of(selection)
     figure, made = curves_module.panels(len(columns), curves, height_in=1.35)
     for axes, (column, label) in zip(made, columns):
         for group, colour, marker in curves:
-            curves_module.draw_curve(axes, sweep, group, column, name, marker=marker, color=colour,
-                                     linestyle="-" if layout.is_numeric(sweep) else "none")
-        labels = curves_module.reference_lines(axes, sweep, curves, column, name)
+            curves_module.draw_curve(axes, selection, group, column, name, marker=marker, color=colour,
+                                     linestyle="-" if layout.is_numeric(selection) else "none")
+        labels = curves_module.reference_lines(axes, selection, curves, column, name)
         low, high = axes.get_ylim()
         axes.set_ylim(min(0.0, low), max(1.06 * high, 1e-9))
         axes.set_ylabel(label)
         style.label_right(axes, labels)
-    curves_module.set_x_axis(made[-1], sweep)
+    curves_module.set_x_axis(made[-1], selection)
     curves_module.legend_above(figure, curves)
     style.save(figure, folder / f"{name}.png")
-    title = f"{kind} afferents against {key_name(sweep.x)}"
+    title = f"{kind} afferents against {key_name(selection.x)}"
     return Figure(name, title,
                   f"Response of the {kind} afferents: the number of spikes, the mean rate of the afferents that "
                   "fire, the rms distance of the spikes from the path of the focus, and the vector strength of the "
                   "spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
-                  + " Panels without a value in any case are omitted." + invalid_caption(sweep, name, *(c for c, _ in columns)), title)
+                  + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *(c for c, _ in columns)), title)
 
 
 def few_caption(few):
@@ -61,10 +73,10 @@ def few_caption(few):
             "that of n spikes with random phases is 0.89/√n on average, 0.4 for five.")
 
 
-def figures(sweep, folder):
-    if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
+def figures(selection, folder):
+    if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
-    values = {layout.x_position(sweep, c) for c in layout.ordinary(sweep) if c.whole}
+    values = {layout.x_position(selection, c) for c in layout.ordinary(selection) if c.is_complete}
     if len([v for v in values if not math.isnan(v)]) < 2:
         return []
-    return [f for kind in layout.receptor_classes(sweep) if (f := class_figure(sweep, folder, kind))]
+    return [f for kind in layout.receptor_classes(selection) if (f := class_figure(selection, folder, kind))]

@@ -14,13 +14,13 @@ from .validity import CROSSES, invalid_caption, split
 from .words import SUPERSCRIPTS, counted, number, value_text
 
 
-def set_x_axis(axes, sweep):
+def set_x_axis(axes, selection):
     """Puts ticks at the swept values if they fit; strings of x become labels."""
-    values = layout.x_values(sweep)
-    axes.set_xlabel(layout.axis_label(sweep, sweep.x))
-    if not layout.is_numeric(sweep):
+    values = layout.x_values(selection)
+    axes.set_xlabel(layout.axis_label(selection, selection.x))
+    if not layout.is_numeric(selection):
         few = len(values) <= 6
-        axes.set_xticks(range(len(values)), [style.plain(value_text(sweep.x, v)) for v in values],
+        axes.set_xticks(range(len(values)), [style.plain(value_text(selection.x, v)) for v in values],
                         rotation=0 if few else 30, ha="center" if few else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
         return
@@ -45,38 +45,38 @@ def tick_labels(values):
     return short if sum(map(len, exact)) > 60 and len(set(short)) == len(values) else exact
 
 
-def points(sweep, group, column, aside=0.0):
+def points(selection, group, column, aside=0.0):
     """x and y of a curve. `aside` shifts x if it is a string, so that curves do not hide each other."""
-    x = [layout.x_position(sweep, c) + aside for c in group.cases]
-    return np.array(x), np.array([c.value(column) for c in group.cases])
+    x = [layout.x_position(selection, c) + aside for c in group.cases]
+    return np.array(x), np.array([c.value(column, math.nan) for c in group.cases])
 
 
-def draw_curve(axes, sweep, group, column, figure, aside=0.0, **look):
+def draw_curve(axes, selection, group, column, figure, aside=0.0, **look):
     """Draws the values of a column; those that are not valid in this figure become grey crosses without a line. Returns x
     and y of the curve."""
-    x, y = points(sweep, group, column, aside)
-    y, invalid = split(sweep, group.cases, column, figure, y)
+    x, y = points(selection, group, column, aside)
+    y, invalid = split(selection, group.cases, column, figure, y)
     axes.plot(x, y, **{"markersize": 6, "zorder": 3, **look})
     if np.isfinite(invalid).any():
         axes.plot(x, invalid, **CROSSES)
     return x, y
 
 
-def asides(sweep, curves):
+def asides(selection, curves):
     middle = 0.5 * (len(curves) - 1)
-    step = 0.0 if layout.is_numeric(sweep) else 0.12
+    step = 0.0 if layout.is_numeric(selection) else 0.12
     return [step * (i - middle) for i in range(len(curves))]
 
 
-def draw_reference(axes, sweep, group, column, figure, colour, line, labels, name):
+def draw_reference(axes, selection, group, column, figure, colour, line, labels, name):
     """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
     curve. References that are not valid in this figure are grey: a dotted line or crosses."""
-    found = layout.references(sweep, group)
+    found = layout.references(selection, group)
     look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
     if not found:
         return
     if len(found) == 1:
-        value = found[0].value(column)
+        value = found[0].value(column, math.nan)
         if math.isnan(value):
             return
         text = f"{name}\n{number(value, 3)}"
@@ -85,14 +85,14 @@ def draw_reference(axes, sweep, group, column, figure, colour, line, labels, nam
             look |= {"color": colour, "linestyle": ":"}
         axes.axhline(value, **look)
     else:
-        cases = [c for c in group.cases if sweep.reference_of(c)]
-        own = [sweep.reference_of(c) for c in cases]
-        x = [layout.x_position(sweep, c) for c in cases]
-        y, invalid = split(sweep, own, column, figure, np.array([r.value(column) for r in own]))
+        cases = [c for c in group.cases if selection.reference_of(c)]
+        own = [selection.reference_of(c) for c in cases]
+        x = [layout.x_position(selection, c) for c in cases]
+        y, invalid = split(selection, own, column, figure, np.array([r.value(column, math.nan) for r in own]))
         axes.plot(x, invalid, **CROSSES)
         if not np.isfinite(y).any():
             return
-        if layout.is_numeric(sweep):
+        if layout.is_numeric(selection):
             axes.plot(x, y, **look)
         else:  # strings have no order: a dash at each
             for at, value in zip(x, y):
@@ -102,15 +102,15 @@ def draw_reference(axes, sweep, group, column, figure, colour, line, labels, nam
         labels.append((value, text, colour))
 
 
-def reference_lines(axes, sweep, curves, column, figure):
+def reference_lines(axes, selection, curves, column, figure):
     """Draws all references of a panel dashed and returns their labels for the right edge."""
-    names = layout.reference_name(layout.all_references(sweep))
+    names = layout.reference_name(layout.all_references(selection))
     colours = {group.label: colour for group, colour, _ in curves}
     labels = []
-    sets = layout.by_reference(sweep, [group for group, _, _ in curves], column)
+    sets = layout.by_reference(selection, [group for group, _, _ in curves], column)
     for same in sets:
         own = style.INK if len(sets) == 1 else colours[same[0].label]
-        draw_reference(axes, sweep, same[0], column, figure, own, "--", labels, names)
+        draw_reference(axes, selection, same[0], column, figure, own, "--", labels, names)
     return labels if len(labels) <= 6 else []
 
 
@@ -134,8 +134,8 @@ def legend_above(figure, curves, top_in=0.08):
                   bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
 
-def curves_of(sweep):
-    found = layout.groups(sweep)
+def curves_of(selection):
+    found = layout.groups(selection)
     colours = style.distinct(len(found))
     return [(g, colours[i], style.MARKERS[i % len(style.MARKERS)]) for i, g in enumerate(found)]
 
@@ -166,8 +166,8 @@ def panels(count, curves, height_in=2.35):
     return figure, made
 
 
-def has_any(sweep, column):
-    return any(not math.isnan(c.value(column)) for c in layout.ordinary(sweep))
+def has_any(selection, column):
+    return any(not math.isnan(c.value(column, math.nan)) for c in layout.ordinary(selection))
 
 
 def move_power_to_label(axes):
@@ -181,107 +181,107 @@ def move_power_to_label(axes):
     axes.set_ylabel(axes.get_ylabel().replace("(mm²)", f"({power} mm²)"))
 
 
-def spans_decades(sweep, column):
-    values = [c.value(column) for c in [*layout.ordinary(sweep), *layout.all_references(sweep)]]
+def spans_decades(selection, column):
+    values = [c.value(column, math.nan) for c in [*layout.ordinary(selection), *layout.all_references(selection)]]
     values = [v for v in values if not math.isnan(v)]
     return min(values) > 0 and max(values) > 10 * min(values)
 
 
-def instant_title(sweep):
+def instant_title(selection):
     """'at the instant t = 14 ms', if it is the same for all cases."""
-    times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(sweep)}
+    times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(selection)}
     return f"at the instant t = {number(times.pop())} ms" if len(times) == 1 else "at one instant"
 
 
-def measure_figure(sweep, folder, measure):
+def measure_figure(selection, folder, measure):
     """Writes the figure of one measure; None if no case has a value."""
     period, instant = measure["period"], measure["instant"]
-    rows = [c for c in (period, instant) if has_any(sweep, c)]
-    if not sweep.x or not rows:
+    rows = [c for c in (period, instant) if has_any(selection, c)]
+    if not selection.x or not rows:
         return None
-    curves = curves_of(sweep)
-    numeric = layout.is_numeric(sweep)
+    curves = curves_of(selection)
+    numeric = layout.is_numeric(selection)
     figure, made = panels(len(rows), curves)
     for axes, column in zip(made, rows):
         whole_periods = column == period
-        for (group, colour, marker), aside in zip(curves, asides(sweep, curves)):
+        for (group, colour, marker), aside in zip(curves, asides(selection, curves)):
             look = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
-            x, y = draw_curve(axes, sweep, group, column, measure["name"], aside, marker=marker, color=colour,
+            x, y = draw_curve(axes, selection, group, column, measure["name"], aside, marker=marker, color=colour,
                               linestyle="-" if numeric else "none", **look)
             draw_errors(axes, x, y, group.cases, column, colour)
-        if measure.get("log") and spans_decades(sweep, column):
+        if measure.get("log") and spans_decades(selection, column):
             axes.set_yscale("log")
-        labels = reference_lines(axes, sweep, curves, column, measure["name"])
+        labels = reference_lines(axes, selection, curves, column, measure["name"])
         axes.margins(y=0.12)
         widen(axes)
         axes.set_ylabel(measure["label"])
         move_power_to_label(axes)
         axes.yaxis.set_label_coords(-0.105, 0.5)
-        axes.set_title("mean over periods" if whole_periods else instant_title(sweep), loc="left",
+        axes.set_title("mean over periods" if whole_periods else instant_title(selection), loc="left",
                        color="#555555")
         style.label_right(axes, labels)
-    set_x_axis(made[-1], sweep)
+    set_x_axis(made[-1], selection)
     for axes in made if not numeric else []:
         axes.grid(False, axis="x")
     legend_above(figure, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
-    title = measure["title"].format(x=layout.name(sweep, sweep.x))
-    charts = [curve_chart(sweep, measure["name"], column, measure["label"],
-                          "mean over periods" if column == period else instant_title(sweep),
-                          bool(measure.get("log") and spans_decades(sweep, column))) for column in rows]
+    title = measure["title"].format(x=layout.name(selection, selection.x))
+    charts = [curve_chart(selection, measure["name"], column, measure["label"],
+                          "mean over periods" if column == period else instant_title(selection),
+                          bool(measure.get("log") and spans_decades(selection, column))) for column in rows]
     return Figure(measure["name"], title,
-                  measure["caption"].format(region=region_words(sweep)) + marker_caption(sweep, rows, period, instant)
-                  + error_caption(sweep, *rows) + invalid_caption(sweep, measure["name"], *rows),
+                  measure["caption"].format(region=region_words(selection)) + marker_caption(selection, rows, period, instant)
+                  + error_caption(selection, *rows) + invalid_caption(selection, measure["name"], *rows),
                   f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
 
 
-def is_modulated(sweep):
+def is_modulated(selection):
     """Whether a case has a modulation; plain STM has none."""
-    return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(sweep))
+    return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(selection))
 
 
-def is_steady(sweep):
+def is_steady(selection):
     """Whether all cases are in the periodic regime."""
-    return all(layout.repeats(c) for c in layout.ordinary(sweep))
+    return all(layout.repeats(c) for c in layout.ordinary(selection))
 
 
-def region_words(sweep):
+def region_words(selection):
     """The region over which the measures are taken, as a part of a sentence."""
-    areas = [c.value("region_mm2") for c in layout.ordinary(sweep)]
+    areas = [c.value("region_mm2", math.nan) for c in layout.ordinary(selection)]
     areas = [area for area in areas if not math.isnan(area)]
     if not areas:
-        return f"{layout.plane_name(layout.ordinary(sweep))} within the domain"
+        return f"{layout.plane_name(layout.ordinary(selection))} within the domain"
     low, high = number(min(areas) / 100.0, 3), number(max(areas) / 100.0, 3)
     return f"the measured region ({low if low == high else f'{low} to {high}'} cm²)"
 
 
-def period_words(sweep):
-    if is_steady(sweep):
+def period_words(selection):
+    if is_steady(selection):
         return "one period of the load"
-    return "complete modulation periods" if is_modulated(sweep) else "the settled part of the run"
+    return "complete modulation periods" if is_modulated(selection) else "the settled part of the run"
 
 
-def marker_caption(sweep, rows, period, instant):
+def marker_caption(selection, rows, period, instant):
     """Explains the markers; in detail for eta, whose figure is the first."""
     if period != "eta_period_1":
         return " Panels and lines as in the figure of the efficiency."
     sentences = []
     if period in rows:
-        sentences.append(f" Mean over periods: the energy-weighted mean over {period_words(sweep)}.")
+        sentences.append(f" Mean over periods: the energy-weighted mean over {period_words(selection)}.")
     if instant in rows:
-        text = f" {instant_title(sweep)[:1].upper()}{instant_title(sweep)[1:]}: the value at a single instant"
-        if is_modulated(sweep):
+        text = f" {instant_title(selection)[:1].upper()}{instant_title(selection)[1:]}: the value at a single instant"
+        if is_modulated(selection):
             text += ", which depends on the phase of the modulation at that instant; its variation is not a trend"
         sentences.append(text + ".")
-    if layout.all_references(sweep):
-        sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}, "
+    if layout.all_references(selection):
+        sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(selection))}, "
                          "evaluated in the same way.")
-        found = layout.groups(sweep)
-        if 1 < len(layout.by_reference(sweep, found, rows[0])) < len(found):
+        found = layout.groups(selection)
+        if 1 < len(layout.by_reference(selection, found, rows[0])) < len(found):
             sentences.append(" A line that belongs to several curves has the colour of the first of them.")
-    missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
+    missing = sum(math.isnan(c.value(period, math.nan)) for c in layout.ordinary(selection))
     if missing:
-        every = counted(len(layout.ordinary(sweep)), "case")
+        every = counted(len(layout.ordinary(selection)), "case")
         sentences.append(f" {missing} of {every} {'has' if missing == 1 else 'have'} no mean over periods; the "
                          "reasons are listed below the table.")
     if period in rows:

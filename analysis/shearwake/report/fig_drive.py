@@ -12,29 +12,29 @@ CASES = 4
 LEAD = 1e-3  # of the length of the path: smaller leads over the reference are neglected
 
 
-def chosen(sweep):
+def chosen(selection):
     """The reference, then cases from the first to the last curve; if x is a string, all cases of the first
     curve."""
-    found = layout.groups(sweep)
-    if found and not layout.is_numeric(sweep) and len(found[0].cases) <= CASES:
+    found = layout.groups(selection)
+    if found and not layout.is_numeric(selection) and len(found[0].cases) <= CASES:
         picks = found[0].cases
     else:
         each = CASES - 1 if len(found) == 1 else 2
         picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, each)]
-    return [c for c in references.with_references(sweep, picks, CASES) if "force" in c.series]
+    return [c for c in references.with_references(selection, picks, CASES) if "force" in c.over_time]
 
 
 def is_moving(case):
-    return max(np.ptp(case.series["focus_x"]), np.ptp(case.series["focus_y"])) > 0
+    return max(np.ptp(case.over_time["focus_x"]), np.ptp(case.over_time["focus_y"])) > 0
 
 
-def lead_mm(sweep, case):
+def lead_mm(selection, case):
     """Lead of the focus over that of its reference along the path of the reference, over time; None if both
     have the same path or there is no reference."""
-    reference = sweep.reference_of(case)
-    if not reference or len(reference.series["time"]) != len(case.series["time"]):
+    reference = selection.reference_of(case)
+    if not reference or len(reference.over_time["time"]) != len(case.over_time["time"]):
         return None
-    own, other = (1e3 * np.column_stack([c.series["focus_x"], c.series["focus_y"]])
+    own, other = (1e3 * np.column_stack([c.over_time["focus_x"], c.over_time["focus_y"]])
                   for c in (case, reference))
     way = other[-1] - other[0]
     length = float(np.hypot(*way))
@@ -46,42 +46,42 @@ def lead_mm(sweep, case):
 def draw_place(axes, case):
     """Draws the coordinates that change while the load acts; a line along x has one curve."""
     pressed = wake.last_pressed(case) + 1
-    time = 1e3 * case.series["time"][:pressed]
+    time = 1e3 * case.over_time["time"][:pressed]
     for name, look in (("x", {"color": style.PALETTE[0]}),
                        ("y", {"color": style.PALETTE[1], "linestyle": "--"})):
-        place = 1e3 * case.series["focus_" + name][:pressed]
+        place = 1e3 * case.over_time["focus_" + name][:pressed]
         if np.ptp(place) > 0:
             axes.plot(time, place, linewidth=1.3, label=name, **look)
 
 
-def draw_lead(axes, sweep, case):
-    lead = lead_mm(sweep, case)
-    time = 1e3 * case.series["time"]
+def draw_lead(axes, selection, case):
+    lead = lead_mm(selection, case)
+    time = 1e3 * case.over_time["time"]
     axes.plot(time, np.zeros(len(time)) if lead is None else lead, color=style.PALETTE[2],
               linewidth=1.3)
 
 
 def draw_force(axes, case):
-    axes.plot(1e3 * case.series["time"], 1e3 * case.series["force"], color=style.INK,
+    axes.plot(1e3 * case.over_time["time"], 1e3 * case.over_time["force"], color=style.INK,
               linewidth=1.2)
 
 
 def changes(case):
     """Whether the force changes while the load acts."""
-    force = case.series["force"][: wake.last_pressed(case) + 1]
+    force = case.over_time["force"][: wake.last_pressed(case) + 1]
     return np.ptp(force) > 1e-6 * np.abs(force).max()
 
 
-def figures(sweep, folder):
-    cases = chosen(sweep)
+def figures(selection, folder):
+    cases = chosen(selection)
     if not cases:
         return []
-    name = layout.reference_name(layout.all_references(sweep))
+    name = layout.reference_name(layout.all_references(selection))
     columns = []
     if any(map(is_moving, cases)):
         columns.append(("place", draw_place))
-    if any(lead_mm(sweep, c) is not None for c in cases):
-        columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
+    if any(lead_mm(selection, c) is not None for c in cases):
+        columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, selection, c)))
     is_driven = not any(map(fig_medium.is_study, cases))  # the force of a study is that of its sources
     steady = is_driven and not any(map(changes, cases))
     if is_driven and (not steady or not columns):
@@ -94,11 +94,11 @@ def figures(sweep, folder):
     for row, case in zip(made, cases):
         for axes, (_, draw) in zip(row, columns):
             draw(axes, case)
-        row[0].set_title(layout.case_label(sweep, case), loc="left", fontsize=9)
+        row[0].set_title(layout.case_label(selection, case), loc="left", fontsize=9)
     for axes, (label, _) in zip(made[len(cases) // 2], columns):
         axes.set_ylabel(label)
     if columns[-1][1] is draw_force:
-        largest = max(1e3 * c.series["force"].max() for c in cases)
+        largest = max(1e3 * c.over_time["force"].max() for c in cases)
         made[0, -1].set_ylim(-0.04 * largest, 1.08 * largest)
     figure.supxlabel("time (ms)", fontsize=9.5)
     if columns[0][1] is draw_place:
@@ -136,7 +136,7 @@ def caption(cases, columns, steady, name):
     text = "; ".join(parts) + "."
     text = text[:1].upper() + text[1:]
     if steady and columns[-1][1] is not draw_force:
-        forces = sorted({float(f"{1e3 * c.series['force'].max():.3g}") for c in cases})
+        forces = sorted({float(f"{1e3 * c.over_time['force'].max():.3g}") for c in cases})
         text += (f" The force is constant, {number(forces[0], 3)}"
                  + (f" to {number(forces[-1], 3)}" if len(forces) > 1 else "") + " mN.")
     return text

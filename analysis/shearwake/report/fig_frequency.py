@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from .. import wake
 from . import fig_curves, layout, style
 from .figure import Figure
+from .load import traces
 from .validity import invalid_caption
 from .words import listed
 
@@ -29,9 +30,9 @@ class Band:
 FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
 
 
-def bands(sweep):
+def bands(selection):
     """The bands of the job, else that of perceptible vibration."""
-    for case in layout.ordinary(sweep):
+    for case in layout.ordinary(selection):
         edges = case.setting("measure", "bands_Hz", default=[])
         if edges:
             return [Band(f"share_{low:g}_{high:g}_1", f"velocity_share_{low:g}_{high:g}_1",
@@ -40,49 +41,49 @@ def bands(sweep):
     return [FELT]
 
 
-def has_values(sweep, column):
-    return any(not math.isnan(case.value(column)) for case in layout.ordinary(sweep))
+def has_values(selection, column):
+    return any(not math.isnan(case.value(column, math.nan)) for case in layout.ordinary(selection))
 
 
-def peaks(sweep):
+def peaks(selection):
     """The dominant frequencies that most cases have, as (column, quantity)."""
-    cases = layout.ordinary(sweep)
+    cases = layout.ordinary(selection)
     both = [("peak_frequency_Hz", "u"), ("velocity_peak_frequency_Hz", "du/dt")]
     return [(column, of) for column, of in both
-            if 2 * sum(not math.isnan(c.value(column)) for c in cases) > len(cases)]
+            if 2 * sum(not math.isnan(c.value(column, math.nan)) for c in cases) > len(cases)]
 
 
-def draw_peaks(axes, sweep, curves, column, of):
-    numeric = layout.is_numeric(sweep)
-    for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
-        fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour,
+def draw_peaks(axes, selection, curves, column, of):
+    numeric = layout.is_numeric(selection)
+    for (group, colour, marker), aside in zip(curves, fig_curves.asides(selection, curves)):
+        fig_curves.draw_curve(axes, selection, group, column, NAME, aside, marker=marker, color=colour,
                               linestyle="-" if numeric else "none")
-    labels = fig_curves.reference_lines(axes, sweep, curves, column, NAME)
+    labels = fig_curves.reference_lines(axes, selection, curves, column, NAME)
     axes.set_ylabel("frequency (Hz)")
     axes.set_title(f"dominant frequency of {of}", loc="left", color="#555555")
     axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
     style.label_right(axes, labels)
 
 
-def draw_band(axes, sweep, curves, band):
+def draw_band(axes, selection, curves, band):
     """Draws the fraction of u with filled markers, and that of du/dt with open markers and dashed lines."""
-    numeric = layout.is_numeric(sweep)
-    for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
+    numeric = layout.is_numeric(selection)
+    for (group, colour, marker), aside in zip(curves, fig_curves.asides(selection, curves)):
         for column, line, face in ((band.column, "-", colour), (band.velocity, "--", "white")):
-            fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour, markersize=5,
+            fig_curves.draw_curve(axes, selection, group, column, NAME, aside, marker=marker, color=colour, markersize=5,
                                   markerfacecolor=face, linestyle=line if numeric else "none")
     if band.is_share:  # without references: those of u and du/dt could not be told apart
         axes.set_ylim(-0.02, 1.04)
     else:
-        labels = fig_curves.reference_lines(axes, sweep, curves, band.column, NAME)
+        labels = fig_curves.reference_lines(axes, selection, curves, band.column, NAME)
         axes.set_ylim(bottom=0.0)
         style.label_right(axes, labels)
     axes.set_ylabel(band.label)
     axes.set_title(band.title, loc="left", color="#555555")
 
 
-def caption(sweep, found, shown):
-    places = [layout.column_place_m(c) for c in layout.ordinary(sweep)]
+def caption(selection, found, shown):
+    places = [layout.column_place_m(c) for c in layout.ordinary(selection)]
     where, text = layout.place_words(places), []
     if found:
         text.append(f"The dominant frequency is that at which the spectrum {where} of "
@@ -92,39 +93,39 @@ def caption(sweep, found, shown):
         text.append("The share in a band is that of the energy above one period per run."
                     if shown[0].is_share else
                     f"The motion is the root mean square of u {where} in the band of perceptible vibration.")
-        if any(has_values(sweep, b.velocity) for b in shown):
+        if any(has_values(selection, b.velocity) for b in shown):
             text.append("Filled markers: u. Open markers with dashed lines: du/dt.")
     if "u" not in [of for _, of in found] and found:
         text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
-    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
-    is_near = places == [c.trace_at_m for c in layout.ordinary(sweep)]
-    if kinds != {"STM"} and is_near and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(selection)}
+    is_near = places == [traces(c).nearest_m for c in layout.ordinary(selection)]
+    if kinds != {"STM"} and is_near and all(wake.passing_ms(c, *traces(c).nearest_m) is not None for c in layout.ordinary(selection)):
         point = "the centre" if where == "at the centre" else "this point"
         text.append(f"The focus passes {point} once, so the values describe a single passage and depend on the "
                     "phase of the modulation at that time.")
     return " ".join(text)
 
 
-def figures(sweep, folder):
-    if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
+def figures(selection, folder):
+    if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
-    found = peaks(sweep)
-    shown = [b for b in bands(sweep) if has_values(sweep, b.column)]
+    found = peaks(selection)
+    shown = [b for b in bands(selection) if has_values(selection, b.column)]
     if not found and not shown:
         return []
-    curves = fig_curves.curves_of(sweep)
+    curves = fig_curves.curves_of(selection)
     figure, made = fig_curves.panels(len(found) + len(shown), curves, height_in=1.75)
     for axes, (column, of) in zip(made, found):
-        draw_peaks(axes, sweep, curves, column, of)
+        draw_peaks(axes, selection, curves, column, of)
     for axes, band in zip(made[len(found):], shown):
-        draw_band(axes, sweep, curves, band)
-    fig_curves.set_x_axis(made[-1], sweep)
+        draw_band(axes, selection, curves, band)
+    fig_curves.set_x_axis(made[-1], selection)
     fig_curves.legend_above(figure, curves)
     style.save(figure, folder / f"{NAME}.png")
     parts = ["dominant frequency"] * bool(found)
     if shown:
         parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
-    title = f"{' and '.join(parts)} against {layout.name(sweep, sweep.x)}"
+    title = f"{' and '.join(parts)} against {layout.name(selection, selection.x)}"
     title = title[:1].upper() + title[1:]
     columns = [*(column for column, _ in found), *(b.column for b in shown)]
-    return [Figure(NAME, title, caption(sweep, found, shown) + invalid_caption(sweep, NAME, *columns), title)]
+    return [Figure(NAME, title, caption(selection, found, shown) + invalid_caption(selection, NAME, *columns), title)]

@@ -20,11 +20,11 @@ MOST_TICKS = 200  # largest number of afferents per class in a raster
 class Afferents:
     """The afferents of a case file, in mm and ms, with one array of spikes per afferent."""
 
-    def __init__(self, stored):
-        found, pins, hand = (stored.arrays(name) for name in ("afferents", "pins", "hand"))
+    def __init__(self, case):
+        found, pins, hand = (case.arrays(name) for name in ("afferents", "pins", "hand"))
         self.x, self.y = 1e3 * found["hand_x"], 1e3 * found["hand_y"]
         self.patch = 1e3 * np.stack([found["x"], found["y"]], axis=1)
-        self.kind, self.number = stored.receptor_classes(), found["class"].astype(int)
+        self.kind, self.number = case.receptor_classes(), found["class"].astype(int)
         self.count = found["spike_count"].astype(int)
         self.outline = 1e3 * np.stack([hand["hand_x"], hand["hand_y"]], axis=1)
         self.pins = 1e3 * np.stack([pins["hand_x"], pins["hand_y"]], axis=1)
@@ -43,8 +43,8 @@ class Afferents:
 
 def duration_ms(case):
     """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""
-    periods = case.value("receptor_periods_1")
-    once_ms = 1e3 * case.setting("time", "frames") * case.setting("time", "interval_s")
+    periods = case.value("receptor_periods_1", math.nan)
+    once_ms = 1e3 * case.setting("time", "frames", default=math.nan) * case.setting("time", "interval_s", default=math.nan)
     return once_ms if math.isnan(periods) else periods * once_ms
 
 
@@ -62,7 +62,7 @@ def hand_axes(axes, afferents):
     axes.axis("off")
 
 
-def hand_figure(sweep, case, afferents, folder, name):
+def hand_figure(selection, case, afferents, folder, name):
     """One hand per class with a dot per firing afferent, coloured by its rate."""
     kinds = afferents.present()
     rates = 1e3 * afferents.count / duration_ms(case)
@@ -88,7 +88,7 @@ def hand_figure(sweep, case, afferents, folder, name):
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     style.save(figure, folder / f"{name}.png")
-    title = f"Firing afferents on the hand: {warnings_of.label(sweep, case, name)}"
+    title = f"Firing afferents on the hand: {warnings_of.label(selection, case, name)}"
     return Figure(name, title, "Coloured dots: firing afferents with their mean rate. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else
                   " Red crosses: pins that move the skin."), title)
@@ -108,7 +108,7 @@ def raster_rows(afferents, kind):
     return evenly(rows[np.argsort(between.min(axis=1), kind="stable")], MOST_TICKS)
 
 
-def raster_figure(sweep, case, afferents, folder, name):
+def raster_figure(selection, case, afferents, folder, name):
     """Spikes over time; for a long run with an additional panel of its start, which shows bursts."""
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
@@ -130,7 +130,7 @@ def raster_figure(sweep, case, afferents, folder, name):
     for axes in made[-1]:
         axes.set_xlabel("time (ms)")
     style.save(figure, folder / f"{name}.png")
-    title = f"Spikes over time: {warnings_of.label(sweep, case, name)}"
+    title = f"Spikes over time: {warnings_of.label(selection, case, name)}"
     return Figure(name, title, f"One line per firing afferent (at most {MOST_TICKS} per class, chosen evenly), "
                   "sorted by its distance from the nearest "
                   + ("point of afferents.pins_mm." if feels_stress(case) else "pin.") +
@@ -147,7 +147,7 @@ def tick_at(top):
     return 5.0 * power if 5.0 * power <= top else power
 
 
-def places_figure(sweep, case, afferents, folder, name):
+def places_figure(selection, case, afferents, folder, name):
     """The motion of a few pins and, below each curve, the spikes of nearby afferents."""
     if afferents.u_um is None:
         return None
@@ -179,21 +179,21 @@ def places_figure(sweep, case, afferents, folder, name):
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
     style.save(figure, folder / f"{name}.png")
-    title = f"Motion and spikes at selected pins: {warnings_of.label(sweep, case, name)}"
+    title = f"Motion and spikes at selected pins: {warnings_of.label(selection, case, name)}"
     return Figure(name, title, "Black: displacement of the pin, positive into the skin. Ticks: spikes of "
                   f"afferents within {number(NEAR_mm)} mm of the pin, one row per afferent, at most nine per "
                   "class.", title)
 
 
-def figures(sweep, folder):
+def figures(selection, folder):
     made = []
-    cases = [c for c in layout.ordinary(sweep) if c.whole and "afferents" in c.physics]
+    cases = [c for c in layout.ordinary(selection) if c.is_complete and "afferents" in c.parameters]
     for n, case in enumerate(layout.evenly(cases, MOST_CASES)):
-        afferents = Afferents(case.stored)
+        afferents = Afferents(case)
         if not len(afferents.count) or math.isnan(duration_ms(case)):
             continue
         for what, draw in (("hand", hand_figure), ("raster", raster_figure),
                            ("places", places_figure)):
-            if figure := draw(sweep, case, afferents, folder, f"{what}_{n + 1}"):
+            if figure := draw(selection, case, afferents, folder, f"{what}_{n + 1}"):
                 made.append(replace(figure, cases=[case.id]))
     return made

@@ -10,6 +10,7 @@ import numpy as np
 from .. import wake
 from . import hover, layout, style, warnings_of
 from .figure import Figure
+from .load import traces
 from .words import counted, listed, number, some_of, value_text
 
 NAME = "heat_"  # followed by the column
@@ -37,59 +38,59 @@ MEASURES = [
 HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
-def measure_label(sweep, column):
+def measure_label(selection, column):
     """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
     other one."""
-    reference = layout.reference_name(layout.all_references(sweep))
+    reference = layout.reference_name(layout.all_references(selection))
     found = next((label for name, _, label in MEASURES if name == column), column)
     return textwrap.fill(found.format(reference=reference), 26, break_on_hyphens=False, break_long_words=False)
 
 
-def band_measures(sweep):
+def band_measures(selection):
     """Shares of the energy at the trace point of the columns in the bands of the job."""
-    found = dict.fromkeys(name for c in layout.ordinary(sweep) for name in c.scalars
+    found = dict.fromkeys(name for c in layout.ordinary(selection) for name in c.values
                           if name.startswith("share_"))
     for name in found:
         low, high = name.split("_")[1:3]
         yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}", "fraction of the energy (1)")
 
 
-def plane(sweep):
+def plane(selection):
     """x, y and the keys of the panels; None if curves are more suitable."""
-    keys = layout.axes(sweep)
+    keys = layout.axes(selection)
     if len(keys) < 2:
         return None
-    counts = {k: len(layout.values_of(sweep, k)) for k in keys}
-    x = sweep.x if sweep.x in keys else keys[0]
+    counts = {k: len(layout.values_of(selection, k)) for k in keys}
+    x = selection.x if selection.x in keys else keys[0]
     y = max((k for k in keys if k != x), key=counts.get)
     enough = counts[x] >= LEAST and counts[y] >= LEAST
-    if not enough and len(layout.groups(sweep)) <= style.CURVES:
+    if not enough and len(layout.groups(selection)) <= style.CURVES:
         return None
     return x, y, [k for k in keys if k not in (x, y)]
 
 
-def panels(sweep, others):
+def panels(selection, others):
     """The combinations of the other keys that are drawn, and the number of combinations that occur."""
-    every = list(product(*(layout.values_of(sweep, k) for k in others)))
-    there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(sweep)}
+    every = list(product(*(layout.values_of(selection, k) for k in others)))
+    there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(selection)}
     every = [values for values in every if values in there]
     return layout.evenly(every, PANELS), len(every)
 
 
-def cells(sweep, column, x, y, others, values):
+def cells(selection, column, x, y, others, values):
     """The values (y, x) of one panel, a mask of cells whose case has no result, and a mask of values that are not
     valid."""
-    xs, ys = layout.values_of(sweep, x), layout.values_of(sweep, y)
+    xs, ys = layout.values_of(selection, x), layout.values_of(selection, y)
     shape = len(ys), len(xs)
     found, failed, invalid = np.full(shape, math.nan), np.zeros(shape, bool), np.zeros(shape, bool)
-    for case in layout.swept_cases(sweep):
+    for case in layout.swept_cases(selection):
         own = case.settings
         if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
             continue
         place = ys.index(own[y]), xs.index(own[x])
-        found[place] = case.value(column)
-        failed[place] = not case.whole
-        invalid[place] = np.isfinite(found[place]) and not warnings_of.holds(sweep, case, column, NAME + column)
+        found[place] = case.value(column, math.nan)
+        failed[place] = not case.is_complete
+        invalid[place] = np.isfinite(found[place]) and not warnings_of.holds(selection, case, column, NAME + column)
     return found, failed, invalid
 
 
@@ -108,8 +109,8 @@ def scale(grids, relative):
     return plt.Normalize(low, high), style.sequential_map()
 
 
-def ticks(axis, key, sweep, room):
-    values = layout.values_of(sweep, key)
+def ticks(axis, key, selection, room):
+    values = layout.values_of(selection, key)
     every = max(1, math.ceil(len(values) / room))
     words = [number(float(v), 3) if layout.is_number(v)
              else textwrap.fill(value_text(key, v), WORDS, break_on_hyphens=False) for v in values]
@@ -162,28 +163,28 @@ def draw(axes, grid, failed, invalid, norm, colours, written):
     axes.grid(False)
 
 
-def columns_of(sweep, others, count):
+def columns_of(selection, others, count):
     """The number of columns: the number of values of the last key if they fit."""
-    last = len(layout.values_of(sweep, others[-1])) if others else 1
+    last = len(layout.values_of(selection, others[-1])) if others else 1
     if len(others) > 1 and last <= 4 and count % last == 0:
         return last
     return 2 if count == 4 else min(COLUMNS, count)
 
 
-def heat_figure(sweep, folder, measure, plan):
+def heat_figure(selection, folder, measure, plan):
     column, title, label = measure
     x, y, others = plan
-    shown, of = panels(sweep, others)
-    every = [cells(sweep, column, x, y, others, v) for v in shown]
+    shown, of = panels(selection, others)
+    every = [cells(selection, column, x, y, others, v) for v in shown]
     grids = [np.where(invalid, math.nan, g) for g, _, invalid in every]
-    known = [c.value(column) for c in layout.ordinary(sweep)]
+    known = [c.value(column, math.nan) for c in layout.ordinary(selection)]
     if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
-    reference = layout.reference_name(layout.all_references(sweep))
-    place = layout.place_words(layout.column_place_m(c) for c in layout.ordinary(sweep))
+    reference = layout.reference_name(layout.all_references(selection))
+    place = layout.place_words(layout.column_place_m(c) for c in layout.ordinary(selection))
     title, label = title.format(reference=reference, place=place), label.format(reference=reference)
-    norm, colours = scale(grids, sweep.is_ratio(column))
-    columns = columns_of(sweep, others, len(shown))
+    norm, colours = scale(grids, selection.is_ratio(column))
+    columns = columns_of(selection, others, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
@@ -191,27 +192,27 @@ def heat_figure(sweep, folder, measure, plan):
                                 figsize=(style.WIDTH_in, 0.8 + height * rows))
     for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
         draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
-        settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, values))
+        settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, values))
         hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
-            layout.setting_text(sweep, x, v) for v in layout.values_of(sweep, x)], y_names=[
-                layout.setting_text(sweep, y, v) for v in layout.values_of(sweep, y)], invalid=invalid)
+            layout.setting_text(selection, x, v) for v in layout.values_of(selection, x)], y_names=[
+                layout.setting_text(selection, y, v) for v in layout.values_of(selection, y)], invalid=invalid)
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
     for i in range(len(shown)):
         made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
-    ticks(made[0, 0].xaxis, x, sweep, 15 // columns + 1)
-    ticks(made[0, 0].yaxis, y, sweep, 12 if rows == 1 else 8)
-    figure.supxlabel(layout.axis_label(sweep, x), fontsize=9.5)
-    figure.supylabel(layout.axis_label(sweep, y), fontsize=9.5)
+    ticks(made[0, 0].xaxis, x, selection, 15 // columns + 1)
+    ticks(made[0, 0].yaxis, y, selection, 12 if rows == 1 else 8)
+    figure.supxlabel(layout.axis_label(selection, x), fontsize=9.5)
+    figure.supylabel(layout.axis_label(selection, y), fontsize=9.5)
     bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
                           label=label, aspect=30, pad=0.02)
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     name = NAME + column
     style.save(figure, folder / (name + ".png"))
-    head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
-    text = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
+    head = f"{title} over {layout.name(selection, x)} and {layout.name(selection, y)}"
+    text = caption(every, [layout.name(selection, k) for k in others], len(shown), of)
     return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
 
 
@@ -232,14 +233,14 @@ def caption(every, others, shown, of):
     return text
 
 
-def figures(sweep, folder):
-    plan = plane(sweep)
+def figures(selection, folder):
+    plan = plane(selection)
     if plan is None:
         return []
-    many = len(layout.groups(sweep)) > style.CURVES  # otherwise the other measures are drawn as curves
+    many = len(layout.groups(selection)) > style.CURVES  # otherwise the other measures are drawn as curves
     measures = list(MEASURES if many else MEASURES[:4])
-    if not all(map(wake.is_passed, layout.ordinary(sweep))):
+    if not all(wake.is_passed(c, *traces(c).nearest_m) for c in layout.ordinary(selection)):
         measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
     else:
-        measures += band_measures(sweep)
-    return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]
+        measures += band_measures(selection)
+    return [f for m in measures if (f := heat_figure(selection, folder, m, plan))]

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Time-averaged intensity of the surface with the shape that the focus draws."""
+import math
+
 import numpy as np
 
 from .. import wake
@@ -23,19 +25,19 @@ def window(found, shots, end):
             max(limits[3], high[1]))
 
 
-def figures(sweep, folder):
-    cells, columns = fig_surface.cells(sweep)
+def figures(selection, folder):
+    cells, columns = fig_surface.cells(selection)
     with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
     found = [f for f in with_map if f]
     if not found or all(wake.runs_straight_on(c) for c, _ in found):
         return []
-    shots = [f and fig_surface.Snapshot(f[0], f[0].series["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
+    shots = [f and fig_surface.Snapshot(f[0], f[0].over_time["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
                                         1e6 * np.sqrt(f[1][2])) for f in with_map]
     end = max(s.u_um.max() for s in shots if s)
     if not end > 0:
         return []
     limits = window(found, [s for s in shots if s], end)
-    figure, made, bar_axes = fig_surface.arrange(sweep, shots, columns, limits)
+    figure, made, bar_axes = fig_surface.arrange(selection, shots, columns, limits)
     for axes, shot, cell in zip(made, shots, with_map):
         if not shot:
             continue
@@ -45,7 +47,7 @@ def figures(sweep, folder):
         draw_lines(axes, cell[1][3])
         fig_surface.frame(axes, limits)
         fig_surface.attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits, "rms of u")
-        share = number(shot.case.value("sharpness_1"), 3)
+        share = number(shot.case.value("sharpness_1", math.nan), 3)
         if share and warnings_of.is_valid(shot.case):
             fig_surface.note(axes, f"sharpness {share}", "white")
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal",
@@ -55,7 +57,7 @@ def figures(sweep, folder):
     style.save(figure, folder / "intensity.png")
     text = ("Root of the time-averaged intensity, the mean of u² over complete periods, of "
             f"{layout.plane_name([c for c, _ in found])}, on the same colour scale in all panels. Dashed lines or crosses: the shape that the focus draws.")
-    if any(s and number(s.case.value("sharpness_1")) and warnings_of.is_valid(s.case) for s in shots):
+    if any(s and number(s.case.value("sharpness_1", math.nan)) and warnings_of.is_valid(s.case) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity seen from above", maps=hover.maps_of(figure),

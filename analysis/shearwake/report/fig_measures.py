@@ -39,64 +39,64 @@ SHARPNESS = {
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
-def draw_column(axes, sweep, curves, column, figure):
+def draw_column(axes, selection, curves, column, figure):
     """Draws one column of the table with its error bars, one line per curve, as a part of the figure of this name."""
-    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
-        x, y = curves_module.draw_curve(axes, sweep, group, column, figure, aside, marker=marker, color=colour,
-                                        linestyle="-" if layout.is_numeric(sweep) else "none")
+    for (group, colour, marker), aside in zip(curves, curves_module.asides(selection, curves)):
+        x, y = curves_module.draw_curve(axes, selection, group, column, figure, aside, marker=marker, color=colour,
+                                        linestyle="-" if layout.is_numeric(selection) else "none")
         draw_errors(axes, x, y, group.cases, column, colour)
     axes.margins(y=0.12)
     curves_module.widen(axes)
 
 
-def ratio_curves(sweep, folder, column, name, label):
+def ratio_curves(selection, folder, column, name, label):
     """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
-    curves = curves_module.curves_of(sweep)
+    curves = curves_module.curves_of(selection)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    draw_column(axes, sweep, curves, sweep.ratio_of(column), name)
+    draw_column(axes, selection, curves, selection.ratio_of(column), name)
     axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
     axes.set_ylabel(label)
-    reference = layout.reference_name(layout.all_references(sweep))
+    reference = layout.reference_name(layout.all_references(selection))
     style.label_right(axes, [(1.0, reference, style.INK)])
-    finish(figure, axes, sweep, curves, folder / (name + ".png"))
-    chart = curve_chart(sweep, name, sweep.ratio_of(column), label)
-    x = sorted({layout.x_position(sweep, c) for c in layout.ordinary(sweep)})
+    finish(figure, axes, selection, curves, folder / (name + ".png"))
+    chart = curve_chart(selection, name, selection.ratio_of(column), label)
+    x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
     chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
     return [chart]
 
 
-def finish(figure, axes, sweep, curves, path):
-    curves_module.set_x_axis(axes, sweep)
+def finish(figure, axes, selection, curves, path):
+    curves_module.set_x_axis(axes, selection)
     curves_module.legend_above(figure, curves)
     style.save(figure, path)
 
 
-def gain_figure(sweep, folder):
+def gain_figure(selection, folder):
     """eta relative to that of the reference, both as means over periods."""
-    if not sweep.x or not curves_module.has_any(sweep, sweep.ratio_of("eta_period_1")):
+    if not selection.x or not curves_module.has_any(selection, selection.ratio_of("eta_period_1")):
         return None
-    name = layout.reference_name(layout.all_references(sweep))
-    charts = ratio_curves(sweep, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
-    title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
-    within = "in the same medium" if curves_module.is_steady(sweep) else "in the same time window and medium"
+    name = layout.reference_name(layout.all_references(selection))
+    charts = ratio_curves(selection, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
+    title = f"Efficiency relative to {name} against {layout.name(selection, selection.x)}"
+    within = "in the same medium" if curves_module.is_steady(selection) else "in the same time window and medium"
     return Figure("gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
                   f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
-                  + error_caption(sweep, sweep.ratio_of("eta_period_1"))
-                  + invalid_caption(sweep, "gain", sweep.ratio_of("eta_period_1")), title, charts)
+                  + error_caption(selection, selection.ratio_of("eta_period_1"))
+                  + invalid_caption(selection, "gain", selection.ratio_of("eta_period_1")), title, charts)
 
 
-def strength_figure(sweep, folder):
+def strength_figure(selection, folder):
     """rms over the focal disc relative to the reference; None without a reference."""
-    if not sweep.x or not layout.all_references(sweep) or not curves_module.has_any(sweep, "focal_rms_um"):
+    if not selection.x or not layout.all_references(selection) or not curves_module.has_any(selection, "focal_rms_um"):
         return None
-    title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
-    name = layout.reference_name(layout.all_references(sweep))
-    charts = ratio_curves(sweep, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
-    caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}, the dashed "
-               "line at 1." + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um"))
-               + invalid_caption(sweep, "strength", sweep.ratio_of("focal_rms_um")))
+    title = f"Strength at the focus against {layout.name(selection, selection.x)}"
+    name = layout.reference_name(layout.all_references(selection))
+    charts = ratio_curves(selection, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
+    caption = (f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed "
+               "line at 1." + impulse_caption(selection, name) + error_caption(selection, selection.ratio_of("focal_rms_um"))
+               + invalid_caption(selection, "strength", selection.ratio_of("focal_rms_um")))
     return Figure("strength", title, caption, title, charts)
 
 
@@ -104,37 +104,37 @@ DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
                 ("peak_um", "peak (µm)", "largest displacement")]
 
 
-def displacement_figure(sweep, folder):
+def displacement_figure(selection, folder):
     """The rms over the focal disc and the peak in micrometres."""
-    rows = [row for row in DISPLACEMENT if curves_module.has_any(sweep, row[0])]
-    if not sweep.x or not rows:
+    rows = [row for row in DISPLACEMENT if curves_module.has_any(selection, row[0])]
+    if not selection.x or not rows:
         return None
-    curves = curves_module.curves_of(sweep)
+    curves = curves_module.curves_of(selection)
     figure, made = curves_module.panels(len(rows), curves)
     for axes, (column, label, title) in zip(made, rows):
-        draw_column(axes, sweep, curves, column, "displacement")
-        style.label_right(axes, curves_module.reference_lines(axes, sweep, curves, column, "displacement"))
+        draw_column(axes, selection, curves, column, "displacement")
+        style.label_right(axes, curves_module.reference_lines(axes, selection, curves, column, "displacement"))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
-    finish(figure, made[-1], sweep, curves, folder / "displacement.png")
-    title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
-    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(sweep)}.",
-             "peak_um": "largest |u| within one period." if curves_module.is_steady(sweep) else
+    finish(figure, made[-1], selection, curves, folder / "displacement.png")
+    title = f"Displacement in µm against {layout.name(selection, selection.x)}"
+    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(selection)}.",
+             "peak_um": "largest |u| within one period." if curves_module.is_steady(selection) else
              "largest |u| from the start of the run to the instant measure.at_ms."}
     starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
     caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
-    if layout.all_references(sweep):
-        caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
+    if layout.all_references(selection):
+        caption += f" Dashed lines: {layout.reference_name(layout.all_references(selection))}."
     columns = [row[0] for row in rows]
-    caption += error_caption(sweep, *columns) + invalid_caption(sweep, "displacement", *columns)
-    return Figure("displacement", title, caption, title, [curve_chart(sweep, "displacement", *row) for row in rows])
+    caption += error_caption(selection, *columns) + invalid_caption(selection, "displacement", *columns)
+    return Figure("displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])
 
 
-def impulse_caption(sweep, name):
+def impulse_caption(selection, name):
     """States the impulse relative to the reference, since half the mean force halves the displacement."""
-    shares = [c.value("impulse_mN_ms") / sweep.reference_of(c).value("impulse_mN_ms")
-              for c in layout.ordinary(sweep)
-              if sweep.reference_of(c) and sweep.reference_of(c).value("impulse_mN_ms")]
+    shares = [c.value("impulse_mN_ms", math.nan) / selection.reference_of(c).value("impulse_mN_ms", math.nan)
+              for c in layout.ordinary(selection)
+              if selection.reference_of(c) and selection.reference_of(c).value("impulse_mN_ms", math.nan)]
     shares = [s for s in shares if not math.isnan(s)]
     if not shares or (min(shares) > 0.99 and max(shares) < 1.01):
         return ""
@@ -143,13 +143,13 @@ def impulse_caption(sweep, name):
     return f" The impulse on the skin (mean force times time) is {amount} times that of {name}."
 
 
-def figures(sweep, folder):
-    if len(layout.groups(sweep)) > style.CURVES:
+def figures(selection, folder):
+    if len(layout.groups(selection)) > style.CURVES:
         return []  # drawn as small multiples and heat maps instead
-    made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
-    made += [gain_figure(sweep, folder), strength_figure(sweep, folder),
-             displacement_figure(sweep, folder)]
-    if not all(map(wake.runs_straight_on, layout.ordinary(sweep))):
-        made.append(curves_module.measure_figure(sweep, folder, SHARPNESS))
-    made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]
+    made = [curves_module.measure_figure(selection, folder, m) for m in MEASURES[:1]]
+    made += [gain_figure(selection, folder), strength_figure(selection, folder),
+             displacement_figure(selection, folder)]
+    if not all(map(wake.runs_straight_on, layout.ordinary(selection))):
+        made.append(curves_module.measure_figure(selection, folder, SHARPNESS))
+    made += [curves_module.measure_figure(selection, folder, m) for m in MEASURES[1:]]
     return [f for f in made if f]

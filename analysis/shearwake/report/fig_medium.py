@@ -104,13 +104,13 @@ def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0
     return made
 
 
-def scene(sweep, case):
+def scene(selection, case):
     """The slices of a case with layers, bodies or a map, through the first body or the centre; None without the file of
     the map."""
-    medium, domain = case.physics["medium"], case.physics["domain"]
+    medium, domain = case.parameters["medium"], case.parameters["domain"]
     grid = None
     if "map" in medium:
-        path = medium_files.file_of(sweep, case, "medium.map")
+        path = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "medium.map")
         grid = path and medium_files.read_map(path)
         if grid is None:
             return None
@@ -125,7 +125,7 @@ def scene(sweep, case):
     bodies = medium.get("body", [])
     centre = 1e3 * np.array(bodies[0]["centre_m"][:2] if bodies else (0.0, 0.0))
     ends = [(-500.0 * domain["spacing_m"] * domain[n], 500.0 * domain["spacing_m"] * domain[n]) for n in ("nx", "ny")]
-    path = wake.focus_at(case, case.series["time"][-1])[2]
+    path = wake.focus_at(case, case.over_time["time"][-1])[2]
     if grid is None:
         ends = [shown(axis, *ends[axis], path, bodies, depth_mm(medium)) for axis in (0, 1)]
     return slices(*ends, depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))
@@ -151,9 +151,9 @@ def shown(axis, low, high, path, bodies, depth):
     return max(low, min(ends) - depth), min(high, max(ends) + depth)
 
 
-def study(sweep, case):
+def study(selection, case):
     """The slices of a k-Wave study through the middle of its sources; None without its file."""
-    path = medium_files.file_of(sweep, case, "solver.pstd.study")
+    path = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "solver.pstd.study")
     found = path and medium_files.read_study(path, case)
     if not found:
         return None
@@ -170,11 +170,11 @@ def is_study(case):
     return bool(case.setting("solver", "study", default=""))
 
 
-def slices_of(sweep, case):
+def slices_of(selection, case):
     if is_study(case):
-        return study(sweep, case)
+        return study(selection, case)
     has_layers = case.setting("medium", "layer", default=[]) and "nx" in case.setting("domain", default={})
-    return scene(sweep, case) if has_layers else None
+    return scene(selection, case) if has_layers else None
 
 
 def draw(axes, plane, norm):
@@ -217,29 +217,29 @@ def draw_scale(figure, image, axes, values, where="everywhere"):
         mark_speeds(bar, values, image.norm)
 
 
-def different(sweep):
+def different(selection):
     """The first case of each medium."""
     found = {}
-    for case in layout.ordinary(sweep):
+    for case in layout.ordinary(selection):
         key = json.dumps([case.setting("medium", default={}), case.setting("solver", "study", default="")], default=str)
         found.setdefault(key, case)
     return list(found.values())
 
 
-def figures(sweep, folder):
-    every = different(sweep)
-    pairs = [(c, found) for c in layout.evenly(every, CASES) if (found := slices_of(sweep, c))]
+def figures(selection, folder):
+    every = different(selection)
+    pairs = [(c, found) for c in layout.evenly(every, CASES) if (found := slices_of(selection, c))]
     if not pairs:
         return []
     values = np.unique(np.concatenate([np.unique(p.c_s[np.isfinite(p.c_s)]) for _, row in pairs for p in row]))
     low, high = values[0], values[-1] if values[-1] > values[0] else 1.2 * values[0] + 1e-3
     norm = plt.matplotlib.colors.LogNorm(low, high) if high > UNLIKE * low > 0 else plt.Normalize(low, high)
     figure, made, bar_axes = to_scale.arrange(
-        [(layout.medium_label(sweep, case) if len(every) > 1 else "",
+        [(layout.medium_label(selection, case) if len(every) > 1 else "",
           [(plane.name, plane.extent[1] - plane.extent[0], plane.extent[2] - plane.extent[3]) for plane in row])
          for case, row in pairs])
     image = [draw(axes, plane, norm) for pair, (_, row) in zip(made, pairs) for axes, plane in zip(pair, row)][-1]
-    grey = any(is_grey(body) for c, _ in pairs for body in c.physics["medium"].get("body", []))
+    grey = any(is_grey(body) for c, _ in pairs for body in c.parameters["medium"].get("body", []))
     draw_scale(figure, image, bar_axes, values, "outside of the rigid bodies" if grey else "everywhere")
     style.save(figure, folder / "medium.png")
     return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
@@ -250,17 +250,17 @@ def caption(cases, every):
     studies = any(map(is_study, cases))
     text = ("Vertical slices of the medium through "
             + ("the middle of the sources" if studies else
-               "the first body" if any(c.physics["medium"].get("body") for c in cases) else "the centre")
+               "the first body" if any(c.parameters["medium"].get("body") for c in cases) else "the centre")
             + ", coloured by the shear-wave speed. ")
     text += ("Orange: all source nodes; crosses: sensor nodes; both are projected onto the slices."
              if studies else "Orange: path of the focus at the surface.")
-    if not studies and not any("map" in c.physics["medium"] for c in cases):
+    if not studies and not any("map" in c.parameters["medium"] for c in cases):
         text += " The layers continue to the ends of the domain."
-    if any(c.physics["medium"].get("body") for c in cases):
+    if any(c.parameters["medium"].get("body") for c in cases):
         text += " Bodies are drawn as the job defines them; an engine may treat them as rigid or cap their stiffness."
-    if any(is_grey(body) for c in cases for body in c.physics["medium"].get("body", [])):
+    if any(is_grey(body) for c in cases for body in c.parameters["medium"].get("body", [])):
         text += " Rigid bodies without a shear-wave speed are grey."
-    if any("map" in c.physics["medium"] for c in cases):
+    if any("map" in c.parameters["medium"] for c in cases):
         text += " The map is read from its file, which has not changed since the run."
     if len(cases) < every:
         text += f" {len(cases)} of {every} media {'is' if len(cases) == 1 else 'are'} drawn; {OTHERS}."

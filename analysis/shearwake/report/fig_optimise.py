@@ -26,7 +26,7 @@ def panels(count, height, **more):
     return figure, list(made.flat[:count])
 
 
-def draw_front(sweep, axes, rows):
+def draw_front(selection, axes, rows):
     axes.plot([r["strength_at_least_1"] for r in rows], [r["eta_ceiling_1"] for r in rows], color=style.INK,
               linestyle="--", label="upper bound")
     for label, name in KINDS:
@@ -36,7 +36,7 @@ def draw_front(sweep, axes, rows):
                       label={"optimum": "optimum", "am": "best AM-STM"}.get(name, f"best {label} tried"), linestyle="-" if name == "optimum" else "none")
     axes.plot([1.0], [rows[0]["eta_unmodulated_1"]], color=COLOURS["unmodulated"], marker="s", linestyle="none",
               label="unmodulated")
-    axes.set_title(title_of(sweep, rows[0]), loc="left", color="#555555")
+    axes.set_title(title_of(selection, rows[0]), loc="left", color="#555555")
 
 
 def finish(figure, made, x, y):
@@ -49,37 +49,37 @@ def finish(figure, made, x, y):
     style.legend_strip(figure, list(handles.values()))
 
 
-def front(sweep, folder, table):
+def front(selection, folder, table):
     figure, made = panels(len(table), 2.2)
     for axes, rows in zip(made, table.values()):
-        draw_front(sweep, axes, rows)
+        draw_front(selection, axes, rows)
     made[0].set_ylim(bottom=0.0)  # of all panels
-    finish(figure, made, "strength (1)", NAMES.get(optima(sweep).maximised, optima(sweep).maximised))
+    finish(figure, made, "strength (1)", NAMES.get(optima(selection).maximised, optima(selection).maximised))
     style.save(figure, folder / "optimise_front.png")
-    return Figure("optimise_front", f"The largest {optima(sweep).maximised} for a given strength",
+    return Figure("optimise_front", f"The largest {optima(selection).maximised} for a given strength",
                   "The best envelope that was found for each strength, and the best AM-STM and the best of the SM-STM that were "
                   "tried, of at least the same strength. The strength is the rms over the focal disc relative to the load without "
                   "modulation. The dashed line is an upper bound for all envelopes from 0 to 1 that are linear between the knots, "
                   "with the motion of the optimum; it does not apply to SM-STM, which is another motion. "
                   "scripts/verify_certificate.py verifies it.",
-                  f"{optima(sweep).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
+                  f"{optima(selection).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
 
 
-def envelope(sweep, case, strength):
+def envelope(selection, case, strength):
     """Times in ms and values of an optimum, to the end of a period."""
-    optimum = optima(sweep).optimum(case, strength)
-    knots = optima(sweep).forms(optimum["forms"])["knots"]
+    optimum = optima(selection).optimum(case, strength)
+    knots = optima(selection).forms(optimum["forms"])["knots"]
     values = optimum["found"]["values"] + (optimum["found"]["values"][:1] if knots["repeat"] else [])
     return 1e3 * knots["interval_s"] * np.arange(len(values)), values
 
 
-def envelopes(sweep, folder, table):
+def envelopes(selection, folder, table):
     figure, made = panels(len(table), 1.8)
     for axes, (case, rows) in zip(made, table.items()):
         for colour, row in zip(style.distinct(len(rows)), rows):
             strength = row["strength_at_least_1"]
-            axes.plot(*envelope(sweep, case, strength), color=colour, label=f"strength {strength:g}")
-        axes.set_title(title_of(sweep, rows[0]), loc="left", color="#555555")
+            axes.plot(*envelope(selection, case, strength), color=colour, label=f"strength {strength:g}")
+        axes.set_title(title_of(selection, rows[0]), loc="left", color="#555555")
     finish(figure, made, "t (ms)", "force (1)")
     style.save(figure, folder / "optimise_envelopes.png")
     return Figure("optimise_envelopes", "The best envelopes",
@@ -88,23 +88,23 @@ def envelopes(sweep, folder, table):
 
 
 def draw_energy(made, case, name, unit):
-    t, inside, total = (case.series[key] for key in ("time", "focal_sum_u2", "sum_u2"))
+    t, inside, total = (case.over_time[key] for key in ("time", "focal_sum_u2", "sum_u2"))
     outside = (total - inside) / unit
     for axes, values in zip(made, (inside / unit, outside, np.gradient(outside, 1e3 * t))):
         axes.plot(1e3 * t, values, color=COLOURS[name], label=name)
 
 
-def energy(sweep, folder, table):
+def energy(selection, folder, table):
     """Energy at the focus and in the wake over time, for the first optimised case."""
     rows = next(iter(table.values()))
-    shown = {name: c for name, c in compared(sweep, rows, middle(rows)).items() if "focal_sum_u2" in c.series}
+    shown = {name: c for name, c in compared(selection, rows, middle(rows)).items() if "focal_sum_u2" in c.over_time}
     if "unmodulated" not in shown or "optimum" not in shown:
         return []
-    unit = shown["unmodulated"].series["sum_u2"].mean()
+    unit = shown["unmodulated"].over_time["sum_u2"].mean()
     figure, made = plt.subplots(4, 1, figsize=(style.WIDTH_in, 7.6), sharex=True, layout="constrained")
     for name, case in shown.items():
-        force = case.series["force"] / shown["unmodulated"].series["force"].max()
-        made[0].plot(1e3 * case.series["time"], force, color=COLOURS[name], label=name)
+        force = case.over_time["force"] / shown["unmodulated"].over_time["force"].max()
+        made[0].plot(1e3 * case.over_time["time"], force, color=COLOURS[name], label=name)
         draw_energy(made[1:], case, name, unit)
     for axes, label in zip(made, ("force (1)", "energy in the disc (1)", "energy elsewhere (1)", "its growth (1/ms)")):
         axes.set_ylabel(label)
@@ -117,16 +117,16 @@ def energy(sweep, folder, table):
     style.legend_strip(figure, made[0].get_legend_handles_labels()[0])
     style.save(figure, folder / "optimise_energy.png")
     return [Figure("optimise_energy", "Energy at the focus and in the wake",
-                   f"Force, sum of u² over the focal disc, and sum of u² over the rest of the measured region, for {title_of(sweep, rows[0])} "
+                   f"Force, sum of u² over the focal disc, and sum of u² over the rest of the measured region, for {title_of(selection, rows[0])} "
                    f"and a strength of at least {number(middle(rows), 3)}. The sums are relative to the mean over the region for the load "
                    "without modulation. The growth of the energy elsewhere is what flows into the wake less what is absorbed and "
                    "leaves the region.", "Force, energy at the focus and energy in the wake over time",
                    cases=[c.id for c in shown.values()])]
 
 
-def surfaces(sweep, folder, rows, place):
+def surfaces(selection, folder, rows, place):
     """The surfaces of one strength of an optimised case side by side."""
-    shots = [(name, c, fig_surface.snapshot(c)) for name, c in compared(sweep, rows, middle(rows)).items()]
+    shots = [(name, c, fig_surface.snapshot(c)) for name, c in compared(selection, rows, middle(rows)).items()]
     shots = [(name, c, shot) for name, c, shot in shots if shot is not None]
     if not shots:
         return []
@@ -148,17 +148,17 @@ def surfaces(sweep, folder, rows, place):
     figure.colorbar(image, ax=list(made.flat), label="$u_z$ (µm)")
     name = f"optimise_surfaces_{place}"
     style.save(figure, folder / f"{name}.png")
-    return [Figure(name, f"Surfaces: {title_of(sweep, rows[0])}",
+    return [Figure(name, f"Surfaces: {title_of(selection, rows[0])}",
                    "Displacement of the surface at the same instant: without modulation, with the best AM-STM and SM-STM, and with "
                    f"the optimum of strength {number(middle(rows), 3)}.",
                    "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
 
 
-def figures(sweep, folder):
-    if not is_study(sweep):
+def figures(selection, folder):
+    if not is_study(selection):
         return []
-    table = dict(list(by_case(sweep).items())[:CASES])
-    found = [front(sweep, folder, table), envelopes(sweep, folder, table), *energy(sweep, folder, table)]
+    table = dict(list(by_case(selection).items())[:CASES])
+    found = [front(selection, folder, table), envelopes(selection, folder, table), *energy(selection, folder, table)]
     for place, rows in enumerate(table.values(), start=1):
-        found += surfaces(sweep, folder, rows, place)
+        found += surfaces(selection, folder, rows, place)
     return found

@@ -73,8 +73,8 @@ def draw(shots, colours, labels, titles, path):
     return charts
 
 
-def figures(sweep, folder):
-    some = layout.lines_of_one_panel(sweep)
+def figures(selection, folder):
+    some = layout.lines_of_one_panel(selection)
     cases = layout.with_references(some)
     shots = [shot for case in cases if (shot := last_shot(case))]
     if not shots:

@@ -43,16 +43,16 @@ def scale_bar(axes):
     axes.text(x + length / 2, y + 0.015 * (high - low), f"{length} mm", ha="center", va="bottom", fontsize=9, zorder=6)
 
 
-def figures(sweep, folder):
-    cases = [c for c in layout.ordinary(sweep) if "afferents" in c.physics]
+def figures(selection, folder):
+    cases = [c for c in layout.ordinary(selection) if "afferents" in c.parameters]
     if not cases:
         return []
     case = cases[0]
-    afferents = fig_hand.Afferents(case.stored)
+    afferents = fig_hand.Afferents(case)
     kinds = afferents.present()
     if not kinds:
         return []
-    path = to_hand(afferents, wake.focus_at(case, case.series["time"][-1])[2])
+    path = to_hand(afferents, wake.focus_at(case, case.over_time["time"][-1])[2])
     figure, made = plt.subplots(1, len(kinds), squeeze=False, layout="constrained",
                                 figsize=(style.WIDTH_in, 4.6 if len(kinds) < 3 else 3.6))
     for axes, kind in zip(made[0], kinds):
@@ -77,6 +77,6 @@ def figures(sweep, folder):
     if len(places) < len(afferents.x):
         text += f" The {counted(len(afferents.x), 'receptor')} are at {counted(len(places), 'place')}."
     if len(cases) > 1:
-        text += f" The figure shows the first case, {layout.case_label(sweep, case)}; {OTHERS}."
+        text += f" The figure shows the first case, {layout.case_label(selection, case)}; {OTHERS}."
     title = "Receptors and path" if fig_hand.feels_stress(case) else "Receptors, pins and path"
     return [Figure("receptors", title, text, title + " on the hand", cases=[case.id])]

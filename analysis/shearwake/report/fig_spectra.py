@@ -11,7 +11,7 @@ from .. import wake
 from . import fig_frequency, fig_time, layout, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
-from .load import amplitude_spectrum
+from .load import amplitude_spectrum, traces
 from .words import listed, millimetres, number, split_unit
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
@@ -20,11 +20,11 @@ UNLIKE = 3.0  # largest ratio of the largest amplitudes of panels with a common 
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
 
 
-def own_frequency_Hz(sweep, case):
+def own_frequency_Hz(selection, case):
     """The modulation frequency of the case if x is a modulation frequency, else NaN."""
-    name, unit = split_unit(sweep.x or "")
+    name, unit = split_unit(selection.x or "")
     factor = {"Hz": 1.0, "kHz": 1e3}.get(unit)
-    value = case.settings.get(sweep.x)
+    value = case.settings.get(selection.x)
     if name not in MODULATIONS or factor is None or not layout.is_number(value):
         return math.nan
     return factor * value
@@ -32,8 +32,9 @@ def own_frequency_Hz(sweep, case):
 
 def spectrum(case):
     """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
-    frequency, amplitude = case.spectrum
-    return frequency[frequency > 0], amplitude[frequency > 0]
+    found = traces(case)
+    shown = found.frequency_Hz > 0
+    return found.frequency_Hz[shown], found.amplitude_m[found.nearest, shown]
 
 
 def unit_of(cases):
@@ -45,8 +46,8 @@ def unit_of(cases):
 def velocity_spectrum(case):
     """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s. The skin is at rest at t = 0 or, in the
     periodic regime, moves as at the end of the period."""
-    nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
-    interval_s = float(case.series["time"][1] - case.series["time"][0])
+    nearest = traces(case).u_z_m[traces(case).nearest]
+    interval_s = float(case.over_time["time"][1] - case.over_time["time"][0])
     velocity = np.diff(nearest, prepend=0.0) / interval_s
     if layout.repeats(case):
         velocity[0] = (nearest[0] - nearest[-1]) / interval_s
@@ -57,7 +58,7 @@ def velocity_spectrum(case):
 
 def of_one_period(cases):
     """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
-    ends = {round(float(c.series["time"][-1]), 9) for c in cases}
+    ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
     return all(layout.repeats(c) for c in cases) and len(ends) == 1
 
 
@@ -78,23 +79,23 @@ def draw_spectrum(axes, case, frequency, values, coincide, **look):
     axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
 
 
-def draw_case(axes, sweep, case, frequency, values, coincide, colour, **look):
+def draw_case(axes, selection, case, frequency, values, coincide, colour, **look):
     draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
-    own = own_frequency_Hz(sweep, case)
+    own = own_frequency_Hz(selection, case)
     if own <= SHOWN_Hz:
         axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
                   transform=axes.get_xaxis_transform())
 
 
-def plain_of(sweep, case):
+def plain_of(selection, case):
     """The case with which a case is compared: its reference, or STM in a sweep over the modulation. A
     reference and STM are compared with themselves. None if there is no such case."""
-    if reference := sweep.reference_of(case):
+    if reference := selection.reference_of(case):
         return reference
     if case.is_reference or kind_of(case) == "STM":
         return case
     same = {k: v for k, v in case.settings.items() if "modulation" not in k or "speed_m_s" in k}
-    return next((c for c in layout.ordinary(sweep) if kind_of(c) == "STM"
+    return next((c for c in layout.ordinary(selection) if kind_of(c) == "STM"
                  and all(c.settings.get(k) == v for k, v in same.items())), None)
 
 
@@ -103,13 +104,13 @@ def kind_of(case):
 
 
 def largest(case):
-    return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and case.spectrum else 0.0
+    return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and traces(case) else 0.0
 
 
-def rows_of(sweep):
+def rows_of(selection):
     """The panels that contain a spectrum: (title, cases, reference or None)."""
-    rows = [(title, [c for c in drawn if c.spectrum], reference)
-            for title, drawn, reference in layout.rows(sweep)]
+    rows = [(title, [c for c in drawn if traces(c)], reference)
+            for title, drawn, reference in layout.rows(selection)]
     return [row for row in rows if row[1]]
 
 
@@ -123,17 +124,17 @@ def highest(curves, own_Hz, end_Hz):
     return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
 
 
-def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
+def draw_rows(selection, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
     value. Returns whether the panels share their scale, and the charts of the panels."""
     cases = [c for _, drawn, _ in rows for c in drawn]
-    colours = fig_time.colours_by_x(sweep, cases)
-    few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
+    colours = fig_time.colours_by_x(selection, cases)
+    few = len(layout.x_values(selection)) <= style.DIRECT_LABELS if selection.x else True
     height = 3.4 if len(rows) == 1 else 2.3
-    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and reference.spectrum else [])])
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and traces(reference) else [])])
             for _, drawn, reference in rows]
     alike = bool(max(tops) <= UNLIKE * min(tops))
-    own_Hz = [own_frequency_Hz(sweep, c) for c in cases]
+    own_Hz = [own_frequency_Hz(selection, c) for c in cases]
     coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
     shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
@@ -142,35 +143,35 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for low, high in bands(drawn):
             axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
-        if reference and reference.spectrum:
+        if reference and traces(reference):
             draw_spectrum(axes, reference, *curve_of(reference), coincide, color="black", linewidth=1.4,
                           linestyle=fig_time.DASHED)
         for case in drawn:
             frequency, values = curve_of(case)
-            draw_case(axes, sweep, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
+            draw_case(axes, selection, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
                       linestyle=fig_time.DASHED if case.is_reference else "-")
             if peaks:
                 top = np.nanargmax(values)
                 axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
-        axes.set_xlim(0.0, min(shown_Hz, drawn[0].spectrum[0][-1]))
+        axes.set_xlim(0.0, min(shown_Hz, traces(drawn[0]).frequency_Hz[-1]))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     for axes in made[:, 0]:
         axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
     made[-1, 0].set_xlabel("frequency (Hz)")
-    if sweep.x:
-        fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
+    if selection.x:
+        fig_time.add_x_key(figure, list(made[:, 0]), selection, colours)
     style.save(figure, path)
     y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
-    marks = [row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
-    return alike, [row_chart(sweep, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
+    marks = [row_marks(selection, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
+    return alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
 
 
-def row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks):
+def row_marks(selection, drawn, colours, curve_of, end_Hz, peaks):
     """The band of the table, the modulation frequencies of the cases, and the largest values."""
     marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
     for case in drawn:
-        own = own_frequency_Hz(sweep, case)
+        own = own_frequency_Hz(selection, case)
         if own <= end_Hz:
             marks.append(Mark("tick", own, colour=colours[case.id], case=case.id))
         if peaks:
@@ -180,14 +181,14 @@ def row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks):
     return marks
 
 
-def row_chart(sweep, row, colours, label, curve_of, y_limits, marks, end_Hz):
+def row_chart(selection, row, colours, label, curve_of, y_limits, marks, end_Hz):
     """The interactive version of one panel."""
     title, drawn, reference = row
     lines = []
-    for case in [*drawn, *([reference] if reference and reference.spectrum else [])]:
+    for case in [*drawn, *([reference] if reference and traces(reference) else [])]:
         frequency, values = curve_of(case)
         shown = frequency <= end_Hz
-        lines.append(Line(warnings_of.label(sweep, case, "spectra"), frequency[shown], values[shown],
+        lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency[shown], values[shown],
                           "black" if case is reference else colours[case.id], case.id, dashed=case.is_reference,
                           dots=layout.repeats(case)))
     return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title,
@@ -200,13 +201,13 @@ def bands(cases):
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
-def relative_figure(sweep, folder, rows):
+def relative_figure(selection, folder, rows):
     """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
     of the references do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
-    plain = {c.id: plain_of(sweep, c) for c in drawn}
+    plain = {c.id: plain_of(selection, c) for c in drawn}
     if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
-            or not all(map(wake.is_passed, plain.values()))):
+            or not all(wake.is_passed(c, *traces(c).nearest_m) for c in plain.values())):
         return None
     name = layout.reference_name(list(plain.values()))
 
@@ -214,7 +215,7 @@ def relative_figure(sweep, folder, rows):
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    _, charts = draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
+    _, charts = draw_rows(selection, rows, f"amplitude over the\nlargest of {name} (1)", relative,
                           folder / "spectra_relative.png")
     text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
@@ -222,18 +223,18 @@ def relative_figure(sweep, folder, rows):
                   f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
 
 
-def velocity_figure(sweep, folder, rows):
+def velocity_figure(selection, folder, rows):
     """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
-    if [of for _, of in fig_frequency.peaks(sweep)] != ["du/dt"]:
+    if [of for _, of in fig_frequency.peaks(selection)] != ["du/dt"]:
         return None
-    if not all(c.traces for _, cases, _ in rows for c in cases):
+    if not all(traces(c) for _, cases, _ in rows for c in cases):
         return None
-    alike, charts = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
+    alike, charts = draw_rows(selection, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
                       folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
     how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
     text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
-    where = layout.place_words(c.trace_at_m for _, cases, _ in rows for c in cases)
+    where = layout.place_words(traces(c).nearest_m for _, cases, _ in rows for c in cases)
     return Figure("spectra_velocity", f"Spectra of the velocity {where}", text,
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
@@ -242,35 +243,35 @@ def own_scale(alike):
     return "" if alike else " Each panel has its own scale."
 
 
-def figures(sweep, folder):
-    sweep = layout.fewer_lines(sweep)
-    cases = [c for c in layout.ordinary(sweep) if c.spectrum]
-    rows = rows_of(sweep)
+def figures(selection, folder):
+    selection = layout.fewer_lines(selection)
+    cases = [c for c in layout.ordinary(selection) if traces(c)]
+    rows = rows_of(selection)
     if not cases or not rows:
         return []
-    unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
+    unit, factor = unit_of(cases + [r for r in layout.all_references(selection) if traces(r)])
 
     def shown(case):
         frequency, amplitude = spectrum(case)
         return frequency, factor * amplitude
 
-    alike, charts = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
-    text = caption(sweep, cases) + own_scale(alike)
+    alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    text = caption(selection, cases) + own_scale(alike)
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
-            velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
+            velocity_figure(selection, folder, rows), relative_figure(selection, folder, rows)]
     shown = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
     return [replace(f, cases=shown) for f in made if f]
 
 
 def spectra_title(cases):
-    at_centre = all(math.hypot(*c.trace_at_m) < 1e-9 for c in cases)
+    at_centre = all(math.hypot(*traces(c).nearest_m) < 1e-9 for c in cases)
     return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
 
 
-def caption(sweep, cases):
-    places = sorted({tuple(millimetres(1e3 * v) for v in c.trace_at_m) for c in cases})
-    duration = {round(c.series["time"][-1], 9) for c in cases}
+def caption(selection, cases):
+    places = sorted({tuple(millimetres(1e3 * v) for v in traces(c).nearest_m) for c in cases})
+    duration = {round(c.over_time["time"][-1], 9) for c in cases}
     where = listed(f"({x}, {y}) mm" for x, y in places)
     where += "" if (plane := layout.plane_name(cases)) == "the surface" else f" in {plane}"
     if all(layout.repeats(c) for c in cases):
@@ -280,16 +281,16 @@ def caption(sweep, cases):
     if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
         run = duration.pop()
         text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(2 / run, 2)} Hz apart."
-    passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
+    passing = {number(t, 3) if (t := wake.passing_ms(c, *traces(c).nearest_m)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
         text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
         if any(kind_of(c) != "STM" for c in cases):
             text += " Their heights depend on the phase of the modulation at that time."
-    if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
-        text += f" Ticks on the axis: the {layout.name(sweep, sweep.x)} of each case."
+    if any(not math.isnan(own_frequency_Hz(selection, c)) for c in cases):
+        text += f" Ticks on the axis: the {layout.name(selection, selection.x)} of each case."
     if bands(cases):
         low, high = bands(cases)[0]
         text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."
-    if references := layout.all_references(sweep):
+    if references := layout.all_references(selection):
         text += f" Dashed: {layout.reference_name(references)}."
     return text

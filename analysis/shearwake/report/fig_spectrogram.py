@@ -7,6 +7,7 @@ import numpy as np
 
 from . import hover, layout, references, style, warnings_of
 from .figure import Figure
+from .load import traces
 from .words import millimetres, number
 
 SHOWN_Hz = 1000.0
@@ -32,25 +33,25 @@ def spectrogram(u, interval_s, window, repeats=False):
     return times, np.fft.rfftfreq(padded, interval_s), amplitude
 
 
-def chosen(sweep):
+def chosen(selection):
     """The reference, then cases from the first to the last curve."""
-    return [c for c in references.first_and_last(sweep, CASES) if c.traces and len(c.series["time"]) >= LEAST]
+    return [c for c in references.first_and_last(selection, CASES) if traces(c) and len(c.over_time["time"]) >= LEAST]
 
 
 def points(case):
     """The trace points nearest to the centre, nearest first."""
-    return sorted(case.traces, key=lambda trace: math.hypot(*trace[0]))[:POINTS]
+    return sorted(zip(traces(case).points_m, traces(case).u_z_m), key=lambda trace: math.hypot(*trace[0]))[:POINTS]
 
 
 def compute(case):
-    time = case.series["time"]
+    time = case.over_time["time"]
     interval_s = float(time[1] - time[0])
     window = max(8, round(len(time) / WINDOWS))
     return [(at, *spectrogram(u, interval_s, window, layout.repeats(case))) for at, u in points(case)]
 
 
 def window_words(cases):
-    times = [c.series["time"] for c in cases]
+    times = [c.over_time["time"] for c in cases]
     lengths_s = sorted(max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0]) for time in times)
     if lengths_s[-1] > 1.01 * lengths_s[0]:
         return (f"The Hann window is a third of the time shown, {number(1e3 * lengths_s[0], 3)} to "
@@ -66,8 +67,8 @@ def extent(x, y):
     return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
 
 
-def figures(sweep, folder):
-    cases = chosen(sweep)
+def figures(selection, folder):
+    cases = chosen(selection)
     if not cases:
         return []
     every = [compute(c) for c in cases]
@@ -81,7 +82,7 @@ def figures(sweep, folder):
     else:
         cells = [(c, *cell) for c, row in zip(cases, every) for cell in row]
     rows = math.ceil(len(cells) / columns)
-    ends = {round(float(c.series["time"][-1]), 9) for c in cases}
+    ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
     alike = len(ends) == 1 or not any(layout.repeats(c) for c in cases)
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=alike, sharey=True,
                                 layout="constrained",
@@ -95,7 +96,7 @@ def figures(sweep, folder):
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({millimetres(1e3 * at[0])}, {millimetres(1e3 * at[1])}) mm")
-        title = layout.wrapped(warnings_of.label(sweep, case, "spectrograms") + place, 6.6 / columns)
+        title = layout.wrapped(warnings_of.label(selection, case, "spectrograms") + place, 6.6 / columns)
         axes.set_title(title, loc="left", fontsize=8.5)
     for axes in made.flat[len(cells):]:
         axes.set_visible(False)

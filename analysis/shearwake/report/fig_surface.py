@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from .. import wake
+from ..case import Case
 from . import hover, layout, load, references, style, warnings_of
 from .figure import Figure
 from .words import counted, listed, number
@@ -19,7 +20,7 @@ UNLIKE = 2.0  # if the wakes of curves differ by a larger factor, colours follow
 
 @dataclass
 class Snapshot:
-    case: load.Case
+    case: Case
     t_s: float
     x_mm: np.ndarray
     y_mm: np.ndarray
@@ -41,17 +42,17 @@ def some_rows(cases, columns):
                                                                                          most)
 
 
-def cells(sweep):
+def cells(selection):
     """The cases of the panels row by row (None: empty panel) and the number of columns. A single curve with one
     reference fills two columns; other curves have one column each, and references that depend on x another."""
-    groups = layout.groups(sweep)
-    depend_on_x = any(len(references.of_cases(sweep, g.cases)) > 1 for g in groups)
+    groups = layout.groups(selection)
+    depend_on_x = any(len(references.of_cases(selection, g.cases)) > 1 for g in groups)
     found = layout.evenly(groups, COLUMNS // 2 if depend_on_x else COLUMNS)
     if len(found) == 1 and not depend_on_x:
-        cases = references.of_cases(sweep, found[0].cases) + some_rows(found[0].cases, 1)
+        cases = references.of_cases(selection, found[0].cases) + some_rows(found[0].cases, 1)
         return cases, min(2, len(cases))
     width = len(found) + depend_on_x
-    columns = references.columns_of(sweep, found, lambda cases: some_rows(cases, width))
+    columns = references.columns_of(selection, found, lambda cases: some_rows(cases, width))
     rows = max(map(len, columns), default=0)
     columns = [column + [None] * (rows - len(column)) for column in columns]
     return [column[row] for row in range(rows) for column in columns], len(columns)
@@ -98,7 +99,7 @@ def draw(axes, shot, norm, limits):
     lines = wake.draw_theory(axes, shot.case, shot.t_s)
     frame(axes, limits)
     attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits)
-    fitted = shot.case.value("mach_angle_deg")
+    fitted = shot.case.value("mach_angle_deg", math.nan)
     if not math.isnan(fitted) and warnings_of.is_valid(shot.case):
         text = note(axes, f"fitted: {number(fitted, 3)}°", style.INK)
         text.set_bbox({"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 1.0})
@@ -138,7 +139,7 @@ def root_ticks(end, norm):
     return [*(-value for value in kept), 0.0, *reversed(kept)]
 
 
-def arrange(sweep, shots, columns, limits):
+def arrange(selection, shots, columns, limits):
     """Axes of equal scale with titles, hidden where there is no snapshot, and the axes of the colour bar.
     Lengths are in inches."""
     rows = math.ceil(len(shots) / columns)
@@ -149,7 +150,7 @@ def arrange(sweep, shots, columns, limits):
     if height > highest:
         left += 0.5 * columns * width * (1.0 - highest / height)
         width, height = width * highest / height, highest
-    titles = [layout.wrapped(warnings_of.label(sweep, s.case, "surface"), width) if s else "" for s in shots]
+    titles = [layout.wrapped(warnings_of.label(selection, s.case, "surface"), width) if s else "" for s in shots]
     down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
     total = rows * (height + down) + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))
@@ -177,16 +178,16 @@ def times(shots):
     return f"{' to '.join(number(1e3 * t) for t in dict.fromkeys([found[0], found[-1]]))} ms"
 
 
-def figures(sweep, folder):
-    cases, columns = cells(sweep)
+def figures(selection, folder):
+    cases, columns = cells(selection)
     grid = [snapshot(c) if c else None for c in cases]
     shots = [s for s in grid if s]
     if not shots:
         return []
-    curves = min(columns, len(layout.groups(sweep)))
+    curves = min(columns, len(layout.groups(selection)))
     end, norm = colour_scale([[s for s in grid[i::curves] if s] for i in range(curves)])
     limits = window(shots, end)
-    figure, made, bar_axes = arrange(sweep, grid, columns, limits)
+    figure, made, bar_axes = arrange(selection, grid, columns, limits)
     any_lines = False
     for axes, shot in zip(made, grid):
         if shot:
@@ -221,10 +222,10 @@ def caption(shots, any_lines, clipped):
                  "focus, so that the wake is visible, but at least at a fifth of the peak; larger values are "
                  "clipped.")
     if any_lines:
-        angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
+        angles = {number(s.case.value("mach_angle_theory_deg", math.nan), 3) for s in shots} - {""}
         text += (" Dashed: theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that instant, "
                  f"θ = {listed(a + '°' for a in sorted(angles))}; their length follows from the path.")
-    if any(not math.isnan(s.case.value("mach_angle_deg")) and warnings_of.is_valid(s.case) for s in shots):
+    if any(not math.isnan(s.case.value("mach_angle_deg", math.nan)) and warnings_of.is_valid(s.case) for s in shots):
         text += " Fitted: angle of the computed wake, if its edge is straight."
     without = {}
     for s in shots:

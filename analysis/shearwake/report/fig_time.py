@@ -20,12 +20,12 @@ DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where 
 
 def in_mm2(case, name):
     spacing_mm = 1e3 * case.setting("domain", "spacing_m")
-    return case.series[name] * spacing_mm**2
+    return case.over_time[name] * spacing_mm**2
 
 
 MEASURES = [
     {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
-     "value": lambda case: case.series["eta"], "needs": "eta",
+     "value": lambda case: case.over_time["eta"], "needs": "eta",
      "caption": "η(t), the fraction of Σu² within the focal disc."},
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
@@ -41,12 +41,12 @@ MEASURES = [
 
 
 def time_ms(case):
-    return 1e3 * case.series["time"]
+    return 1e3 * case.over_time["time"]
 
 
 def settled(case):
     after, at = case.setting("measure", "settled_after_s"), case.setting("measure", "at_s")
-    time = case.series["time"]
+    time = case.over_time["time"]
     return (time >= after) & (time <= at * (1 + 1e-9))
 
 
@@ -64,38 +64,38 @@ def limits(cases, measure):
     return max(low / 2.0, high / DECADES), high * 2.0
 
 
-def colours_by_x(sweep, cases):
+def colours_by_x(selection, cases):
     """The colours of the cases. Few numeric values of x are coloured by rank, many by value; strings get
     distinct colours. A reference that has an x gets the colour of x, other references are black."""
-    if not sweep.x:
+    if not selection.x:
         return {c.id: style.PALETTE[0] for c in cases}
-    colours = dict.fromkeys((c.id for c in layout.all_references(sweep)), "black")
-    cases = [c for c in [*layout.all_references(sweep), *cases] if sweep.x in c.settings]
-    values = layout.x_values(sweep)
-    if not layout.is_numeric(sweep):
+    colours = dict.fromkeys((c.id for c in layout.all_references(selection)), "black")
+    cases = [c for c in [*layout.all_references(selection), *cases] if selection.x in c.settings]
+    values = layout.x_values(selection)
+    if not layout.is_numeric(selection):
         table = dict(zip(values, style.distinct(len(values))))
-        return colours | {c.id: table[c.settings[sweep.x]] for c in cases}
+        return colours | {c.id: table[c.settings[selection.x]] for c in cases}
     if len(values) <= style.DIRECT_LABELS:
         fractions = {v: i / max(1, len(values) - 1) for i, v in enumerate(values)}
-        return colours | {c.id: style.sequential(fractions[c.settings[sweep.x]]) for c in cases}
-    norm = x_norm(sweep)
-    return colours | {c.id: style.sequential(float(norm(c.settings[sweep.x]))) for c in cases}
+        return colours | {c.id: style.sequential(fractions[c.settings[selection.x]]) for c in cases}
+    norm = x_norm(selection)
+    return colours | {c.id: style.sequential(float(norm(c.settings[selection.x]))) for c in cases}
 
 
-def colours_in_one_panel(sweep, cases):
+def colours_in_one_panel(selection, cases):
     """The colours of cases that share a panel: those of x, or different ones if there are several curves. A reference
     has the colour of its first case if there are several, otherwise it is black."""
-    if len(layout.groups(sweep)) > 1:
+    if len(layout.groups(selection)) > 1:
         ordinary = [c for c in cases if not c.is_reference]
         colours = dict(zip((c.id for c in ordinary), style.distinct(len(ordinary))))
         several = sum(c.is_reference for c in cases) > 1
         own = {c.reference_id: colours[c.id] for c in reversed(ordinary)} if several else {}
         return {c.id: colours.get(c.id, own.get(c.id, "black")) for c in cases}
-    return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(sweep, cases)}
+    return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(selection, cases)}
 
 
-def x_norm(sweep):
-    values = layout.x_values(sweep)
+def x_norm(selection):
+    values = layout.x_values(selection)
     kind = plt.matplotlib.colors.LogNorm if layout.is_logarithmic(values) else plt.Normalize
     return kind(values[0], values[-1])
 
@@ -129,22 +129,22 @@ def frame(axes, cases, measure, y_limits):
         axes.set_ylim(*y_limits)
 
 
-def small_panels(sweep, measure, cases, colours):
+def small_panels(selection, measure, cases, colours):
     """One panel per case on shared axes, with its reference dashed."""
     columns = min(COLUMNS, len(cases))
     rows = math.ceil(len(cases) / columns)
     height = 1.25 if rows > 1 else 2.4
     figure, made = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False,
                                 figsize=(style.WIDTH_in, 0.95 + rows * (height + 0.24)))
-    y_limits = limits(cases + [r for c in cases if (r := sweep.reference_of(c))], measure)
+    y_limits = limits(cases + [r for c in cases if (r := selection.reference_of(c))], measure)
     for axes, case in zip(made.flat, cases):
-        reference = sweep.reference_of(case)
+        reference = selection.reference_of(case)
         if reference and reference is not case:
             draw(axes, reference, measure, color="black", linewidth=0.9, linestyle=DASHED)
         draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
         mark_times(axes, [case])
         frame(axes, cases, measure, y_limits)
-        title = layout.wrapped(warnings_of.label(sweep, case, measure["name"]), 2.8)
+        title = layout.wrapped(warnings_of.label(selection, case, measure["name"]), 2.8)
         axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
     for axes in made.flat[len(cases):]:
         axes.set_visible(False)
@@ -153,7 +153,7 @@ def small_panels(sweep, measure, cases, colours):
         last.tick_params(labelbottom=True)
         last.set_xlabel("time (ms)")
     figure.supylabel(measure["label"], fontsize=9.5, x=0.012)
-    add_key(figure, sweep, cases)
+    add_key(figure, selection, cases)
     arrange(figure, [axes.get_title(loc="left") for axes in made.flat], rows, columns)
     return figure
 
@@ -169,24 +169,24 @@ def arrange(figure, titles, rows, columns):
                            top=1.0 - (0.32 + above) / total, hspace=above / height, wspace=0.34 / width)
 
 
-def add_key(figure, sweep, cases):
+def add_key(figure, selection, cases):
     starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
     after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
     at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
-    reference = layout.reference_name(layout.all_references(sweep))
+    reference = layout.reference_name(layout.all_references(selection))
     dashed = [plt.Line2D([], [], color="black", linewidth=0.9, linestyle=DASHED, label=reference)]
-    has_reference = any(sweep.reference_of(c) for c in cases)
+    has_reference = any(selection.reference_of(c) for c in cases)
     figure.legend(handles=(dashed if has_reference else []) + after + at, ncol=3, loc="upper center",
                   bbox_to_anchor=(0.5, 1.0))
 
 
-def overlay(sweep, measure, cases, colours):
+def overlay(selection, measure, cases, colours):
     """One panel per series with its cases as thin lines coloured by x."""
-    rows = layout.rows(sweep)
+    rows = layout.rows(selection)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
                                 figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
                                 layout="constrained")
-    y_limits = limits(cases + layout.all_references(sweep), measure)
+    y_limits = limits(cases + layout.all_references(selection), measure)
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for case in drawn:
             draw(axes, case, measure, color=colours[case.id], linewidth=0.9,
@@ -198,16 +198,16 @@ def overlay(sweep, measure, cases, colours):
         axes.set_title(title, loc="left", color="#555555")
         axes.set_ylabel(measure["label"])
     made[-1, 0].set_xlabel("time (ms)")
-    add_x_key(figure, list(made[:, 0]), sweep, colours)
+    add_x_key(figure, list(made[:, 0]), selection, colours)
     return figure
 
 
-def add_x_key(figure, all_axes, sweep, colours):
+def add_x_key(figure, all_axes, selection, colours):
     """Adds the key of the colours: a legend for few values, a colour bar for many."""
-    values = layout.x_values(sweep)
-    if layout.is_numeric(sweep) and len(values) > style.DIRECT_LABELS:
-        shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
-        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(sweep, sweep.x),
+    values = layout.x_values(selection)
+    if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
+        shown = plt.cm.ScalarMappable(norm=x_norm(selection), cmap=style.sequential_map())
+        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(selection, selection.x),
                               aspect=30, pad=0.02)
         bar.outline.set_visible(False)
         bar.ax.grid(False)
@@ -216,41 +216,41 @@ def add_x_key(figure, all_axes, sweep, colours):
             bar.minorticks_off()
             bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
         return
-    found = {c.settings[sweep.x]: colours[c.id] for c in layout.ordinary(sweep)}
-    handles = [plt.Line2D([], [], color=found[v], label=value_text(sweep.x, v)) for v in values]
-    title = textwrap.fill(layout.name(sweep, sweep.x), 18)
-    if any(reference for _, _, reference in layout.rows(sweep)):
-        name = layout.reference_name(layout.all_references(sweep))
+    found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
+    handles = [plt.Line2D([], [], color=found[v], label=value_text(selection.x, v)) for v in values]
+    title = textwrap.fill(layout.name(selection, selection.x), 18)
+    if any(reference for _, _, reference in layout.rows(selection)):
+        name = layout.reference_name(layout.all_references(selection))
         handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
     all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
                        bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
 
 
-def in_columns(sweep):
+def in_columns(selection):
     """The cases in the order of their panels: two curves have one column each."""
-    found = [group.cases for group in layout.groups(sweep)]
+    found = [group.cases for group in layout.groups(selection)]
     if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
         found = list(zip(*found))
     return [c for cases in found for c in cases]
 
 
-def time_figure(sweep, folder, measure):
-    sweep = layout.fewer_lines(sweep)
-    cases = [c for c in in_columns(sweep)
-             if measure["needs"] in c.series and len(c.series["time"])]
+def time_figure(selection, folder, measure):
+    selection = layout.fewer_lines(selection)
+    cases = [c for c in in_columns(selection)
+             if measure["needs"] in c.over_time and len(c.over_time["time"])]
     if not cases:
         return []
-    colours = colours_by_x(sweep, cases)
-    many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
-    figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
+    colours = colours_by_x(selection, cases)
+    many = len(cases) > PANELS and len(layout.groups(selection)) <= PANELS
+    figure = (overlay if many else small_panels)(selection, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
-    marks = key_caption(sweep, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
+    marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     last = last_periods(figure, cases, measure, folder, marks)
-    shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(sweep)]))
+    shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
     made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
-                  f"{measure['title']}, one line per case", time_charts(sweep, colours, measure))
+                  f"{measure['title']}, one line per case", time_charts(selection, colours, measure))
     return [replace(f, cases=shown) for f in (made, *last)]
 
 
@@ -279,16 +279,16 @@ def time_marks(cases):
     return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
 
 
-def time_charts(sweep, colours, measure):
+def time_charts(selection, colours, measure):
     """One panel per curve and for references that differ within a curve, with a line per case; the vertical axis shows
     the settled part."""
     panels = [(title, [c for c in [*drawn, *([reference] if reference else [])]
-                       if measure["needs"] in c.series and len(c.series["time"])])
-              for title, drawn, reference in layout.rows(sweep)]
+                       if measure["needs"] in c.over_time and len(c.over_time["time"])])
+              for title, drawn, reference in layout.rows(selection)]
     panels = [(title, shown) for title, shown in panels if shown]
     y_limits = limits([c for _, shown in panels for c in shown], measure)
     return [Chart("time (ms)", measure["label"],
-                  [Line(warnings_of.label(sweep, c, measure["name"]), time_ms(c), positive(measure, c),
+                  [Line(warnings_of.label(selection, c, measure["name"]), time_ms(c), positive(measure, c),
                         colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in shown], title,
                   y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(shown))
             for title, shown in panels]
@@ -298,7 +298,7 @@ def span(values):
     return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
 
 
-def key_caption(sweep, cases):
+def key_caption(selection, cases):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
     text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
@@ -307,12 +307,12 @@ def key_caption(sweep, cases):
                 "the vertical axis follow from the settled part; earlier values may exceed them.")
     if all(layout.repeats(c) for c in cases):
         text = f" One period of the load.{text}"
-    if any(sweep.reference_of(c) for c in cases):
-        text += f" Dashed: {layout.reference_name(layout.all_references(sweep))}."
-    if sweep.x:
-        text += f" The colour is the {layout.name(sweep, sweep.x)}."
+    if any(selection.reference_of(c) for c in cases):
+        text += f" Dashed: {layout.reference_name(layout.all_references(selection))}."
+    if selection.x:
+        text += f" The colour is the {layout.name(selection, selection.x)}."
     return text
 
 
-def figures(sweep, folder):
-    return [f for m in MEASURES for f in time_figure(sweep, folder, m)]
+def figures(selection, folder):
+    return [f for m in MEASURES for f in time_figure(selection, folder, m)]

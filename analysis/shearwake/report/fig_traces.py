@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 from . import fig_spectra, fig_time, layout, periods, style, warnings_of
 from .chart import Chart, Line
 from .figure import Figure
+from .load import traces
 from .words import millimetres, some_of
 
 POINTS = 12  # largest number of trace points with a row
@@ -14,15 +15,16 @@ POINTS = 12  # largest number of trace points with a row
 
 def places_of(cases):
     """The trace points of all cases in mm, nearest to the centre first."""
-    found = {tuple(round(1e3 * v, 6) for v in place) for c in cases for place, _ in c.traces}
+    found = {tuple(round(1e3 * v, 6) for v in place) for c in cases for place in traces(c).points_m}
     return layout.evenly(sorted(found, key=lambda p: (math.hypot(*p), p)), POINTS), len(found)
 
 
 def at(case, place):
     """u in um over time, and the frequencies and amplitudes in um, of one trace point; None if it has none."""
-    for ((x, y), u), amplitude in zip(case.traces, case.trace_amplitudes):
+    found = traces(case)
+    for (x, y), u, amplitude in zip(found.points_m, found.u_z_m, found.amplitude_m):
         if (round(1e3 * x, 6), round(1e3 * y, 6)) == place:
-            frequency = case.spectrum[0]
+            frequency = found.frequency_Hz
             shown = (frequency > 0) & (frequency <= fig_spectra.SHOWN_Hz)
             return 1e6 * u, frequency[shown], 1e6 * amplitude[shown]
     return None
@@ -75,9 +77,9 @@ def charts_of(cases, places, colours):
     return made
 
 
-def figures(sweep, folder):
-    some = layout.lines_of_one_panel(sweep)
-    drawn = [c for c in layout.with_references(some) if c.traces]
+def figures(selection, folder):
+    some = layout.lines_of_one_panel(selection)
+    drawn = [c for c in layout.with_references(some) if traces(c)]
     if not drawn:
         return []
     places, every = places_of(drawn)

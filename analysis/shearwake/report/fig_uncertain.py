@@ -15,21 +15,21 @@ TITLES = {"first_order": "first order", "total": "total", "mu_star": "µ*", "sig
 PANELS = 4  # largest number of swept values with bars of their own
 
 
-def drawn_columns(sweep, rows):
+def drawn_columns(selection, rows):
     """The main columns and those with a threshold, as far as they have values."""
-    names = [*COLUMNS, *(c for c in sweep.uncertain["exceedance"] if c not in COLUMNS)]
-    return [name for name in names if sample.by_place(sweep, rows, name)]
+    names = [*COLUMNS, *(c for c in selection.sweep.uncertain["exceedance"] if c not in COLUMNS)]
+    return [name for name in names if sample.by_place(selection, rows, name)]
 
 
-def curves(sweep, found):
+def curves(selection, found):
     """{label: [(x, statistics)]} with one curve per combination of the other swept values. Without a numeric x each
     combination is a point at its number."""
-    numeric = bool(sweep.x) and layout.is_numeric(sweep)
-    made, keys = {}, sample.swept(sweep)
+    numeric = bool(selection.x) and layout.is_numeric(selection)
+    made, keys = {}, sample.swept(selection)
     for n, (where, statistics) in enumerate(found.items()):
         if numeric:
-            x = float(where[keys.index(sweep.x)])
-            made.setdefault(sample.label(sweep, where, sweep.x), []).append((x, statistics))
+            x = float(where[keys.index(selection.x)])
+            made.setdefault(sample.label(selection, where, selection.x), []).append((x, statistics))
         else:
             made.setdefault("", []).append((n, statistics))
     return {name: sorted(points, key=lambda p: p[0]) for name, points in made.items()}, numeric
@@ -39,19 +39,19 @@ def values(points, name, part="value"):
     return np.array([statistics[name][part] for _, statistics in points])
 
 
-def name_x(axes, sweep, found, numeric):
+def name_x(axes, selection, found, numeric):
     if numeric:
-        axes.set_xlabel(layout.axis_label(sweep, sweep.x))
+        axes.set_xlabel(layout.axis_label(selection, selection.x))
         return
-    labels = [style.plain(sample.label(sweep, where) or "all samples") for where in found]
+    labels = [style.plain(sample.label(selection, where) or "all samples") for where in found]
     axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 3 else 20,
                     ha="center" if len(labels) < 3 else "right")
     axes.set_xlim(-0.6, len(labels) - 0.4)
 
 
-def draw_curves(axes, sweep, found, middle, ends, inner=None):
+def draw_curves(axes, selection, found, middle, ends, inner=None):
     """Curves of a statistic with a band between two ends (statistic, part of its row)."""
-    made, numeric = curves(sweep, found)
+    made, numeric = curves(selection, found)
     for colour, (name, points) in zip(style.distinct(len(made)), made.items()):
         x = np.array([p[0] for p in points], dtype=float)
         y, low, high = values(points, middle), values(points, *ends[0]), values(points, *ends[1])
@@ -66,7 +66,7 @@ def draw_curves(axes, sweep, found, middle, ends, inner=None):
             if inner:
                 axes.vlines(x, values(points, *inner[0]), values(points, *inner[1]), color=colour, linewidth=6, alpha=0.5)
             axes.plot(x, y, color=colour, marker="o", linestyle="none", label=name or None)
-    name_x(axes, sweep, found, numeric)
+    name_x(axes, selection, found, numeric)
     if 1 < len(made) <= style.DIRECT_LABELS:
         axes.legend()
 
@@ -77,16 +77,16 @@ def small_sample(rows, columns):
     return f" Warning for {len(notes)} of the numbers: {notes[0]['note']}." if notes else ""
 
 
-def bands(sweep, folder, rows):
-    columns = drawn_columns(sweep, rows)
+def bands(selection, folder, rows):
+    columns = drawn_columns(selection, rows)
     if not columns:
         return []
     figure, made = plt.subplots(len(columns), 1, figsize=(style.WIDTH_in, 2.6 * len(columns) + 0.3), squeeze=False,
                                 layout="constrained")
     for axes, column in zip(made[:, 0], columns):
-        draw_curves(axes, sweep, sample.by_place(sweep, rows, column), "q50",
+        draw_curves(axes, selection, sample.by_place(selection, rows, column), "q50",
                     (("q05", "value"), ("q95", "value")), (("q50", "low_95"), ("q50", "high_95")))
-        axes.set_ylabel(fig_heat.measure_label(sweep, column))
+        axes.set_ylabel(fig_heat.measure_label(selection, column))
     style.save(figure, folder / "uncertain_bands.png")
     return [Figure("uncertain_bands", "Median and spread over the samples",
                    "Points: median over the samples. Light band or thin line: from the 5 % to the 95 % quantile, which "
@@ -95,15 +95,15 @@ def bands(sweep, folder, rows):
                    "Median and quantiles of the measures over the samples")]
 
 
-def probabilities(sweep, folder, rows):
-    wanted = [(c, f"exceeds {v:.9g}") for c, v in sweep.uncertain["exceedance"].items()]
-    wanted = [(c, n) for c, n in wanted if any(n in s for s in sample.by_place(sweep, rows, c).values())]
+def probabilities(selection, folder, rows):
+    wanted = [(c, f"exceeds {v:.9g}") for c, v in selection.sweep.uncertain["exceedance"].items()]
+    wanted = [(c, n) for c, n in wanted if any(n in s for s in sample.by_place(selection, rows, c).values())]
     if not wanted:
         return []
     figure, made = plt.subplots(len(wanted), 1, figsize=(style.WIDTH_in, 2.6 * len(wanted) + 0.3), squeeze=False,
                                 layout="constrained")
     for axes, (column, name) in zip(made[:, 0], wanted):
-        draw_curves(axes, sweep, sample.by_place(sweep, rows, column), name, ((name, "low_95"), (name, "high_95")))
+        draw_curves(axes, selection, sample.by_place(selection, rows, column), name, ((name, "low_95"), (name, "high_95")))
         axes.set_ylim(-0.03, 1.03)
         axes.set_ylabel("probability")
         axes.set_title(f"{column} {name}", loc="left", color="#555555")
@@ -114,20 +114,20 @@ def probabilities(sweep, folder, rows):
                                                                    in wanted], {c for c, _ in wanted}), "Exceedance probabilities with confidence intervals")]
 
 
-def indices(sweep, folder):
-    rows = [row for row in read_sensitivity(sweep.folder, sweep.name) if not math.isnan(row["value"])]
+def indices(selection, folder):
+    rows = [row for row in read_sensitivity(selection.sweep.folder, selection.sweep.name) if not math.isnan(row["value"])]
     column = next((c for c in COLUMNS if any(row["column"] == c for row in rows)), None)
     if column is None:
         return []
     rows = [row for row in rows if row["column"] == column]
     kinds = [k for k in TITLES if any(row["index"] == k for row in rows)]
-    places = list(dict.fromkeys(sample.place(sweep, row) for row in rows))
+    places = list(dict.fromkeys(sample.place(selection, row) for row in rows))
     shown = layout.evenly(places, PANELS)
-    keys = sweep.uncertain["keys"]
+    keys = selection.sweep.uncertain["keys"]
     figure, made = plt.subplots(len(shown), 1, figsize=(style.WIDTH_in, 2.4 * len(shown) + 0.4), squeeze=False,
                                 sharex=True, layout="constrained")
     for axes, where in zip(made[:, 0], shown):
-        found = {(row["key"], row["index"]): row for row in rows if sample.place(sweep, row) == where}
+        found = {(row["key"], row["index"]): row for row in rows if sample.place(selection, row) == where}
         for n, (kind, colour) in enumerate(zip(kinds, style.distinct(len(kinds)))):
             bars = [found.get((key, kind)) for key in keys]
             x = np.arange(len(keys)) + 0.8 * ((n + 0.5) / len(kinds) - 0.5)
@@ -135,9 +135,9 @@ def indices(sweep, folder):
             ends = np.array([[b["low_95"], b["high_95"]] if b else [math.nan] * 2 for b in bars])
             axes.bar(x, y, 0.7 / len(kinds), color=colour, label=TITLES[kind])
             axes.vlines(x, ends[:, 0], ends[:, 1], color=style.INK, linewidth=1.2)
-        axes.set_xticks(range(len(keys)), [layout.name(sweep, key) for key in keys])
+        axes.set_xticks(range(len(keys)), [layout.name(selection, key) for key in keys])
         axes.axhline(0.0, color="#666666", linewidth=0.7)
-        axes.set_title(sample.label(sweep, where) or "all samples", loc="left", color="#555555")
+        axes.set_title(sample.label(selection, where) or "all samples", loc="left", color="#555555")
         axes.grid(False, axis="x")
     made[0, 0].legend(ncol=len(kinds))
     style.save(figure, folder / "uncertain_indices.png")
@@ -155,29 +155,29 @@ def indices(sweep, folder):
                    "Sensitivity indices as bars with confidence intervals")]
 
 
-def scatter(sweep, folder):
-    cases = [c for c in sweep.cases if not c.is_reference]
-    column = next((c for c in sample.RESULT if any(not math.isnan(case.value(c)) for case in cases)), None)
+def scatter(selection, folder):
+    cases = [c for c in selection.cases if not c.is_reference]
+    column = next((c for c in sample.RESULT if any(not math.isnan(case.value(c, math.nan)) for case in cases)), None)
     if column is None:
         return []
-    keys = sweep.uncertain["keys"]
+    keys = selection.sweep.uncertain["keys"]
     across = min(3, len(keys))
     figure, made = plt.subplots(-(-len(keys) // across), across, squeeze=False, sharey=True, layout="constrained",
                                 figsize=(style.WIDTH_in, 2.5 * -(-len(keys) // across) + 0.4))
-    places = list(dict.fromkeys(sample.place(sweep, c.settings) for c in cases))
+    places = list(dict.fromkeys(sample.place(selection, c.settings) for c in cases))
     shown = layout.evenly(places, style.CURVES)
-    failed = [c for c in cases if not c.whole]
-    invalid = [c for c in cases if c.whole and not warnings_of.holds(sweep, c, column)]
+    failed = [c for c in cases if not c.is_complete]
+    invalid = [c for c in cases if c.is_complete and not warnings_of.holds(selection, c, column)]
     for axes, key in zip(made.flat, keys):
         for colour, where in zip(style.distinct(len(shown)), shown):
-            some = [c for c in cases if sample.place(sweep, c.settings) == where and not math.isnan(c.value(column))
+            some = [c for c in cases if sample.place(selection, c.settings) == where and not math.isnan(c.value(column, math.nan))
                     and c not in invalid]
             if not some:
                 continue
-            axes.plot([c.settings[key] for c in some], [c.value(column) for c in some], ".", color=colour, markersize=4,
-                      alpha=0.7, label=sample.label(sweep, where) or None, rasterized=True)
+            axes.plot([c.settings[key] for c in some], [c.value(column, math.nan) for c in some], ".", color=colour, markersize=4,
+                      alpha=0.7, label=sample.label(selection, where) or None, rasterized=True)
         if invalid:
-            axes.plot([c.settings[key] for c in invalid], [c.value(column) for c in invalid], **CROSSES, label="not valid")
+            axes.plot([c.settings[key] for c in invalid], [c.value(column, math.nan) for c in invalid], **CROSSES, label="not valid")
         if failed:
             low = axes.get_ylim()[0]
             axes.plot([c.settings[key] for c in failed], [low] * len(failed), "x", color="#b00020",
@@ -185,7 +185,7 @@ def scatter(sweep, folder):
         axes.set_xlabel(words.axis_label(key))
     for axes in list(made.flat)[len(keys):]:
         axes.set_visible(False)
-    made[0, 0].set_ylabel(fig_heat.measure_label(sweep, column))
+    made[0, 0].set_ylabel(fig_heat.measure_label(selection, column))
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
     style.save(figure, folder / "uncertain_scatter.png")
@@ -201,7 +201,7 @@ def scatter(sweep, folder):
                    "Scatter plots of the samples against the uncertain keys")]
 
 
-def figures(sweep, folder):
-    rows = read_statistics(sweep.folder, sweep.name)
-    return [*bands(sweep, folder, rows), *probabilities(sweep, folder, rows), *indices(sweep, folder),
-            *scatter(sweep, folder)]
+def figures(selection, folder):
+    rows = read_statistics(selection.sweep.folder, selection.sweep.name)
+    return [*bands(selection, folder, rows), *probabilities(selection, folder, rows), *indices(selection, folder),
+            *scatter(selection, folder)]

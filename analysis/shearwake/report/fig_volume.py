@@ -15,10 +15,10 @@ BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volum
 def last_volume(case):
     """t_s, the name of the component, x, y, z in mm and the last volume (z, y, x) in um; None without volumes."""
     try:
-        names = case.stored.dimensions("volume")
+        names = case.dimensions("volume")
         name = next(n for n in ("u_z", "u_x", "u_y") if n in names)
-        return (float(case.stored.array("volume/time", -1)), name,
-                *(1e3 * case.stored.array(f"volume/{axis}") for axis in "xyz"), 1e6 * case.stored.array(f"volume/{name}", -1))
+        return (float(case.array("volume/time", -1)), name,
+                *(1e3 * case.array(f"volume/{axis}") for axis in "xyz"), 1e6 * case.array(f"volume/{name}", -1))
     except (*UNREADABLE, StopIteration):
         return None
 
@@ -45,11 +45,11 @@ def planes(case, volume):
     return int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
 
 
-def row_of(sweep, case, volume):
+def row_of(selection, case, volume):
     """The slices of a case, for to_scale.arrange()."""
     t_s, _, x, y, z, _ = volume
     j, k = planes(case, volume)
-    label = f"{warnings_of.label(sweep, case, 'volume')}, t\u00a0=\u00a0{number(1e3 * t_s)}\u00a0ms"
+    label = f"{warnings_of.label(selection, case, 'volume')}, t\u00a0=\u00a0{number(1e3 * t_s)}\u00a0ms"
     return label, ((f"y\u00a0=\u00a0{number(y[j], 3)}\u00a0mm", np.ptp(x), np.ptp(z)),
                    (f"z\u00a0=\u00a0{number(z[k], 3)}\u00a0mm", np.ptp(x), np.ptp(y)))
 
@@ -71,14 +71,14 @@ def draw_row(pair, case, volume, end):
     return image
 
 
-def figures(sweep, folder):
-    candidates = [c for c in layout.ordinary(sweep) if c.setting("record", "volumes_s", default=[])]
+def figures(selection, folder):
+    candidates = [c for c in layout.ordinary(selection) if c.setting("record", "volumes_s", default=[])]
     found = [(c, v) for c in layout.evenly(candidates, CASES) if (v := last_volume(c))]
     if not found:
         return []
     # The focus would hide the waves below it: the scale ends at the 99.5th percentile.
     end = max(float(np.nanpercentile(np.abs(v[5]), 99.5)) for _, v in found) or 1.0
-    figure, made, bar_axes = to_scale.arrange([row_of(sweep, *item) for item in found])
+    figure, made, bar_axes = to_scale.arrange([row_of(selection, *item) for item in found])
     image = [draw_row(pair, *item, end) for pair, item in zip(made, found)][-1]
     component = found[0][1][1]
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=f"{component} (µm)", extend="both")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the cases of a sweep for the figures: x, one group per curve, and the references."""
+import math
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -8,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..case import Case
 from . import words
-from .load import Case, Sweep
+from .load import Selection, traces
 
 
 @dataclass
@@ -24,8 +26,8 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def ordinary(sweep: Sweep) -> list[Case]:
-    return [c for c in sweep.cases if c.whole and not c.is_reference]
+def ordinary(selection: Selection) -> list[Case]:
+    return [c for c in selection.cases if c.is_complete and not c.is_reference]
 
 
 def repeats(case: Case) -> bool:
@@ -33,48 +35,48 @@ def repeats(case: Case) -> bool:
     return case.setting("time", "regime", default="") == "periodic"
 
 
-def is_numeric(sweep: Sweep) -> bool:
-    values = [c.settings.get(sweep.x) for c in sweep.cases if not c.is_reference]
-    return bool(sweep.x) and bool(values) and all(is_number(v) for v in values)
+def is_numeric(selection: Selection) -> bool:
+    values = [c.settings.get(selection.x) for c in selection.cases if not c.is_reference]
+    return bool(selection.x) and bool(values) and all(is_number(v) for v in values)
 
 
-def group_keys(sweep: Sweep) -> list[str]:
+def group_keys(selection: Selection) -> list[str]:
     """The keys that distinguish curves; all other swept keys if cases would otherwise share an x."""
-    if sweep.label_keys is not None:
-        return sweep.label_keys
-    vary = [k for k in axes(sweep) if k != sweep.x]
-    keys = [k for k in vary if k in sweep.series_keys]
-    seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
+    if selection.label_keys is not None:
+        return selection.label_keys
+    vary = [k for k in axes(selection) if k != selection.x]
+    keys = [k for k in vary if k in selection.sweep.series_keys]
+    seen = [tuple(str(c.settings.get(k)) for k in [selection.x, *keys]) for c in ordinary(selection)]
     return vary if len(set(seen)) < len(seen) else keys
 
 
-def groups(sweep: Sweep) -> list[Group]:
-    keys = group_keys(sweep)
+def groups(selection: Selection) -> list[Group]:
+    keys = group_keys(selection)
     found: dict[str, Group] = {}
-    for case in ordinary(sweep):
+    for case in ordinary(selection):
         values = [case.settings.get(k, "") for k in keys]
-        label = ", ".join(setting_text(sweep, k, v) for k, v in zip(keys, values) if v != "")
+        label = ", ".join(setting_text(selection, k, v) for k, v in zip(keys, values) if v != "")
         found.setdefault(label, Group(label, [], tuple(values))).cases.append(case)
-    if is_numeric(sweep):
+    if is_numeric(selection):
         for group in found.values():
-            group.cases.sort(key=lambda c: c.settings[sweep.x])
+            group.cases.sort(key=lambda c: c.settings[selection.x])
     made = list(found.values())
     if all(is_number(v) for group in made for v in group.values):
         made.sort(key=lambda group: group.values)
     return made
 
 
-def x_values(sweep: Sweep) -> list:
+def x_values(selection: Selection) -> list:
     """All values of x of the complete cases: sorted numbers, or strings in the order of the plan."""
-    cases = [c for c in ordinary(sweep) if sweep.x in c.settings]
-    values = list(dict.fromkeys(c.settings[sweep.x] for c in cases))
-    return sorted(values) if is_numeric(sweep) else values
+    cases = [c for c in ordinary(selection) if selection.x in c.settings]
+    values = list(dict.fromkeys(c.settings[selection.x] for c in cases))
+    return sorted(values) if is_numeric(selection) else values
 
 
-def x_position(sweep: Sweep, case: Case) -> float:
+def x_position(selection: Selection, case: Case) -> float:
     """The position of a case on the x axis: its number, or the index of its string."""
-    value: Any = case.settings.get(sweep.x)
-    return float(value) if is_numeric(sweep) else float(x_values(sweep).index(value))
+    value: Any = case.settings.get(selection.x)
+    return float(value) if is_numeric(selection) else float(x_values(selection).index(value))
 
 
 def is_logarithmic(values: Any) -> bool:
@@ -86,31 +88,31 @@ def is_logarithmic(values: Any) -> bool:
     return np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps)
 
 
-def setting_text(sweep: Sweep, key: str, value: Any) -> str:
+def setting_text(selection: Selection, key: str, value: Any) -> str:
     """Key, value and unit: 'AM frequency 400 Hz'."""
-    return words.setting_text(name(sweep, key), key, value)
+    return words.setting_text(name(selection, key), key, value)
 
 
-def medium_label(sweep: Sweep, case: Case) -> str:
+def medium_label(selection: Selection, case: Case) -> str:
     """The swept keys of the medium with their values; the label of the case if no such key is swept."""
-    keys = [k for k in axes(sweep) if k.startswith("medium.") and k in case.settings]
-    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys) or case_label(sweep, case)
+    keys = [k for k in axes(selection) if k.startswith("medium.") and k in case.settings]
+    return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys) or case_label(selection, case)
 
 
-def case_label(sweep: Sweep, case: Case) -> str:
+def case_label(selection: Selection, case: Case) -> str:
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
     if case.is_reference:
-        keys = [k for k in axes(sweep) if k in case.settings and not is_reading(k) and affects(sweep, k, case)]
-        return ", ".join([reference_name([case]), *(setting_text(sweep, k, case.settings[k]) for k in keys)])
-    if not sweep.swept_keys:
-        return ", ".join(["this case", *(setting_text(sweep, k, v) for k, v in case.settings.items() if not is_reading(k))])
-    keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
-    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys if k in case.settings)
+        keys = [k for k in axes(selection) if k in case.settings and not is_reading(k) and affects(selection, k, case)]
+        return ", ".join([reference_name([case]), *(setting_text(selection, k, case.settings[k]) for k in keys)])
+    if not selection.sweep.swept_keys:
+        return ", ".join(["this case", *(setting_text(selection, k, v) for k, v in case.settings.items() if not is_reading(k))])
+    keys = ([selection.x] if selection.x in case.settings else []) + group_keys(selection)
+    return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys if k in case.settings)
 
 
-def affects(sweep: Sweep, key: str, reference: Case) -> bool:
+def affects(selection: Selection, key: str, reference: Case) -> bool:
     """Whether a key changes the field of a reference: no reference with another value of the key has the same field."""
-    others = [c for c in sweep.cases if c.is_reference and c.whole and key in c.settings
+    others = [c for c in selection.cases if c.is_reference and c.is_complete and key in c.settings
               and c.settings[key] != reference.settings[key]]
     return not any(have_same_motion(reference, other) for other in others)
 
@@ -126,7 +128,7 @@ def wrapped(title: str, width_in: float) -> str:
 
 def column_place_m(case: Case) -> tuple:
     """The trace point of the columns of the signal: that in the centre, else the first one."""
-    places = [place for place, _ in case.traces]
+    places = traces(case).points_m
     return (0.0, 0.0) if (0.0, 0.0) in places or not places else places[0]
 
 
@@ -153,57 +155,57 @@ def is_reading(key: str) -> bool:
     return key.startswith("measure.")
 
 
-def swept_cases(sweep: Sweep) -> list[Case]:
+def swept_cases(selection: Selection) -> list[Case]:
     """All cases except references, with or without a result: heat maps have a cell for each."""
-    return [c for c in sweep.cases if not c.is_reference]
+    return [c for c in selection.cases if not c.is_reference]
 
 
-def values_of(sweep: Sweep, key: str) -> list:
+def values_of(selection: Selection, key: str) -> list:
     """All values of a key: sorted numbers, or strings in the order of the plan."""
-    values = list(dict.fromkeys(c.settings[key] for c in swept_cases(sweep) if key in c.settings))
+    values = list(dict.fromkeys(c.settings[key] for c in swept_cases(selection) if key in c.settings))
     return sorted(values) if all(map(is_number, values)) else values
 
 
-def name(sweep: Sweep, key: str) -> str:
+def name(selection: Selection, key: str) -> str:
     """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
     and SM frequencies that are swept together have a common name, since a case has only one of them."""
-    shown = displayed_key(sweep, key)
+    shown = displayed_key(selection, key)
     title = words.key_name(shown)
-    alike = [k for k in sweep.swept_keys if k != key and words.key_name(displayed_key(sweep, k)) == title]
-    if shown != key or all(c.settings.get(k) == c.settings.get(key) for k in alike for c in swept_cases(sweep)):
+    alike = [k for k in selection.sweep.swept_keys if k != key and words.key_name(displayed_key(selection, k)) == title]
+    if shown != key or all(c.settings.get(k) == c.settings.get(key) for k in alike for c in swept_cases(selection)):
         return title
     return f"{title}, {key.split('.')[-2]}" if "." in key else title
 
 
-def axis_label(sweep: Sweep, key: str) -> str:
+def axis_label(selection: Selection, key: str) -> str:
     """The name of a key, with its unit if the values are numbers."""
-    if all(map(is_number, values_of(sweep, key))):
-        return words.axis_label(displayed_key(sweep, key), name(sweep, key))
-    label = name(sweep, key)
+    if all(map(is_number, values_of(selection, key))):
+        return words.axis_label(displayed_key(selection, key), name(selection, key))
+    label = name(selection, key)
     return label[:1].upper() + label[1:]
 
 
-def settings_text(sweep: Sweep, case: Case) -> str:
+def settings_text(selection: Selection, case: Case) -> str:
     """All settings of a case. Keys of the same name and value, which are swept together, appear once."""
-    return ", ".join(dict.fromkeys(setting_text(sweep, k, v) for k, v in case.settings.items()))
+    return ", ".join(dict.fromkeys(setting_text(selection, k, v) for k, v in case.settings.items()))
 
 
-def displayed_key(sweep: Sweep, key: str) -> str:
+def displayed_key(selection: Selection, key: str) -> str:
     """The key itself, or the common key of a frequency or a phase that AM and SM share."""
     for what in ("frequency_Hz", "phase_deg"):
         am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
-        if key in (am, sm) and {am, sm} <= set(sweep.swept_keys):
-            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
+        if key in (am, sm) and {am, sm} <= set(selection.sweep.swept_keys):
+            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(selection))
             return f"load.modulation.modulation_{what}" if same else key
     return key
 
 
-def axes(sweep: Sweep) -> list[str]:
+def axes(selection: Selection) -> list[str]:
     """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
-    cases = swept_cases(sweep)
+    cases = swept_cases(selection)
     kept: list[str] = []
-    for key in dict.fromkeys([sweep.x, *sweep.series_keys, *sweep.swept_keys]):
-        if not key or len(values_of(sweep, key)) < 2:
+    for key in dict.fromkeys([selection.x, *selection.sweep.series_keys, *selection.sweep.swept_keys]):
+        if not key or len(values_of(selection, key)) < 2:
             continue
         follows = any(len({(str(c.settings.get(other)), str(c.settings.get(key))) for c in cases})
                       == len({str(c.settings.get(other)) for c in cases}) for other in kept)
@@ -220,55 +222,55 @@ def evenly(items: Sequence, most: int) -> list:
     return [items[i] for i in picks]
 
 
-def only(sweep: Sweep, ids: Sequence[str]) -> Sweep:
-    """The sweep with the cases of these ids and their references."""
-    kept = {*ids, *(sweep.by_id(i).reference_id for i in ids)}
-    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept], label_keys=group_keys(sweep))
+def only(selection: Selection, ids: Sequence[str]) -> Selection:
+    """The selection with the cases of these ids and their references."""
+    kept = {*ids, *(selection.by_id[i].reference_id for i in ids)}
+    return replace(selection, cases=[c for c in selection.cases if c.id in kept], label_keys=group_keys(selection))
 
 
-def few(sweep: Sweep, most: int = 40) -> Sweep:
-    """The sweep; if it has more than `most` cases, reduced to a few that are spread evenly over it."""
-    if len(ordinary(sweep)) <= most:
-        return sweep
-    chosen = evenly(groups(sweep), 3)
-    values = set(evenly(x_values(sweep), 24 // len(chosen)))
-    kept = {c.id for g in chosen for c in g.cases if c.settings.get(sweep.x) in values}
-    kept |= {sweep.by_id(i).reference_id for i in kept}
-    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept],
-                   label_keys=group_keys(sweep))  # keys that no longer vary remain in the labels
+def few(selection: Selection, most: int = 40) -> Selection:
+    """The selection; if it has more than `most` cases, reduced to a few that are spread evenly over it."""
+    if len(ordinary(selection)) <= most:
+        return selection
+    chosen = evenly(groups(selection), 3)
+    values = set(evenly(x_values(selection), 24 // len(chosen)))
+    kept = {c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values}
+    kept |= {selection.by_id[i].reference_id for i in kept}
+    return replace(selection, cases=[c for c in selection.cases if c.id in kept],
+                   label_keys=group_keys(selection))  # keys that no longer vary remain in the labels
 
 
-def fewer_lines(sweep: Sweep, most: int = 8, kept: int = 6) -> Sweep:
-    """The sweep; if it has too many values of x for a line or a panel each, reduced to some of them, spread
+def fewer_lines(selection: Selection, most: int = 8, kept: int = 6) -> Selection:
+    """The selection; if it has too many values of x for a line or a panel each, reduced to some of them, spread
     evenly."""
-    values = x_values(sweep)
-    if not sweep.x or not is_numeric(sweep) or len(values) <= most:
-        return sweep
-    return with_some(sweep, set(evenly(values, kept)))
+    values = x_values(selection)
+    if not selection.x or not is_numeric(selection) or len(values) <= most:
+        return selection
+    return with_some(selection, set(evenly(values, kept)))
 
 
-def with_some(sweep: Sweep, some: set) -> Sweep:
-    """The sweep with those cases whose x is one of some values, and their references."""
-    ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
-    ids |= {sweep.by_id(i).reference_id for i in ids}
-    return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], label_keys=group_keys(sweep))
+def with_some(selection: Selection, some: set) -> Selection:
+    """The selection with those cases whose x is one of some values, and their references."""
+    ids = {c.id for c in ordinary(selection) if c.settings.get(selection.x) in some}
+    ids |= {selection.by_id[i].reference_id for i in ids}
+    return replace(selection, cases=[c for c in selection.cases if c.id in ids], label_keys=group_keys(selection))
 
 
-def lines_of_one_panel(sweep: Sweep, most: int = 7) -> Sweep:
-    """The sweep; if its curves have too many cases for the lines of one panel, reduced to some that are spread
+def lines_of_one_panel(selection: Selection, most: int = 7) -> Selection:
+    """The selection; if its curves have too many cases for the lines of one panel, reduced to some that are spread
     evenly."""
-    curves, values = len(groups(sweep)), x_values(sweep) if sweep.x else []
+    curves, values = len(groups(selection)), x_values(selection) if selection.x else []
     each = max(1, most // max(1, curves))
     if curves < 2 or len(values) <= each:
-        return fewer_lines(sweep)
-    return with_some(sweep, set(evenly(values, each)))
+        return fewer_lines(selection)
+    return with_some(selection, set(evenly(values, each)))
 
 
-def references(sweep: Sweep, group: Group) -> list[Case]:
+def references(selection: Selection, group: Group) -> list[Case]:
     """The distinct complete references of a group, in the order of its cases."""
     found = {}
     for case in group.cases:
-        reference = sweep.reference_of(case)
+        reference = selection.reference_of(case)
         if reference:
             found[reference.id] = reference
     return list(found.values())
@@ -287,12 +289,14 @@ def have_same_motion(one: Case, other: Case) -> bool:
     them is equal, since a swept key often changes nothing in a reference."""
     if field_settings(one) == field_settings(other):
         return True
-    if not one.traces or len(one.traces) != len(other.traces) or one.series.keys() != other.series.keys():
+    ours, theirs = traces(one), traces(other)
+    if not ours or len(ours) != len(theirs) or one.over_time.keys() != other.over_time.keys():
         return False
-    if abs(one.value("peak_um") - other.value("peak_um")) > 1e-3 * abs(one.value("peak_um")):
+    if abs(one.value("peak_um", math.nan) - other.value("peak_um", math.nan)) > 1e-3 * abs(one.value("peak_um", math.nan)):
         return False  # at once
-    pairs = [(one.series[name], other.series[name]) for name in one.series]
-    pairs += [pair for (a, u), (b, v) in zip(one.traces, other.traces) for pair in ((np.array(a), np.array(b)), (u, v))]
+    pairs = [(one.over_time[name], other.over_time[name]) for name in one.over_time]
+    pairs += [pair for a, u, b, v in zip(ours.points_m, ours.u_z_m, theirs.points_m, theirs.u_z_m)
+              for pair in ((np.array(a), np.array(b)), (u, v))]
     return all(a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=ROUNDING * np.nanmax(np.abs(a), initial=0.0),
                                                   equal_nan=True) for a, b in pairs)
 
@@ -314,38 +318,38 @@ def motions(cases: Iterable[Case]) -> list[Case]:
     return [same[0] for same in motion_sets(cases)]
 
 
-def by_reference(sweep: Sweep, found: list[Group], column: str) -> list[list[Group]]:
+def by_reference(selection: Selection, found: list[Group], column: str) -> list[list[Group]]:
     """The groups of `found` as lists of those whose references have the same values of the column, to nine digits: a
     swept key often changes nothing in a reference."""
     sets: dict[tuple, list[Group]] = {}
     for group in found:
-        with_one = [(c, r) for c in group.cases if (r := sweep.reference_of(c))]
-        pairs = [(str(x_position(sweep, c)), f"{r.value(column):.9g}") for c, r in with_one]
+        with_one = [(c, r) for c in group.cases if (r := selection.reference_of(c))]
+        pairs = [(str(x_position(selection, c)), f"{r.value(column, math.nan):.9g}") for c, r in with_one]
         values = {value for _, value in pairs}
         if pairs:
             sets.setdefault(tuple(values if len(values) == 1 else pairs), []).append(group)
     return list(sets.values())
 
 
-def references_label(sweep: Sweep, found: list[Group]) -> str:
+def references_label(selection: Selection, found: list[Group]) -> str:
     """The name of the references of some groups: with the keys on which they depend, or with the curves to which they belong
     if they differ within a curve."""
-    own = motions([r for group in found for r in references(sweep, group)])
+    own = motions([r for group in found for r in references(selection, group)])
     if len(own) == 1:
-        return case_label(sweep, own[0])
+        return case_label(selection, own[0])
     return f"{reference_name(own)}, {' and '.join(group.label for group in found)}"
 
 
-def all_references(sweep: Sweep) -> list[Case]:
+def all_references(selection: Selection) -> list[Case]:
     """The distinct complete references of all groups."""
-    found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}
+    found = {r.id: r for group in groups(selection) for r in references(selection, group)}
     return list(found.values())
 
 
-def with_references(sweep: Sweep) -> list[Case]:
+def with_references(selection: Selection) -> list[Case]:
     """The complete cases, then their references, one of each set with the same field. A case of the sweep that is the
     reference of itself or of others occurs once."""
-    return [*ordinary(sweep), *motions(r for r in all_references(sweep) if r.is_reference)]
+    return [*ordinary(selection), *motions(r for r in all_references(selection) if r.is_reference)]
 
 
 def references_among(cases: list[Case]) -> str:
@@ -373,13 +377,13 @@ def reference_name(cases: list[Case]) -> str:
     return f"plain {kind}" if kind == "STM" else f"reference {kind}"
 
 
-def rows(sweep: Sweep) -> list[tuple[str, list[Case], Case | None]]:
+def rows(selection: Selection) -> list[tuple[str, list[Case], Case | None]]:
     """Panels of overlaid lines as (title, cases, reference or None): the cases of each group with its
     reference. Several references of a group have a separate panel, which groups with equal references share."""
     made: list[Any] = []
     separate: list[tuple[list[Case], list[Group]]] = []  # references, and the groups that have them
-    for group in groups(sweep):
-        found = motions(references(sweep, group))
+    for group in groups(selection):
+        found = motions(references(selection, group))
         is_own = any(found[0] is case for case in group.cases) if found else False
         made.append((group.label, group.cases, found[0] if len(found) == 1 and not is_own else None))
         if len(found) < 2 or not any(r.is_reference for r in found):
@@ -390,7 +394,7 @@ def rows(sweep: Sweep) -> list[tuple[str, list[Case], Case | None]]:
             made.append(separate[-1])
         else:
             same.append(group)
-    of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(sweep))
+    of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(selection))
     return [panel if len(panel) == 3 else (separate_title(panel[0], panel[1], of_all), panel[0], None) for panel in made]
 
 
@@ -400,7 +404,7 @@ def separate_title(found: list[Case], members: list[Group], of_all: bool) -> str
     return ", ".join([reference_name(found), *([" and ".join(labels)] if labels else [])])
 
 
-def receptor_classes(sweep: Sweep) -> list[str]:
+def receptor_classes(selection: Selection) -> list[str]:
     """The classes of receptors with columns in the table."""
     end = "_spikes_1"
-    return [column["name"].removesuffix(end) for column in sweep.columns if column["name"].endswith(end)]
+    return [column.name.removesuffix(end) for column in selection.sweep.columns if column.name.endswith(end)]

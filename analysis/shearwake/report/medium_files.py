@@ -55,10 +55,10 @@ def keys_in(text):
         return {}
 
 
-def job_value(sweep, case, key):
-    """The value of a key of the job for this case: swept, overridden on the command line, or in the job file."""
+def job_value(job, case, key):
+    """The value of a key of the job, given as text, for this case: swept, overridden on the command line, or in the job file."""
     found = case.settings.get(key)
-    for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], sweep.job_text]:
+    for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], job]:
         if found is not None:
             break
         found = keys_in(text)
@@ -67,15 +67,16 @@ def job_value(sweep, case, key):
     return found
 
 
-def file_of(sweep, case, key):
+def file_of(folder, job, case, key):
     """The path of the file that a key of the job names, if the file is found and was not changed after the start of
-    the case; else None. Paths in jobs are relative to the job, which usually lies near the output folder."""
-    name = job_value(sweep, case, key)
+    the case; else None. `job` is the text of the job. Paths in jobs are relative to the job, which usually lies near the
+    output folder."""
+    name = job_value(job, case, key)
     if not isinstance(name, str):
         return None
-    above = sweep.folder.resolve().parents
-    for folder in [*above[:3], *(parent / "jobs" for parent in above[:3]), Path.cwd()]:
-        path = folder / name
+    above = folder.resolve().parents
+    for near in [*above[:3], *(parent / "jobs" for parent in above[:3]), Path.cwd()]:
+        path = near / name
         if path.is_file() and path.stat().st_mtime < started(case) + LATE_s:
             return path
     return None
@@ -110,7 +111,7 @@ def read_study(path, case):
     """The grid of a study and the places of its nodes, or None if the file cannot be read. The surface of the case has
     the nodes of one plane of the grid."""
     try:
-        _, x, y, _ = case.stored.snapshot()
+        _, x, y, _ = case.snapshot()
         found = inputs.read_study(path)
         counts, speed = found.points, found.c_s_m_s
         z = found.spacing_m[2] * np.arange(counts[2])

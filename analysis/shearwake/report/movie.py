@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..plan import first_line
 from . import compare_words, fig_surface, layout, load, player
 from .progress import Progress
 from .style import plain, plt
@@ -45,7 +46,7 @@ def read(path):
     try:
         case = load.single_case(path)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise CannotWrite(f"{path} is not a valid case file: {load.first_line(error)}") from error
+        raise CannotWrite(f"{path} is not a valid case file: {first_line(error)}") from error
     if len(load.surface_times(case)) < 2:
         raise CannotWrite(f"{path} contains fewer than two surfaces; run the case with record.frames = true or with "
                           "several record.snapshots_ms")
@@ -143,7 +144,7 @@ def encode(pictures, size, rate, path):
             pass
         message = ffmpeg.stderr.read().decode("utf-8", "replace")
     if ffmpeg.returncode:
-        raise CannotWrite(f"ffmpeg failed: {load.first_line(message)}")
+        raise CannotWrite(f"ffmpeg failed: {first_line(message)}")
 
 
 def convert(source, path, *options):
@@ -153,7 +154,7 @@ def convert(source, path, *options):
                           capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
     if done.returncode:
         part.unlink(missing_ok=True)
-        raise CannotWrite(f"ffmpeg failed: {load.first_line(done.stderr)}")
+        raise CannotWrite(f"ffmpeg failed: {first_line(done.stderr)}")
     part.replace(path)
 
 

@@ -7,9 +7,9 @@ from . import layout, warnings_of
 from .words import key_name, listed, number
 
 
-def known(sweep, column):
+def known(selection, column):
     """The complete cases with a value in this column, without references."""
-    return [c for c in layout.ordinary(sweep) if not math.isnan(c.value(column))]
+    return [c for c in layout.ordinary(selection) if not math.isnan(c.value(column, math.nan))]
 
 
 def is_numerical(key):
@@ -17,47 +17,47 @@ def is_numerical(key):
     return key.startswith(("solver.", "domain.", "time.", "measure.", "record."))
 
 
-def is_measurement(sweep):
+def is_measurement(selection):
     """Whether `shearwake measure` has written the case, so that its errors are those of a scan."""
-    return (sweep.folder / "uncertainty.json").is_file()
+    return (selection.sweep.folder / "uncertainty.json").is_file()
 
 
-def choices(sweep):
-    """The sweep with only those keys in its labels that can be chosen for a display."""
-    keys = [k for k in [sweep.x, *layout.group_keys(sweep)] if k and not is_numerical(k)]
-    return replace(sweep, x=keys[0] if keys else "", label_keys=keys[1:])
+def choices(selection):
+    """The selection with only those keys in its labels that can be chosen for a display."""
+    keys = [k for k in [selection.x, *layout.group_keys(selection)] if k and not is_numerical(k)]
+    return replace(selection, x=keys[0] if keys else "", label_keys=keys[1:])
 
 
-def valid(sweep, column):
+def valid(selection, column):
     """The complete cases with a valid value in this column, without references."""
-    return [c for c in known(sweep, column) if warnings_of.holds(sweep, c, column)]
+    return [c for c in known(selection, column) if warnings_of.holds(selection, c, column)]
 
 
-def relative_error(sweep, case, column):
+def relative_error(selection, case, column):
     """The estimated error of a value relative to it, and the case for which `shearwake converge` has estimated it: this
     case, or else the valid case with the largest relative error. (NaN, None) if no valid case was studied."""
     def ratio(one):
-        value = one.value(column)
-        return abs(one.value(column + "_error") / value) if value else math.nan
+        value = one.value(column, math.nan)
+        return abs(one.value(column + "_error", math.nan) / value) if value else math.nan
     if not math.isnan(ratio(case)):
         return ratio(case), case
-    found = {c.id: ratio(c) for c in sweep.cases if warnings_of.holds(sweep, c, column) and not math.isnan(ratio(c))}
+    found = {c.id: ratio(c) for c in selection.cases if not math.isnan(ratio(c)) and warnings_of.holds(selection, c, column)}
     if not found:
         return math.nan, None
-    source = sweep.by_id(max(found, key=found.get))
+    source = selection.by_id[max(found, key=found.get)]
     return found[source.id], source
 
 
-def estimated_at(sweep, case, column):
+def estimated_at(selection, case, column):
     """' (error estimated at AM frequency 100 Hz)' if the error of a value is that of another case, else ''."""
-    source = relative_error(sweep, case, column)[1]
-    return "" if source in (case, None) else f" (error estimated at {layout.case_label(sweep, source)})"
+    source = relative_error(selection, case, column)[1]
+    return "" if source in (case, None) else f" (error estimated at {layout.case_label(selection, source)})"
 
 
-def with_error(sweep, case, column, digits=3):
+def with_error(selection, case, column, digits=3):
     """'0.4120 ± 0.0031', or the value alone if the error of this case has not been estimated."""
-    value = case.value(column)
-    relative, source = relative_error(sweep, case, column)
+    value = case.value(column, math.nan)
+    relative, source = relative_error(selection, case, column)
     if source is not case:
         return number(value, digits)
     half = relative * abs(value)
@@ -65,15 +65,15 @@ def with_error(sweep, case, column, digits=3):
     return f"{value:.{places}f} ± {half:.{places}f}"
 
 
-def numerical_variants(sweep, case, column):
+def numerical_variants(selection, case, column):
     """The valid cases that differ from a case only in numerical parameters, itself included."""
     own = {k: v for k, v in case.settings.items() if not is_numerical(k)}
-    return [c for c in valid(sweep, column) if {k: v for k, v in c.settings.items() if not is_numerical(k)} == own]
+    return [c for c in valid(selection, column) if {k: v for k, v in c.settings.items() if not is_numerical(k)} == own]
 
 
 def spread_of(cases, column):
     """The range of a column, and this range relative to its mean."""
-    values = [c.value(column) for c in cases]
+    values = [c.value(column, math.nan) for c in cases]
     return max(values) - min(values), (max(values) - min(values)) / abs(sum(values) / len(values))
 
 

@@ -13,18 +13,18 @@ from .words import number, value_text
 COMPARED = (("no modulation", "unmodulated"), ("best AM-STM", "am"), ("best SM-STM tried", "sm"), ("optimum found", "optimum"))
 
 
-def optima(sweep):
-    return Optima(sweep.folder)
+def optima(selection):
+    return Optima(selection.sweep.folder)
 
 
-def is_study(sweep):
-    return optima(sweep).exists
+def is_study(selection):
+    return optima(selection).exists
 
 
-def by_case(sweep):
+def by_case(selection):
     """{id of the optimised case: rows}."""
     found = {}
-    for row in optima(sweep).rows:
+    for row in optima(selection).rows:
         found.setdefault(row["case"], []).append(row)
     return found
 
@@ -35,21 +35,21 @@ def swept(row):
     return names[1:names.index("strength_at_least_1")]
 
 
-def title_of(sweep, row):
+def title_of(selection, row):
     """The swept values of an optimised case, without those that follow from the values before them."""
-    rows, keys = optima(sweep).rows, []
+    rows, keys = optima(selection).rows, []
     for key in swept(row):
         values = {r[key] for r in rows}
         follows = any(len({(r[k], r[key]) for r in rows}) == len({r[k] for r in rows}) for k in keys)
         if len(values) > 1 and not follows:
             keys.append(key)
-    return ", ".join(_value(sweep, key, row[key]) for key in keys) or "the case of the job"
+    return ", ".join(_value(selection, key, row[key]) for key in keys) or "the case of the job"
 
 
-def _value(sweep, key, text):
+def _value(selection, key, text):
     """A number with its key, and other values alone: 'periodic', 'focus speed 7 m/s'."""
     try:
-        return layout.setting_text(sweep, key, float(text))
+        return layout.setting_text(selection, key, float(text))
     except ValueError:
         return value_text(key, text)
 
@@ -65,10 +65,10 @@ def relation(ratio):
     return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
 
 
-def compared(sweep, rows, strength):
+def compared(selection, rows, strength):
     """{modulation: case} of one optimised case and strength, unmodulated first. A case that several strengths share has
     the settings of the first one."""
-    ordinary = [c for c in layout.ordinary(sweep)
+    ordinary = [c for c in layout.ordinary(selection)
                 if all(str(c.settings.get(key)) == rows[0][key] or c.settings.get(key) == rows[0][key] for key in swept(rows[0]))]
     found = {}
     for name in ("unmodulated", "AM-STM", "SM-STM", "optimum"):
@@ -79,23 +79,23 @@ def compared(sweep, rows, strength):
     return found
 
 
-def sentence(sweep):
+def sentence(selection):
     """The result for the first case, and how close all optima are to their upper bounds."""
-    rows = next(iter(by_case(sweep).values()))
+    rows = next(iter(by_case(selection).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == middle(rows))
-    wrong = {name for name, case in compared(sweep, rows, middle(rows)).items() if not is_valid(case)}
+    wrong = {name for name, case in compared(selection, rows, middle(rows)).items() if not is_valid(case)}
     if "optimum" in wrong:
         return "No optimum is stated, because its readings are not valid."
     best = row["eta_optimum_1"]
-    where = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
+    where = f"{title_of(selection, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
         f"strength {number(row['strength_at_least_1'], 3)}")
     others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
               + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
               for text, name, modulation in (("the load without modulation", "unmodulated", "unmodulated"),
                                              ("the best AM-STM", "am", "AM-STM"), ("the best SM-STM tried", "sm", "SM-STM"))
               if row[f"eta_{name}_1"] > 0 and modulation not in wrong]
-    gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(sweep).rows]
-    return (f"{optima(sweep).maximised} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
+    gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(selection).rows]
+    return (f"{optima(selection).maximised} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
             f"its path is {number(row['eta_ceiling_1'], 3)}. In all {len(gaps)} optima, the bound exceeds the optimum by "
             f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
 
@@ -112,25 +112,25 @@ def table(names, rows):
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def results(sweep):
+def results(selection):
     names = ["case", "strength at least", *(text for text, _ in COMPARED), "strength of SM-STM", "upper bound", "bound / optimum"]
-    exported = any("eta_exported_1" in row for row in optima(sweep).rows)
+    exported = any("eta_exported_1" in row for row in optima(selection).rows)
     names += ["exported", "its strength"] if exported else []
-    rows = [[title_of(sweep, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
+    rows = [[title_of(selection, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
              r["eta_ceiling_1"], r["ceiling_over_optimum_1"],
-             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ())] for r in optima(sweep).rows]
+             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ())] for r in optima(selection).rows]
     return table(names, rows)
 
 
-def robustness(sweep):
+def robustness(selection):
     """Each optimum in other tissues and at other speeds; '' if these were not computed."""
-    path = optima(sweep).folder / "robustness.csv"
+    path = optima(selection).folder / "robustness.csv"
     if not path.is_file():
         return ""
     with open(path, newline="", encoding="utf-8") as file:
         read = list(csv.DictReader(file))
     columns = ("strength_at_least_1", "eta_unmodulated_1", "eta_found_1", "found_over_unmodulated_1", "strength_1")
-    cases = {rows[0]["case"]: title_of(sweep, rows[0]) for rows in by_case(sweep).values()}
+    cases = {rows[0]["case"]: title_of(selection, rows[0]) for rows in by_case(selection).values()}
 
     def difference(text):
         return f"tissue of: {cases[text.split()[-1]]}" if text.split()[-1] in cases else text
@@ -140,13 +140,13 @@ def robustness(sweep):
     return f"<h3>The same envelopes in other tissues and at other speeds</h3>{table(names, rows)}"
 
 
-def certificates(sweep):
+def certificates(selection):
     """Knots, envelope and certificate of each optimum, folded."""
     items = ""
-    for row in optima(sweep).rows:
-        optimum = optima(sweep).optimum(row["case"], row["strength_at_least_1"])
-        bound, knots = optimum["ceiling"], optima(sweep).forms(optimum["forms"])["knots"]
-        title = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}"
+    for row in optima(selection).rows:
+        optimum = optima(selection).optimum(row["case"], row["strength_at_least_1"])
+        bound, knots = optimum["ceiling"], optima(selection).forms(optimum["forms"])["knots"]
+        title = f"{title_of(selection, row)}, strength {number(row['strength_at_least_1'], 3)}"
         listed = {"knots": f"{knots['count']}, {number(1e6 * knots['interval_s'], 6)} µs apart",
                   "e": ", ".join(f"{v:.6g}" for v in optimum["found"]["values"]), "eta": f"{bound['eta']:.9g}",
                   "mu": f"{bound['mu']:.9g}", "tau (m²)": f"{bound['tau']:.9g}",
@@ -157,10 +157,10 @@ def certificates(sweep):
             f"bound. scripts/verify_certificate.py states the proof and verifies it.</p>{items}")
 
 
-def section(sweep):
+def section(selection):
     """The tables of the page."""
     note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
-            f"another name are {html.escape(optima(sweep).maximised)}. The optimum is the best of a local search from several starts. The upper bound "
+            f"another name are {html.escape(optima(selection).maximised)}. The optimum is the best of a local search from several starts. The upper bound "
             "is a proof for all envelopes from 0 to 1 that are linear between the knots, on the same path and at the same "
             "speed as the optimum.</p>")
-    return note + results(sweep) + robustness(sweep) + certificates(sweep)
+    return note + results(selection) + robustness(selection) + certificates(selection)

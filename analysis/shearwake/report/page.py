@@ -12,7 +12,7 @@ from PIL import Image
 
 from . import layout, optima, player, table, warnings_of
 from .figure import Figure
-from .load import Sweep
+from .load import Selection
 from .summary import summary
 from .topics import headlines, topics
 from .words import counted, number
@@ -29,13 +29,13 @@ def escape(text):
     return html.escape(str(text))
 
 
-def counts(sweep):
+def counts(selection):
     """For example '8 cases (of them 1 reference): 8 complete.'"""
-    by_status = Counter(c.status for c in sweep.cases)
-    references = sum(c.is_reference for c in sweep.cases)
+    by_status = Counter(c.status for c in selection.cases)
+    references = sum(c.is_reference for c in selection.cases)
     parts = [f"{n} {status}" for status, n in by_status.most_common()]
     kinds = f" (of them {counted(references, 'reference')})" if references else ""
-    return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
+    return f"{counted(len(selection.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
 def folded(name, title, count, inner, state=""):
@@ -44,30 +44,30 @@ def folded(name, title, count, inner, state=""):
             f"<span>{escape(count)}</span></summary>{inner}</details>")
 
 
-def notices(sweep, problems):
+def notices(selection, problems):
     """One line below the result that counts what is missing or doubtful, with links; '' if nothing is."""
     links = []
-    if missing := sum(not case.whole for case in sweep.cases):
+    if missing := sum(not case.is_complete for case in selection.cases):
         links.append(f'<a href="#missing">{counted(missing, "case")} without a result</a>')
     if problems:
         links.append(f'<a href="#missing">{counted(len(problems), "group")} of figures not drawn</a>')
-    if found := warnings_of.kinds(sweep):
+    if found := warnings_of.kinds(selection):
         invalid = {case.id for kind in found if kind.is_error for case in kind.cases}
         wrong = f", {counted(len(invalid), 'case')} not valid" if invalid else ""
         links.append(f'<a href="#warnings">{counted(len(found), "warning")}{wrong}</a>')
     return f'<p class="badge">See also: {"; ".join(links)}.</p>' if links else ""
 
 
-def warning_list(sweep, state=""):
+def warning_list(selection, state=""):
     """All warnings of the sweep, once each, with the number of cases; '' without warnings."""
     items = ""
-    for kind in warnings_of.kinds(sweep):
+    for kind in warnings_of.kinds(selection):
         start = "Not valid" if kind.is_error else "Warning"
         where = ""
         if len(kind.cases) > 1:
             where = f" ({layout.count_of(kind.cases)})"
-        elif len(sweep.cases) > 1:
-            where = f" ({layout.case_label(sweep, kind.cases[0])})"
+        elif len(selection.cases) > 1:
+            where = f" ({layout.case_label(selection, kind.cases[0])})"
         items += f'<li id="warning-{kind.number}">{escape(f"{start}: {kind.message}{where}.")}</li>'
     count = counted(items.count("<li "), "warning")
     return folded("warnings", "Warnings", count, f'<ol class="warning">{items}</ol>', state) if items else ""
@@ -116,12 +116,12 @@ def picture(figure, folder, level):
             f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
 
 
-def trouble(sweep, problems, state=""):
+def trouble(selection, problems, state=""):
     """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
-    for case in sweep.cases:
-        if not case.whole:
-            label = f"{case.id}{' (reference)' if case.is_reference else ''} {layout.settings_text(sweep, case)}".strip()
+    for case in selection.cases:
+        if not case.is_complete:
+            label = f"{case.id}{' (reference)' if case.is_reference else ''} {layout.settings_text(selection, case)}".strip()
             items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
                          f"{escape(case.reason)}</li>")
     items += [f"<li>{escape(p)}</li>" for p in problems]
@@ -138,8 +138,8 @@ def moment(stamp):
         return stamp
 
 
-def provenance(sweep):
-    whole = [c.attributes for c in sweep.cases if c.whole]
+def provenance(selection):
+    whole = [c.attributes for c in selection.cases if c.is_complete]
     rows = []
     for name, attribute in FACTS:
         values = list(dict.fromkeys(str(a[attribute]) for a in whole if attribute in a))
@@ -150,16 +150,16 @@ def provenance(sweep):
     if started and ended:
         rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
     rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
-    rows.append(("folder", sweep.folder.resolve().name))
+    rows.append(("folder", selection.sweep.folder.resolve().name))
     rows.append(("interactive figures", f"uPlot {read('uplot/VERSION').strip()}, MIT licence"))
     cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
     return f"<details><summary>Provenance</summary><dl>{cells}</dl></details>"
 
 
-def job(sweep):
-    if not sweep.job_text:
+def job(selection):
+    if not selection.sweep.job_text:
         return ""
-    lines = escape(sweep.job_text).splitlines()
+    lines = escape(selection.sweep.job_text).splitlines()
     changed = sum(CHANGED in line for line in lines)
     title = f"Job file, with {counted(changed, 'value')} of the command line (-S)" if changed else "Job file"
     text = "\n".join(f"<mark>{line}</mark>" if CHANGED in line else line for line in lines)
@@ -183,28 +183,28 @@ def anchor(title):
     return "topic-" + "-".join(title.lower().split())
 
 
-def parts(sweep, figures, folder, problems, moving):
+def parts(selection, figures, folder, problems, moving):
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made = []
     if moving:
-        shown = [c.id for c in player.cases_of(sweep)]
-        notice = badge(warnings_of.of_figure(sweep, "player", shown), len(shown))
-        plane = layout.plane_name(player.cases_of(sweep))
+        shown = [c.id for c in player.cases_of(selection)]
+        notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown))
+        plane = layout.plane_name(player.cases_of(selection))
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
-    if optima.is_study(sweep):
-        made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(sweep)}', []))
+    if optima.is_study(selection):
+        made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
-    if notice := trouble(sweep, problems, state):
+    if notice := trouble(selection, problems, state):
         made.append(("missing", "Not in the figures", notice, []))
-    if listed := warning_list(sweep, state):
+    if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))
     for title, members in topics(figures):
         inner = "".join(picture(f, folder, "h3") for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
-    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep, figures)}', []))
+    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(selection, figures)}', []))
     return made
 
 
@@ -220,16 +220,16 @@ def contents(made):
     return f'<nav aria-label="contents"><p>On this page</p><ul>{items}</ul></nav>'
 
 
-def page(sweep: Sweep, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
-    lone = "" if sweep.x or not layout.ordinary(sweep) else (
+def page(selection: Selection, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
+    lone = "" if selection.x or not layout.ordinary(selection) else (
         "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
-    made = parts(sweep, figures, folder, problems, moving)
+    made = parts(selection, figures, folder, problems, moving)
     return "\n".join([
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
+        f"<title>{escape(selection.sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
         "</head><body>",
-        f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>'
-        f'<p class="counts">{escape(counts(sweep))}</p>{notices(sweep, problems)}</header>',
+        f'<header><h1>{escape(selection.sweep.title)}</h1><p class="lead">{escape(summary(selection))}</p>'
+        f'<p class="counts">{escape(counts(selection))}</p>{notices(selection, problems)}</header>',
         f'<div class="columns">{contents(made)}<main>', lone, *(content for _, _, content, _ in made),
-        "</main></div><footer>", job(sweep), provenance(sweep), "</footer>", scripts(), "</body></html>\n"])
+        "</main></div><footer>", job(selection), provenance(selection), "</footer>", scripts(), "</body></html>\n"])

@@ -23,7 +23,7 @@ def period_ms(case):
 def last_span_ms(cases):
     """Start and end of the last periods of the cases; None if a run has few periods or no modulation."""
     periods = [period for case in cases if (period := period_ms(case))]
-    end = max(1e3 * case.series["time"][-1] for case in cases)
+    end = max(1e3 * case.over_time["time"][-1] for case in cases)
     if not periods or end < LONG * max(periods):
         return None
     return end - LAST * max(periods), end

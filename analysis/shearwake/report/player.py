@@ -35,21 +35,21 @@ class Detail:
     lossless: bool = True
 
 
-def cases_of(sweep):
+def cases_of(selection):
     """All cases with a recorded surface, those of the figures first and references last."""
-    return [c for c in layout.with_references(sweep) if len(load.surface_times(c))]
+    return [c for c in layout.with_references(selection) if len(load.surface_times(c))]
 
 
-def first_shown(sweep, cases):
+def first_shown(selection, cases):
     """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
     def rank(case):
-        value = case.value("eta_period_1")
+        value = case.value("eta_period_1", math.nan)
         return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
     best = max(cases, key=rank)
-    own = sweep.reference_of(best)
+    own = selection.reference_of(best)
     others = [c for c in cases if c is not best]
     other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
-    return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [sweep.by_id(c)]]
+    return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [selection.by_id[c]]]
 
 
 def shot_of(case, index):
@@ -78,15 +78,15 @@ def picture(u_um, peak, lossless):
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def case_data(sweep, case, limits, detail):
+def case_data(selection, case, limits, detail):
     """The pictures of a case, its path and the positions of its focus, in mm, ms and um."""
     shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
     parts = [cut(s, limits, detail.widest_px) for s in shots]
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
-    path = wake.focus_at(case, case.series["time"][-1])[2]
+    path = wake.focus_at(case, case.over_time["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
-    period = round(1e3 * float(case.series["time"][-1]), 6) if layout.repeats(case) else None
-    return {"label": warnings_of.label(sweep, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
+    period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
+    return {"label": warnings_of.label(selection, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -110,7 +110,7 @@ def common_view(cases):
     return end, max(float(np.nanmax(np.abs(s.u_um))) for s in shots), fig_surface.window(shots, end)
 
 
-def detail_that_fits(sweep, cases, limits):
+def detail_that_fits(selection, cases, limits):
     """The best detail whose pictures are expected to fit on the page, estimated from a few cases."""
     counts = [len(load.surface_times(c)) for c in cases]
     choices = [Detail(MOMENTS), Detail(MOMENTS, lossless=False), Detail(30, lossless=False),
@@ -172,16 +172,16 @@ def caption(cases, data, detail):
     return text
 
 
-def player(sweep):
+def player(selection):
     """HTML of the player; '' if no case has a recorded surface."""
-    cases = cases_of(sweep)
+    cases = cases_of(selection)
     if not cases:
         return ""
     end, peak, limits = common_view(cases)
-    detail = detail_that_fits(sweep, cases, limits)
-    stored = [case_data(sweep, c, limits, detail) for c in cases]
+    detail = detail_that_fits(selection, cases, limits)
+    stored = [case_data(selection, c, limits, detail) for c in cases]
     view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
-    data = {"cases": stored, "first": first_shown(sweep, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
+    data = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
             "palette": colours()}
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1

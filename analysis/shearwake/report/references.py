@@ -4,37 +4,37 @@
 from . import layout
 
 
-def of_cases(sweep, cases):
+def of_cases(selection, cases):
     """The distinct references of the cases, each once, in the order of the cases."""
-    found = {r.id: r for c in cases if (r := sweep.reference_of(c)) and r is not c}
+    found = {r.id: r for c in cases if (r := selection.reference_of(c)) and r is not c}
     return layout.motions(found.values())
 
 
-def with_references(sweep, cases, most):
+def with_references(selection, cases, most):
     """At most `most` of the cases and their references. References that depend on a swept key precede their
     cases, so that each value appears with its own reference; a common reference comes first."""
     cases = list(cases)
-    if len(of_cases(sweep, cases)) > 1:
+    if len(of_cases(selection, cases)) > 1:
         cases = layout.evenly(cases, max(1, most // 2))
     else:
-        cases = layout.evenly(cases, most - len(of_cases(sweep, cases)))
-    own = of_cases(sweep, cases)
+        cases = layout.evenly(cases, most - len(of_cases(selection, cases)))
+    own = of_cases(selection, cases)
     ordered = {}
     for case in cases:
-        reference = sweep.reference_of(case)
+        reference = selection.reference_of(case)
         same = [r for r in own if reference and layout.have_same_motion(r, reference)]
         for one in [*same, case]:
             ordered.setdefault(one.id, one)
     return list(ordered.values())
 
 
-def first_and_last(sweep, most):
+def first_and_last(selection, most):
     """Cases from the first to the last curve with their references, at most `most`."""
-    picks = [c for g in layout.evenly(layout.groups(sweep), 2) for c in layout.evenly(g.cases, most - 1)]
-    return with_references(sweep, picks, most)
+    picks = [c for g in layout.evenly(layout.groups(selection), 2) for c in layout.evenly(g.cases, most - 1)]
+    return with_references(selection, picks, most)
 
 
-def columns_of(sweep, groups, chosen):
+def columns_of(selection, groups, chosen):
     """The columns of a figure with one column per curve, top to bottom; `chosen(cases)` selects the cases of a
     curve. A single reference is on top of its curve; a reference that several curves share is on top of the first of
     them only. References that differ within a curve form a column of their own, next to their cases, which curves
@@ -42,9 +42,9 @@ def columns_of(sweep, groups, chosen):
     columns, shown, on_top = [], [], []
     for group in groups:
         cases = chosen(group.cases)
-        own = of_cases(sweep, group.cases)
+        own = of_cases(selection, group.cases)
         if len(own) > 1:
-            beside = of_cases(sweep, cases)
+            beside = of_cases(selection, cases)
             if not (len(beside) == len(shown) and all(map(layout.have_same_motion, beside, shown))):
                 columns.append(beside)
             shown = beside

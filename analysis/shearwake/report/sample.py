@@ -9,24 +9,24 @@ from .words import counted, number
 RESULT = ("eta_period_1", "eta_at_1")  # the column of the summary: the first that has values
 
 
-def swept(sweep):
+def swept(selection):
     """The swept keys that are not uncertain."""
-    return [key for key in sweep.swept_keys if key not in sweep.uncertain["keys"]]
+    return [key for key in selection.sweep.swept_keys if key not in selection.sweep.uncertain["keys"]]
 
 
-def place(sweep, row):
+def place(selection, row):
     """The swept values of a row or of the settings of a case, as in the CSV."""
     def cell(value):
         return value if isinstance(value, str) else f"{value:.9g}"
-    return tuple(cell(row[key]) if key in row else "" for key in swept(sweep))
+    return tuple(cell(row[key]) if key in row else "" for key in swept(selection))
 
 
-def label(sweep, where, without=""):
+def label(selection, where, without=""):
     """'AM frequency 200 Hz, focus FWHM 3 mm' for the swept values `where`."""
     parts = []
-    for key, value in zip(swept(sweep), where):
+    for key, value in zip(swept(selection), where):
         if key != without and value != "":
-            parts.append(layout.setting_text(sweep, key, amount(value)))
+            parts.append(layout.setting_text(selection, key, amount(value)))
     return ", ".join(parts)
 
 
@@ -37,12 +37,12 @@ def amount(value):
         return value
 
 
-def by_place(sweep, rows, column):
+def by_place(selection, rows, column):
     """{swept values: {statistic: row}} of a column."""
     found = {}
     for row in rows:
         if row["column"] == column and not math.isnan(row["value"]):
-            found.setdefault(place(sweep, row), {})[row["statistic"]] = row
+            found.setdefault(place(selection, row), {})[row["statistic"]] = row
     return found
 
 
@@ -51,29 +51,29 @@ def doubt(row):
     return f" ({row['note']})" if row["note"] else ""
 
 
-def sentence(sweep):
+def sentence(selection):
     """The result in a sentence, for the top of the page."""
-    rows = read_statistics(sweep.folder, sweep.name)
-    column = next((c for c in RESULT if by_place(sweep, rows, c)), None)
+    rows = read_statistics(selection.sweep.folder, selection.sweep.name)
+    column = next((c for c in RESULT if by_place(selection, rows, c)), None)
     if column is None:
         return "No sample has a value yet, so there is nothing to summarise."
-    found = by_place(sweep, rows, column)
+    found = by_place(selection, rows, column)
     where, best = max(found.items(), key=lambda item: item[1]["q50"]["value"])
-    at = label(sweep, where)
+    at = label(selection, where)
     used, without = int(best["q50"]["samples"]), int(best["q50"]["without_value"])
     text = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
-            f"{counted(len(sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
+            f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
             f"{number(best['q50']['value'], 3)}; 90 % of the samples are between {number(best['q05']['value'], 3)} and "
             f"{number(best['q95']['value'], 3)}")
     text += f" ({at}, the highest median of the sweep)" if at and len(found) > 1 else ""
     text += f"{doubt(best['q50']) or doubt(best['q05']) or doubt(best['q95'])}."
-    for threshold, value in sweep.uncertain["exceedance"].items():
-        likely = by_place(sweep, rows, threshold)
+    for threshold, value in selection.sweep.uncertain["exceedance"].items():
+        likely = by_place(selection, rows, threshold)
         name = f"exceeds {value:.9g}"
         ranked = [(s[name]["value"], w, s[name]) for w, s in likely.items() if name in s]
         if ranked:
             _, w, row = max(ranked, key=lambda item: item[0])
-            at = label(sweep, w)
+            at = label(selection, w)
             text += (f" {threshold} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
                      f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
                      f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")

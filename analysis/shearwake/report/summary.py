@@ -12,9 +12,9 @@ EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of
 NAMED = 3     # largest number of cases with the same value that are named
 
 
-def where(sweep, case):
-    keys = [k for k in [sweep.x, *layout.group_keys(sweep)] if k and k in case.settings]
-    return ", ".join(layout.setting_text(sweep, k, case.settings[k]) for k in keys)
+def where(selection, case):
+    keys = [k for k in [selection.x, *layout.group_keys(selection)] if k and k in case.settings]
+    return ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys)
 
 
 def alike(case, cases, value):
@@ -23,34 +23,34 @@ def alike(case, cases, value):
     return [case, *(c for c in cases if c is not case and abs(value(c) - own) <= EQUAL * abs(own))]
 
 
-def places(sweep, cases):
+def places(selection, cases):
     """Where the cases are: 'AM frequency 400 Hz and AM frequency 800 Hz'; only the first ones of many, and their number."""
-    found = list(dict.fromkeys(where(sweep, c) for c in cases))
+    found = list(dict.fromkeys(where(selection, c) for c in cases))
     if len(found) > NAMED:
         found = [*found[:NAMED - 1], f"{len(found) - NAMED + 1} further cases"]
     return listed(found)
 
 
-def subject(sweep, cases):
+def subject(selection, cases):
     """For example 'AM-STM at AM frequency 400 Hz'."""
     kind = cases[0].setting("load", "modulation", "kind", default="")
-    place = places(sweep, cases)
+    place = places(selection, cases)
     if "load.modulation.kind" in cases[0].settings or not kind:
         return place or "the case"
     return f"{kind} at {place}" if place else kind
 
 
-def reference_for(sweep, case):
+def reference_for(selection, case):
     """The reference of a case if the readings of both are valid, else None; None for a reference."""
-    found = sweep.reference_of(case)
+    found = selection.reference_of(case)
     return found if found and found is not case and is_valid(case) and is_valid(found) else None
 
 
-def gain(sweep, case):
+def gain(selection, case):
     """eta relative to that of the reference of the case; NaN for a reference, or if one of them is not valid."""
-    reference = reference_for(sweep, case)
-    below = reference.value("eta_period_1") if reference else math.nan
-    return case.value("eta_period_1") / below if below else math.nan
+    reference = reference_for(selection, case)
+    below = reference.value("eta_period_1", math.nan) if reference else math.nan
+    return case.value("eta_period_1", math.nan) / below if below else math.nan
 
 
 def comparison(value, reference, name):
@@ -62,183 +62,183 @@ def comparison(value, reference, name):
     return f"{percent} than the {number(reference, 3)} of {name}"
 
 
-def caveats(sweep, is_used=False):
+def caveats(selection, is_used=False):
     """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
     valid, which are used in the tables of the optima."""
-    missing = [c for c in sweep.cases if not c.whole]
-    whole = [c for c in sweep.cases if c.whole]
+    missing = [c for c in selection.cases if not c.is_complete]
+    whole = [c for c in selection.cases if c.is_complete]
     invalid = [c for c in whole if not is_valid(c)]
     text = ""
     if missing:
         has = "has" if len(missing) == 1 else "have"
-        text += f" {counted(len(missing), 'case')} of {len(sweep.cases)} {has} no result yet."
+        text += f" {counted(len(missing), 'case')} of {len(selection.cases)} {has} no result yet."
     if invalid:
         among = layout.references_among(invalid)
         them = f" ({among})" if among else ""
         are = "is" if len(invalid) == 1 else "are"
         text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}{them}: "
                  f"{warnings_of.reasons(invalid)}.")
-    without = [c for c in layout.ordinary(sweep) if is_valid(c) and math.isnan(c.value("eta_period_1"))]
-    if without and len(without) < len(layout.ordinary(sweep)):
+    without = [c for c in layout.ordinary(selection) if is_valid(c) and math.isnan(c.value("eta_period_1", math.nan))]
+    if without and len(without) < len(layout.ordinary(selection)):
         text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
                  "(eta_period_1) and cannot be compared.")
-    if alone := [c for c in valid(sweep, "eta_period_1") if (r := sweep.reference_of(c)) and r is not c and not is_valid(r)]:
+    if alone := [c for c in valid(selection, "eta_period_1") if (r := selection.reference_of(c)) and r is not c and not is_valid(r)]:
         text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
                  "not valid.")
     return text
 
 
-def range_of(sweep, cases, column="eta_period_1"):
-    low, high = (f(c.value(column) for c in cases) for f in (min, max))
+def range_of(selection, cases, column="eta_period_1"):
+    low, high = (f(c.value(column, math.nan) for c in cases) for f in (min, max))
     return span(low, high)
 
 
-def only_numerical(sweep, cases):
+def only_numerical(selection, cases):
     """For a sweep over numerical parameters alone."""
     if len(cases) == 1:
-        return f"The efficiency η (eta_period_1) is {with_error(sweep, cases[0], 'eta_period_1')}." + estimate(sweep, cases[0])
-    return (f"The efficiency η (eta_period_1) is {range_of(sweep, cases)}: {settings_that_differ(cases)} differ by "
-            f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(sweep, cases[0]))
+        return f"The efficiency η (eta_period_1) is {with_error(selection, cases[0], 'eta_period_1')}." + estimate(selection, cases[0])
+    return (f"The efficiency η (eta_period_1) is {range_of(selection, cases)}: {settings_that_differ(cases)} differ by "
+            f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(selection, cases[0]))
 
 
-def estimate(sweep, case, column="eta_period_1"):
+def estimate(selection, case, column="eta_period_1"):
     """States the numerical error of a column and, if that of a ratio is unknown, of eta."""
-    relative = relative_error(sweep, case, column)[0]
-    if is_measurement(sweep):
+    relative = relative_error(selection, case, column)[0]
+    if is_measurement(selection):
         return (" The uncertainty is unknown: measure with --repetitions." if math.isnan(relative) else
                 f" Noise and gaps of the scan cause an uncertainty of {quantity(column)} of {number(100 * relative, 2)} %.")
     if not math.isnan(relative):
         return (f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %"
-                f"{estimated_at(sweep, case, column)}.")
-    if column == "eta_period_1" or math.isnan(relative_error(sweep, case, "eta_period_1")[0]):
+                f"{estimated_at(selection, case, column)}.")
+    if column == "eta_period_1" or math.isnan(relative_error(selection, case, "eta_period_1")[0]):
         return " Numerical error not estimated: run shearwake converge."
-    return estimate(sweep, case)[:-1] + f"; that of {quantity(column)} is not estimated."
+    return estimate(selection, case)[:-1] + f"; that of {quantity(column)} is not estimated."
 
 
 def quantity(column):
     return "the ratio" if "over_reference" in column else "η"
 
 
-def without_best(sweep, cases):
+def without_best(selection, cases):
     """For a sweep in which no case may be called the best."""
-    noun = "complete case" if all(map(is_valid, layout.ordinary(sweep))) else "valid case"
-    return (f"The efficiency η (eta_period_1) of {counted(len(cases), noun)} is {range_of(sweep, cases)}; no case "
+    noun = "complete case" if all(map(is_valid, layout.ordinary(selection))) else "valid case"
+    return (f"The efficiency η (eta_period_1) of {counted(len(cases), noun)} is {range_of(selection, cases)}; no case "
             "is called the best until all are complete.")
 
 
-def indistinct(sweep, equal, cases, column):
+def indistinct(selection, equal, cases, column):
     """Relates the differences between cases to those between engines and to the numerical error of a column. `equal`: the
     best cases, which have the same value."""
-    best, variants = equal[0], numerical_variants(sweep, equal[0], column)
+    best, variants = equal[0], numerical_variants(selection, equal[0], column)
     rest = [c for c in cases if c not in variants and c not in equal]
-    text, relative = "", relative_error(sweep, best, column)[0]
+    text, relative = "", relative_error(selection, best, column)[0]
     if len(variants) > 1:
         range_, share = spread_of(variants, column)
         who = settings_that_differ(variants)
         text += f" {who[:1].upper()}{who[1:]} differ by {number(100 * share, 2)} % in {quantity(column)} there"
-        near = [c for c in rest if abs(c.value(column) - best.value(column)) <= range_]
+        near = [c for c in rest if abs(c.value(column, math.nan) - best.value(column, math.nan)) <= range_]
         text += f"; {further(near)} from this case by no more than that." if near else "."
-    near = [c for c in rest if abs(c.value(column) - best.value(column)) <= 2 * relative * abs(best.value(column))]
+    near = [c for c in rest if abs(c.value(column, math.nan) - best.value(column, math.nan)) <= 2 * relative * abs(best.value(column, math.nan))]
     if not near:
-        return text + estimate(sweep, best, column)
+        return text + estimate(selection, best, column)
     return (f"{text} {further(near)} from this case by no more than the numerical error of both, "
-            f"{number(100 * relative, 2)} % of {quantity(column)} each{estimated_at(sweep, best, column)}.")
+            f"{number(100 * relative, 2)} % of {quantity(column)} each{estimated_at(selection, best, column)}.")
 
 
 def further(cases):
     return f"{counted(len(cases), 'further case')} {'differs' if len(cases) == 1 else 'differ'}"
 
 
-def efficiency(sweep):
+def efficiency(selection):
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
-    if not known(sweep, "eta_period_1"):
+    if not known(selection, "eta_period_1"):
         return "No case has an efficiency η over complete periods (eta_period_1)."
-    cases = valid(sweep, "eta_period_1")
+    cases = valid(selection, "eta_period_1")
     if not cases:
-        return "No efficiency is stated, because no case has valid readings." + caveats(sweep)
-    notes = caveats(sweep)
-    swept = [k for k in layout.axes(sweep) if not is_numerical(k)]
-    if not swept and layout.axes(sweep):
-        return only_numerical(sweep, cases) + notes
-    if sweep.x and any(not c.whole for c in sweep.cases):
-        return without_best(sweep, cases) + notes
-    compared = [c for c in cases if not math.isnan(gain(sweep, c))]
+        return "No efficiency is stated, because no case has valid readings." + caveats(selection)
+    notes = caveats(selection)
+    swept = [k for k in layout.axes(selection) if not is_numerical(k)]
+    if not swept and layout.axes(selection):
+        return only_numerical(selection, cases) + notes
+    if selection.x and any(not c.is_complete for c in selection.cases):
+        return without_best(selection, cases) + notes
+    compared = [c for c in cases if not math.isnan(gain(selection, c))]
     if not compared:
-        return highest(sweep, cases) + notes
-    best = max(compared, key=lambda c: gain(sweep, c))
-    same = alike(best, compared, lambda c: gain(sweep, c))
-    equal = alike(best, same, lambda c: c.value("eta_period_1"))
-    text = against_reference(choices(sweep), equal, compared)
-    relate = indistinct(sweep, equal, compared, "eta_period_over_reference_1") if sweep.x else estimate(
-        sweep, best, "eta_period_over_reference_1")
+        return highest(selection, cases) + notes
+    best = max(compared, key=lambda c: gain(selection, c))
+    same = alike(best, compared, lambda c: gain(selection, c))
+    equal = alike(best, same, lambda c: c.value("eta_period_1", math.nan))
+    text = against_reference(choices(selection), equal, compared)
+    relate = indistinct(selection, equal, compared, "eta_period_over_reference_1") if selection.x else estimate(
+        selection, best, "eta_period_over_reference_1")
     return text + relate + notes
 
 
-def highest(sweep, cases):
+def highest(selection, cases):
     """The case with the largest efficiency, of cases without valid references."""
-    best = max(cases, key=lambda c: c.value("eta_period_1"))
-    value = with_error(sweep, best, "eta_period_1")
-    if not sweep.x:
-        return f"The efficiency η (eta_period_1) is {value}." + estimate(sweep, best)
-    equal = alike(best, cases, lambda c: c.value("eta_period_1"))
-    place = places(choices(sweep), equal)
+    best = max(cases, key=lambda c: c.value("eta_period_1", math.nan))
+    value = with_error(selection, best, "eta_period_1")
+    if not selection.x:
+        return f"The efficiency η (eta_period_1) is {value}." + estimate(selection, best)
+    equal = alike(best, cases, lambda c: c.value("eta_period_1", math.nan))
+    place = places(choices(selection), equal)
     if len(cases) == 1:
-        return f"The efficiency η (eta_period_1) of the only valid case, {place}, is {value}." + estimate(sweep, best)
-    same = " and the same" if place != where(choices(sweep), best) else ""
-    return (f"The efficiency η (eta_period_1) is highest{same}, {value}, at {place}{of_the_valid(sweep, cases)}."
-            + indistinct(sweep, equal, cases, "eta_period_1"))
+        return f"The efficiency η (eta_period_1) of the only valid case, {place}, is {value}." + estimate(selection, best)
+    same = " and the same" if place != where(choices(selection), best) else ""
+    return (f"The efficiency η (eta_period_1) is highest{same}, {value}, at {place}{of_the_valid(selection, cases)}."
+            + indistinct(selection, equal, cases, "eta_period_1"))
 
 
-def of_the_valid(sweep, cases):
+def of_the_valid(selection, cases):
     """' of the 9 valid cases', or '' if these are all cases."""
-    return "" if len(cases) == len(layout.ordinary(sweep)) else f" of the {counted(len(cases), 'valid case')}"
+    return "" if len(cases) == len(layout.ordinary(selection)) else f" of the {counted(len(cases), 'valid case')}"
 
 
-def against_reference(sweep, equal, compared):
+def against_reference(selection, equal, compared):
     """The best of the compared cases, which have the same values, and the reference."""
-    best, who = equal[0], subject(sweep, equal)
-    several = who != subject(sweep, [best])
-    value = best.value("eta_period_1")
-    reference = sweep.reference_of(best).value("eta_period_1")
-    name = layout.reference_name(layout.all_references(sweep))
-    versus = (f"{'the' if several else 'its'} efficiency η (eta_period_1) {'of each ' if several else ''}is {with_error(sweep, best, 'eta_period_1')}, "
+    best, who = equal[0], subject(selection, equal)
+    several = who != subject(selection, [best])
+    value = best.value("eta_period_1", math.nan)
+    reference = selection.reference_of(best).value("eta_period_1", math.nan)
+    name = layout.reference_name(layout.all_references(selection))
+    versus = (f"{'the' if several else 'its'} efficiency η (eta_period_1) {'of each ' if several else ''}is {with_error(selection, best, 'eta_period_1')}, "
               f"{comparison(value, reference, name)}.")
-    ratio, _ = relative_error(sweep, best, "eta_period_over_reference_1")
+    ratio, _ = relative_error(selection, best, "eta_period_over_reference_1")
     if abs(value / reference - 1.0) <= ratio:
         versus += f" This difference does not exceed its numerical error of {number(100 * ratio, 2)} %."
-    if not sweep.x:
+    if not selection.x:
         return f"{who}: {versus}"
     if value < reference:
         count = len(compared)
-        kind = "" if count == len(layout.ordinary(sweep)) else "valid "
+        kind = "" if count == len(layout.ordinary(selection)) else "valid "
         none = f"None of the {count} {kind}cases focuses" if count > 1 else f"The only {kind}case does not focus"
         return f"{none} better than {name}. The best {'are' if several else 'is'} {who}: {versus}"
-    among = of_the_valid(sweep, compared)
-    if len(layout.all_references(sweep)) > 1:
+    among = of_the_valid(selection, compared)
+    if len(layout.all_references(selection)) > 1:
         return f"{who} {'improve' if several else 'improves'} most on {name} under the same conditions{among}: {versus}"
     return f"{who} {'focus' if several else 'focuses'} best{among}: {versus}"
 
 
-def strength(sweep):
+def strength(selection):
     """The strength at the focus relative to the reference; '' if no reading is valid."""
     ratio = {}
-    for case in valid(sweep, "focal_rms_um"):
-        reference = reference_for(sweep, case)
-        if reference and reference.value("focal_rms_um"):
-            ratio[case.id] = case.value("focal_rms_um") / reference.value("focal_rms_um")
+    for case in valid(selection, "focal_rms_um"):
+        reference = reference_for(selection, case)
+        if reference and reference.value("focal_rms_um", math.nan):
+            ratio[case.id] = case.value("focal_rms_um", math.nan) / reference.value("focal_rms_um", math.nan)
     ratio = {k: v for k, v in ratio.items() if not math.isnan(v)}
     if not ratio:
-        cases = valid(sweep, "focal_rms_um")
+        cases = valid(selection, "focal_rms_um")
         if not cases:
             return ""
-        return f" The focal rms is {range_of(sweep, cases, 'focal_rms_um')} µm."
-    name = layout.reference_name(layout.all_references(sweep))
+        return f" The focal rms is {range_of(selection, cases, 'focal_rms_um')} µm."
+    name = layout.reference_name(layout.all_references(selection))
     low, high = (f(ratio.values()) for f in (min, max))
     if len(ratio) == 1 or high - low < 0.005 * high:
         return f" The focal rms is {number(high, 2)} times that of {name}."
-    at_low, at_high = ([sweep.by_id(i) for i, r in ratio.items() if abs(r - end) <= EQUAL * end] for end in (low, high))
-    return (f" The focal rms is {number(low, 2)} ({places(sweep, at_low)}) to "
-            f"{number(high, 2)} ({places(sweep, at_high)}) times that of {name}.")
+    at_low, at_high = ([selection.by_id[i] for i, r in ratio.items() if abs(r - end) <= EQUAL * end] for end in (low, high))
+    return (f" The focal rms is {number(low, 2)} ({places(selection, at_low)}) to "
+            f"{number(high, 2)} ({places(selection, at_high)}) times that of {name}.")
 
 
 def span(low, high):
@@ -246,39 +246,39 @@ def span(low, high):
     return low if low == high else f"{low} to {high}"
 
 
-def fired(sweep):
+def fired(selection):
     """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
-    cases = [c for c in layout.ordinary(sweep) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
-    spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1"))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1"))]
-              for kind in layout.receptor_classes(sweep)}
+    cases = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
+    spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1", math.nan))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1", math.nan))]
+              for kind in layout.receptor_classes(selection)}
     firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
     silent = [kind for kind, found in spikes.items() if found and kind not in firing]
-    parts = [f"The {kind} afferents fire {spikes_text(sweep, found)}" for kind, found in firing.items()]
+    parts = [f"The {kind} afferents fire {spikes_text(selection, found)}" for kind, found in firing.items()]
     if silent:
         parts.append(f"{'the' if parts else 'The'} {listed(silent)} afferents are silent")
     return f"{'; '.join(parts)}. " if parts else ""
 
 
-def spikes_text(sweep, found):
+def spikes_text(selection, found):
     """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
     if len(found) > 3:
         ends = sorted({f(n for _, n in found) for f in (min, max)})
-        return " to ".join(spikes_at(sweep, [c for c, n in found if n == end], end) for end in ends)
-    return listed(spikes_at(sweep, [case], count) for case, count in found)
+        return " to ".join(spikes_at(selection, [c for c, n in found if n == end], end) for end in ends)
+    return listed(spikes_at(selection, [case], count) for case, count in found)
 
 
-def spikes_at(sweep, cases, count):
-    place = places(sweep, cases)
+def spikes_at(selection, cases, count):
+    place = places(selection, cases)
     return counted(count, "spike") + (f" at {place}" if place else "")
 
 
-def summary(sweep):
-    if not layout.ordinary(sweep):
+def summary(selection):
+    if not layout.ordinary(selection):
         return "No case is complete yet, so there is nothing to draw."
-    if sweep.uncertain:
-        return sample.sentence(sweep)
-    if optima.is_study(sweep):
-        return optima.sentence(sweep) + caveats(sweep, is_used=True)
-    receptors = "" if valid(sweep, "eta_period_1") else fired(sweep)
-    text = receptors + efficiency(sweep) + strength(choices(sweep))
+    if selection.sweep.uncertain:
+        return sample.sentence(selection)
+    if optima.is_study(selection):
+        return optima.sentence(selection) + caveats(selection, is_used=True)
+    receptors = "" if valid(selection, "eta_period_1") else fired(selection)
+    text = receptors + efficiency(selection) + strength(choices(selection))
     return text[:1].upper() + text[1:]

@@ -8,13 +8,13 @@ from . import layout
 from .words import counted, number, value_text
 
 
-def measures(sweep):
+def measures(selection):
     """The columns that the table of measures (src/measures/measure_table.cpp) lists for the page; columns of
     shapes only if the focus draws a shape, not a straight line, and ratios only if there are references."""
-    shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(sweep))
-    references = bool(layout.all_references(sweep))
-    return [c["name"] for c in sweep.columns if (c["shown"] == "page" or (c["shown"] == "shapes" and shapes))
-            and (references or not c["over_reference_of"])]
+    shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(selection))
+    references = bool(layout.all_references(selection))
+    return [c.name for c in selection.sweep.columns if (c.shown == "page" or (c.shown == "shapes" and shapes))
+            and (references or not c.over_reference_of)]
 
 
 def numeric_cell(amount):
@@ -56,12 +56,12 @@ def filtered(figures):
             f"case: {'; '.join(links)}. All other figures and the player do not change.")
 
 
-def tools(sweep, figures):
+def tools(selection, figures):
     """The filter above the table, its effect on the figures, and the links to the data."""
-    name = html.escape(sweep.name)
+    name = html.escape(selection.sweep.name)
     return ('<div class="tools"><label>Filter <input id="filter" type="search" '
             'placeholder="for example: eta_period_1 &gt; 0.2, complete"></label>'
-            f'<output id="count">{len(sweep.cases)} of {counted(len(sweep.cases), "case")}</output>'
+            f'<output id="count">{len(selection.cases)} of {counted(len(selection.cases), "case")}</output>'
             '<button type="button" id="csv">Save rows as CSV</button></div>'
             '<p class="counts">Select a heading to sort by its column; select it again to reverse the order. Scroll sideways '
             f'to see all columns. {filtered(figures)} Files with all columns, in the output folder of this page: '
@@ -73,29 +73,30 @@ def row(case, kinds, keys, shown, followers, mark):
     """The cells of a case; `kinds` is the column that marks references, or empty without references."""
     cells = [id_cell(case), *(f'<td>{"yes" if case.is_reference else ""}</td>' for _ in kinds)]
     cells += [setting_cell(case, k) for k in keys]
-    cells += [numeric_cell(case.value(m)) for m in shown]
+    cells += [numeric_cell(case.value(m, math.nan)) for m in shown]
     cells += [setting_cell(case, k) for k in followers]
-    valid = "" if not case.whole else "no" if any(w["severity"] == "error" for w in case.warnings) else "yes"
-    cells += [f"<td>{valid}</td>", numeric_cell(case.wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
+    valid = "" if not case.is_complete else "no" if any(w["severity"] == "error" for w in case.warnings) else "yes"
+    wall_s = case.attributes["wall_s"] if case.is_complete else math.nan
+    cells += [f"<td>{valid}</td>", numeric_cell(wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
     kind = ' class="reference"' if case.is_reference else ""
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
 
-def table(sweep, figures):
+def table(selection, figures):
     """The table and, below it, the notes to which its last column refers."""
-    keys = layout.axes(sweep)
-    followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
-    shown = measures(sweep)
-    kinds = ["reference"] if any(c.is_reference for c in sweep.cases) else []
+    keys = layout.axes(selection)
+    followers = [k for k in selection.sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
+    shown = measures(selection)
+    kinds = ["reference"] if any(c.is_reference for c in selection.cases) else []
     notes, rows = {}, []
-    for case in sweep.cases:
+    for case in selection.cases:
         mark = ""
-        if case.reason:
-            n = notes.setdefault(case.reason, len(notes) + 1)
+        if case.note:
+            n = notes.setdefault(case.note, len(notes) + 1)
             mark = f'<a href="#note-{n}">{n}</a>'
         rows.append(row(case, kinds, keys, shown, followers, mark))
     columns = ["id", *kinds, *keys, *shown, *followers, "valid", "wall_s", "status", "note"]
-    body = (f'{tools(sweep, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
+    body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     return body + (f'<ol class="notes">{listed}</ol>' if notes else "")

@@ -38,13 +38,14 @@ def stamp(path):
         return None
 
 
-def facts(sweep):
-    """Everything that figures read from a sweep, apart from the contents of the case files."""
-    return [sweep.name, sweep.title, sweep.swept_keys, sweep.x, sweep.series_keys, sweep.columns, sweep.label_keys,
-            sweep.uncertain, sweep.adaptive, stamp(sweep.folder / "optimise" / "table.csv"),
-            [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.scalars, c.notes, c.warnings,
-              stamp(c.path), [stamp(medium_files.file_of(sweep, c, key)) for key in MEDIUM_FILES]]
-             for c in sweep.cases]]
+def facts(selection):
+    """Everything that figures read from a selection, apart from the contents of the case files."""
+    sweep = selection.sweep
+    return [sweep.name, sweep.title, sweep.swept_keys, selection.x, sweep.series_keys, sweep.columns, selection.label_keys,
+            sweep.uncertain, sweep.adaptive_axes, stamp(sweep.folder / "optimise" / "table.csv"),
+            [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.note, c.values] for c in selection.cases],
+            [[c.warnings, stamp(c.path), [stamp(medium_files.file_of(sweep.folder, sweep.job_text, c, key)) for key in MEDIUM_FILES]]
+             for c in selection.cases if c.is_complete]]
 
 
 def plain(value):
@@ -70,20 +71,20 @@ class Drawn:
         except (OSError, ValueError):
             self.old = {}
 
-    def key(self, name, sweep):
-        text = json.dumps([self.code, name, facts(sweep)], default=str, sort_keys=True)
+    def key(self, name, selection):
+        text = json.dumps([self.code, name, facts(selection)], default=str, sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
 
-    def draw(self, name, draw, sweep, *arguments):
-        """The result of draw(sweep, *arguments): figures with charts as JSON objects, or a text. If nothing has
+    def draw(self, name, draw, selection, *arguments):
+        """The result of draw(selection, *arguments): figures with charts as JSON objects, or a text. If nothing has
         changed it is that of the previous report."""
-        key, before = self.key(name, sweep), self.old.get(name, {})
+        key, before = self.key(name, selection), self.old.get(name, {})
         if before.get("key") == key and self.take(before["files"]):
             self.new[name] = before
             self.reused += 1
         else:
             existing = {path.name for path in self.part.iterdir()}
-            result = draw(sweep, *arguments)
+            result = draw(selection, *arguments)
             files = sorted({path.name for path in self.part.iterdir()} - existing)
             self.new[name] = {"key": key, "files": files,
                               "result": json.loads(json.dumps(result, default=plain))}

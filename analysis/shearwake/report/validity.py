@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How figures show readings that are not valid: grey crosses, without a line and outside of colour scales."""
+import math
+
 import numpy as np
 
 from . import layout, style, warnings_of
@@ -7,23 +9,23 @@ from . import layout, style, warnings_of
 CROSSES = {"linestyle": "none", "marker": "x", "color": style.GREY, "markersize": 6, "markeredgewidth": 1.6, "zorder": 2.8}
 
 
-def split(sweep, cases, column, figure, values):
+def split(selection, cases, column, figure, values):
     """The values of a column as two arrays: those that are valid in a figure, and those that are not; NaN elsewhere."""
-    holds = np.array([warnings_of.holds(sweep, c, column, figure) for c in cases], bool)
+    holds = np.array([warnings_of.holds(selection, c, column, figure) for c in cases], bool)
     values = np.asarray(values, dtype=float)
     return np.where(holds, values, np.nan), np.where(holds, np.nan, values)
 
 
-def invalid_cases(sweep, figure, *columns):
+def invalid_cases(selection, figure, *columns):
     """The cases with a value in one of the columns that is not valid; references only unless all columns are ratios."""
-    of_ratios = all(map(sweep.is_ratio, columns))
-    shown = [*layout.ordinary(sweep), *(r for r in layout.all_references(sweep) if r.is_reference and not of_ratios)]
-    return [c for c in shown if any(np.isfinite(c.value(column)) and not warnings_of.holds(sweep, c, column, figure)
+    of_ratios = all(map(selection.is_ratio, columns))
+    shown = [*layout.ordinary(selection), *(r for r in layout.all_references(selection) if r.is_reference and not of_ratios)]
+    return [c for c in shown if any(np.isfinite(c.value(column, math.nan)) and not warnings_of.holds(selection, c, column, figure)
                                     for column in columns)]
 
 
-def invalid_caption(sweep, figure, *columns):
+def invalid_caption(selection, figure, *columns):
     """The sentence of a caption about grey crosses; '' if all readings are valid."""
-    found = invalid_cases(sweep, figure, *columns)
+    found = invalid_cases(selection, figure, *columns)
     marks = "crosses and dotted lines" if any(c.is_reference for c in found) else "crosses"
     return f" Grey {marks}, not valid: {layout.count_of(found)}." if found else ""

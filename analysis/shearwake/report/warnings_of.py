@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The warnings that are stored with the cases, the figures that they concern, and the readings that they invalidate.
 
-`kinds(sweep)` lists the warnings of a sweep, `of_figure(sweep, name, ids)` those of the cases that a figure shows.
+`kinds(selection)` lists the warnings of its cases, `of_figure(selection, name, ids)` those of the cases that a figure shows.
 """
 import re
 from dataclasses import dataclass
@@ -68,17 +68,17 @@ def is_valid(case, name=OF_READINGS):
     return not errors(case, name)
 
 
-def holds(sweep, case, column, name=OF_READINGS):
+def holds(selection, case, column, name=OF_READINGS):
     """Whether the value of a column is valid: that of the case and, for a ratio, that of its reference."""
     if not is_valid(case, name):
         return False
-    reference = sweep.reference_of(case) if sweep.is_ratio(column) else None
+    reference = selection.reference_of(case) if selection.is_ratio(column) else None
     return reference is None or is_valid(reference, name)
 
 
-def label(sweep, case, name):
+def label(selection, case, name):
     """The label of a case in a figure; states if what the figure shows of it is not valid."""
-    return layout.case_label(sweep, case) + ("" if is_valid(case, name) else " (not valid)")
+    return layout.case_label(selection, case) + ("" if is_valid(case, name) else " (not valid)")
 
 
 def template(warning):
@@ -109,15 +109,15 @@ def kinds_of(cases, name=None):
             for n, ((severity, key, _), entries) in enumerate(ordered)]
 
 
-def kinds(sweep):
+def kinds(selection):
     """All kinds of warnings of the complete cases, references included, in the order of the list of the page."""
-    return kinds_of([c for c in sweep.cases if c.whole])
+    return kinds_of([c for c in selection.cases if c.is_complete])
 
 
-def of_figure(sweep, name, ids=None):
+def of_figure(selection, name, ids=None):
     """The kinds of warnings that concern the figure `name`, with those cases that it shows (None: all complete cases)."""
     made = []
-    for kind in kinds(sweep):
+    for kind in kinds(selection):
         shown = [c for c in kind.cases if (ids is None or c.id in ids) and concerns(c, kind.key, name)]
         if shown:
             made.append(Kind(kind.number, kind.severity, kind.key, kind.message, shown))
