@@ -119,6 +119,7 @@ class Checkpoint(SavedCase):
         self.assert_resumed(120)
         self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
 
+    @pytest.mark.long
     def test_a_case_killed_on_two_ranks_is_resumed_on_three(self):
         self.kill_in_the_middle(ranks=2)
         self.go_on(ranks=3)

@@ -4,6 +4,8 @@ import csv
 import json
 import unittest
 
+import pytest
+
 from program import SWEEP, ProgramTest, case_files, changed, started, without_reference
 
 # Coarse in space and small in extent, so that all errors are large enough to be measured.
@@ -81,6 +83,7 @@ class Converge(ProgramTest):
                 self.assertLessEqual(entry["error"], 3.0 * (true["spacing"] + true["time"] + true["domain"]))
         return case
 
+    @pytest.mark.long
     def test_errors_bracket_the_true_ones_of_a_circle_with_open_edges(self):
         case = self.check_brackets(CIRCLE, "[160.0, 160.0]")
         # The measured area is the same, so that the infinite plane does not depend on the domain. What is left is the

@@ -45,6 +45,7 @@ class EnginesAgree(ProgramTest):
                     self.assertLess(abs(float(stepped[name]) / float(text) - 1.0), 0.01)
         self.assertGreater(compared, 4)
 
+    @pytest.mark.long
     def test_the_am_sweep_of_the_quickstart_does_not_depend_on_the_engine(self):
         self.assert_agree(self.quickstart([800]), begins_gently=True)
 

@@ -181,6 +181,7 @@ class Scans(LaboratoryTest):
 
 
 class Fit(LaboratoryTest):
+    @pytest.mark.long
     def test_a_noisy_line_gives_the_material_back(self):
         job, case = self.scanned(LINE)
         data = self.with_noise(case, 20.0)

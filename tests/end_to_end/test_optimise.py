@@ -205,6 +205,7 @@ class Optimise(ProgramTest):
         self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
                   "contains the optima of another job")
 
+    @pytest.mark.long
     def test_a_killed_study_is_resumed_with_the_same_result(self):
         self.job(*TRANSIENT)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)

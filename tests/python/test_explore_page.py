@@ -139,6 +139,7 @@ class ExplorePage(InFolder):
                 page = self.open(more=text)
                 self.assertEqual(page.run("JSON.stringify(explorer.settings) === JSON.stringify(DEFAULTS)"), True)
 
+    @pytest.mark.long
     def test_settings_are_pinned_and_compared(self):
         page = self.open()
         page.run("document.getElementById('pin').click()")

@@ -8,9 +8,12 @@ import sys
 import unittest
 from pathlib import Path
 
+import pytest
+
 from study import InFolder, program
 
 NOTEBOOKS = sorted((program.ROOT / "docs" / "notebooks").glob("*.ipynb"))
+SHORT = "3-receptors"  # takes seconds
 
 
 class Notebooks(InFolder):
@@ -37,7 +40,10 @@ class Notebooks(InFolder):
 def _add():
     for path in NOTEBOOKS:
         name = path.stem.replace("-", "_")
-        setattr(Notebooks, f"test_{name}_runs", lambda self, path=path: self.execute(path))
+
+        def test(self, path=path):
+            self.execute(path)
+        setattr(Notebooks, f"test_{name}_runs", test if path.stem == SHORT else pytest.mark.long(test))
 
 
 _add()

@@ -9,11 +9,24 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace shearwake::test {
+
+/// True in the long form of the tests (scripts/test --long).
+inline bool is_long_form() {
+    return std::getenv("SHEARWAKE_LONG") != nullptr;
+}
+
+/// The parameters of a test: all of them in the long form, otherwise only the first ones.
+template <class T>
+std::vector<T> parameters(std::ptrdiff_t count, std::vector<T> all) {
+    if (!is_long_form()) all.erase(all.begin() + count, all.end());
+    return all;
+}
 
 /// The reference layer of tests/verify/test_reference_table.cpp: 1000 kg/m^3, c_s = 5 m/s, 1 Pa s.
 inline Layer tissue(double c_p_m_s = 50.0, double viscosity_Pa_s = 1.0) {

@@ -141,7 +141,8 @@ void check(const Errors& found, const std::array<double, 4>& limits) {
 } // namespace
 
 TEST_CASE("stress around a rigid cylinder agrees with the closed forms", "[verify]") {
-    const double kappa = GENERATE(1.0, 2.0); // at 3 mm and 5 m/s: 270 and 530 Hz
+    const double kappa = GENERATE(from_range(
+        test::parameters(1, std::vector{2.0, 1.0}))); // at 3 mm and 5 m/s: 270 and 530 Hz
     const double per_radius = GENERATE(6.0, 12.0);
     // In a domain of 20 radii the periodic images change the stress by up to 4 %.
     RigidCylinder cylinder(per_radius, kappa, 40.0, lambda_per_mu);

@@ -130,7 +130,7 @@ TEST_CASE("static displacement at depth equals Boussinesq's solution", "[verify]
     const Layer layer = poisson_solid();
     const double fwhm = 2e-3, sigma = fwhm / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
     Case c = point_load(layer, fwhm);
-    c.time = {480, 25e-6};
+    c.time = {4, 3e-3};
     c.measure.depths_m = {0.0, 1e-3, 4e-3, 8e-3};
     const auto frames = test::frames_of(c);
     for (std::size_t d = 0; d < c.measure.depths_m.size(); ++d) {
@@ -141,7 +141,7 @@ TEST_CASE("static displacement at depth equals Boussinesq's solution", "[verify]
                    (z * z / (distance * distance) + 1.5) /
                    (2.0 * static_shear_modulus(layer) * distance);
         });
-        const double computed = frames.at(479, d)[static_cast<std::size_t>(160 * 320 + 160)];
+        const double computed = frames.at(3, d)[static_cast<std::size_t>(160 * 320 + 160)];
         CAPTURE(z, exact, computed);
         // The remaining transient of the step decreases as a power of time (0.5 % at 6 ms, 8 mm).
         CHECK(std::abs(computed / exact - 1.0) < 0.003);

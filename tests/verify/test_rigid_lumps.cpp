@@ -74,7 +74,8 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
         c.scene().medium.bodies.insert(c.scene().medium.bodies.begin(), {slab, bone});
     }
     SECTION("next to an elastic body, with iterations") {
-        if (step_s != 200e-6) return; // many steps, while the long one iterates most
+        // Many steps, while the long one iterates most.
+        if (step_s != 200e-6 || !test::is_long_form()) return;
         c.scene().medium.bodies.push_back(test::elastic_neighbour());
         std::get<SpectralOptions>(c.solver).residual = 1e-12; // its error accumulates
     }
@@ -86,6 +87,7 @@ TEST_CASE("mirror image of rigid lumps yields the mirror image of the field", "[
     std::vector<Body>& bodies = c.scene().medium.bodies;
     const Body body = bodies[0];
     SECTION("an ellipsoid, an upright and an oblique cylinder, and a box") {
+        if (!test::is_long_form()) return;
         bodies[0].centre_m = {-7.3e-3, -7.1e-3, 6e-3};
         Body upright = with_shape(
             body, Cylinder{.radius_m = 3e-3, .length_m = 6e-3, .axis = CylinderAxis::vertical});

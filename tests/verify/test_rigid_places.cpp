@@ -77,7 +77,8 @@ TEST_CASE("a rigid body that is too light for a stable motion is rejected", "[ve
 }
 
 TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]") {
-    Case c = GENERATE(bone_case(Along::y, 0.5), test::lump_case(0.5));
+    Case c = GENERATE(from_range(
+        test::parameters(1, std::vector{bone_case(Along::y, 0.5), test::lump_case(0.5)})));
     const Body& bone = c.scene().medium.bodies[0];
     const bool is_lump = std::holds_alternative<Ellipsoid>(bone.shape);
     c.domain = {64, is_lump ? 56 : 8, 0.6e-3, 0.0};

@@ -122,7 +122,8 @@ void check(const Errors& found) {
 } // namespace
 
 TEST_CASE("stress around a rigid sphere agrees with the closed forms", "[verify]") {
-    const double kappa = GENERATE(1.0, 2.0);             // at 3 mm and 5 m/s: 270 and 530 Hz
+    const double kappa = GENERATE(from_range(
+        test::parameters(1, std::vector{2.0, 1.0})));    // at 3 mm and 5 m/s: 270 and 530 Hz
     RigidSphere sphere(6.0, kappa, 14.0, lambda_per_mu); // a domain of 10 radii adds 1 %
     std::vector<double> heights_m;
     for (double height = -11.0; height < 11.0; height += 1.7)

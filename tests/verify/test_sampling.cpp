@@ -61,7 +61,7 @@ TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     CHECK(line[1] > 10.0 * line[2]);
 }
 
-TEST_CASE("quickstart job is converged in spacing and time", "[verify]") {
+TEST_CASE("quickstart job is converged in spacing and time", "[long][verify]") {
     const std::string text = storage::read_file(JOBS_DIRECTORY "/quickstart.toml");
     const std::vector<config::Override> coarse = {
         {"sweep", "{\"load.modulation.am_frequency_Hz\" = [200]}"}};

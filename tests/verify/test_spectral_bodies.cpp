@@ -123,10 +123,11 @@ TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
         CHECK(relative_l2(last_frame(with_step(c, 12.5e-6)), last_frame(layers)) < 2e-3);
     }
     SECTION("a round body is resolved by sufficiently many elements") {
-        c.scene().medium.bodies = {{.name = "body",
-                                    .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
-                                    .centre_m = {2e-3, 0.0, 3e-3},
-                                    .c_s_m_s = GENERATE(2.5, 20.0)}};
+        c.scene().medium.bodies = {
+            {.name = "body",
+             .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
+             .centre_m = {2e-3, 0.0, 3e-3},
+             .c_s_m_s = GENERATE(from_range(test::parameters(1, std::vector{2.5, 20.0})))}};
         c = with_step(c, 25e-6);
         const auto chosen = last_frame(c);
         std::get<SpectralOptions>(c.solver).longest_element_m = 0.5e-3;
@@ -174,12 +175,13 @@ TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify
         }
         return product / square;
     };
-    const double contrast = GENERATE(0.3, 3.0, 10.0, 400.0);
-    const double ratio = effect(contrast) * (3.0 + 2.0 * contrast) / 5.0;
-    CAPTURE(contrast, ratio);
-    // Observed 1.018, .992, .993 and 1.048. With the mean of the stiffness in the cells at the
-    // surface of the sphere .989, 1.06, 1.16 and 1.46.
-    CHECK(ratio == Approx(1.0).margin(contrast > 100.0 ? 0.06 : 0.03));
+    for (const double contrast : test::parameters(2, std::vector{0.3, 400.0, 3.0, 10.0})) {
+        const double ratio = effect(contrast) * (3.0 + 2.0 * contrast) / 5.0;
+        CAPTURE(contrast, ratio);
+        // Observed 1.018, 1.048, .992 and .993. With the mean of the stiffness in the cells at the
+        // surface of the sphere .989, 1.46, 1.06 and 1.16.
+        CHECK(ratio == Approx(1.0).margin(contrast > 100.0 ? 0.06 : 0.03));
+    }
 }
 
 TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[long][verify]") {

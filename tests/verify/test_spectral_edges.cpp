@@ -91,7 +91,8 @@ TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "
     // In viscous tissue only the long waves of a pulse remain, which need a wider sponge: 20 mm
     // return 1.5 %.
     const auto [loss_Pa_s, width_m] =
-        GENERATE(std::pair(0.0, 20e-3), std::pair(0.1, 20e-3), std::pair(0.5, 28e-3));
+        GENERATE(from_range(test::parameters<std::pair<double, double>>(
+            1, {{0.5, 28e-3}, {0.0, 20e-3}, {0.1, 20e-3}})));
     const auto lossy = [loss = loss_Pa_s](Case c) {
         if (loss > 0.0)
             c.scene().medium.layers[0].loss = KelvinVoigt{loss};
@@ -106,7 +107,7 @@ TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "
     const double share =
         returned(lossy(pulse(44 + margin, 32 + margin, width_m)), reference) / outgoing;
     CAPTURE(loss_Pa_s, width_m, share);
-    CHECK(share < 0.01); // required; observed 0.004, 0.006 and 0.0097
+    CHECK(share < 0.01); // required; observed 0.0097, 0.004 and 0.006
 }
 
 TEST_CASE("field of a moving focus with a sponge equals that of a wide domain for 14 ms",

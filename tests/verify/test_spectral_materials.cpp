@@ -28,14 +28,14 @@ const std::vector<Kind>& kinds() {
     static const std::vector<Kind> all = {
         {"four times softer", test::small_body(0.25), 0.01},
         {"16 times stiffer", test::small_body(16.0), 0.01},
-        {"100 times stiffer", test::small_body(100.0), 0.02},
-        {"1000 times stiffer", test::small_body(1000.0), 0.02},
         {"half as dense", with(&Body::density_kg_m3, 500.0), 0.01},
         {"twice as dense", with(&Body::density_kg_m3, 2000.0), 0.01},
         {"lossless", with(&Body::viscosity_Pa_s, 0.0), 0.01},
         {"four times as viscous", with(&Body::viscosity_Pa_s, 2.0), 0.01},
         {"slower in compression", with(&Body::c_p_m_s, 500.0), 0.01},
         {"faster in compression", with(&Body::c_p_m_s, 3500.0), 0.01},
+        {"100 times stiffer", test::small_body(100.0), 0.02}, // many iterations
+        {"1000 times stiffer", test::small_body(1000.0), 0.02},
     };
     return all;
 }
@@ -113,7 +113,7 @@ TEST_CASE("error with bodies of any material is within its limit at 25 us", "[ve
 }
 
 TEST_CASE("field with bodies of any material is stable for 14 ms", "[verify]") {
-    check_stable(GENERATE(from_range(kinds())), 50e-6);
+    check_stable(GENERATE(from_range(test::parameters(8, kinds()))), 50e-6);
 }
 
 TEST_CASE("field with extreme bodies is stable for 14 ms with half the step", "[verify]") {
