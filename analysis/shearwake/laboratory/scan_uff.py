@@ -371,9 +371,10 @@ def read_uff(data: bytes) -> Scan:
         elif kind in ("15", "2411"):
             nodes.update(nodes_of(content, int(kind)))
         elif kind == "164":
-            units, per_metre = per_metre, units_per_metre(content)
-            if units not in (None, per_metre):
-                raise BadScan(f"it contains data sets 164 with different units of length, {metres(units)} and {metres(per_metre)}")
+            units = units_per_metre(content)
+            if per_metre is not None and per_metre != units:
+                raise BadScan(f"it contains data sets 164 with different units of length, {metres(per_metre)} and {metres(units)}")
+            per_metre = units
         if len(functions) > MOST_POINTS or len(nodes) > MOST_POINTS:
             raise BadScan(f"it has more than {MOST_POINTS} points")
     return joined(functions, nodes, per_metre)
