@@ -38,9 +38,15 @@ function(add_group name label)
     set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 3600 ENVIRONMENT "${test_environment}")
 endfunction()
 
-# Adds the test cases of a Catch2 runner that ARGN selects, on one rank. -# tags them with their file.
+# -# tags tests with their file. A group without tests is a failure, with Catch2 2 by an option.
+set(catch_options -\# -r junit -o REPORT)
+if(Catch2_VERSION VERSION_LESS 3)
+    list(APPEND catch_options -w NoTests)
+endif()
+
+# Adds the test cases of a Catch2 runner that match all patterns of ARGN, on one rank.
 function(add_catch_group name label runner)
-    add_group(${name} "${label}" $<TARGET_FILE:${runner}> -\# -r junit -o REPORT ${ARGN})
+    add_group(${name} "${label}" $<TARGET_FILE:${runner}> ${catch_options} ${ARGN})
 endfunction()
 
 # Adds the test cases of a Catch2 runner on several ranks. Next to two other groups, three ranks took ten times as long as
@@ -50,7 +56,7 @@ function(add_mpi_group name label runner ranks)
     if(ranks GREATER 1)
         set(launch ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks})
     endif()
-    add_group(${name} "${label}" ${launch} $<TARGET_FILE:${runner}> -\# -r junit -o REPORT ${ARGN})
+    add_group(${name} "${label}" ${launch} $<TARGET_FILE:${runner}> ${catch_options} ${ARGN})
     math(EXPR processors "${ranks} + 2")
     set_tests_properties(${name} PROPERTIES PROCESSORS ${processors} COST 1000) # start first
 endfunction()
