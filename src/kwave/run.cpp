@@ -205,9 +205,10 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                             Recorder::memory_B(*input, arguments.records,
                                                steps - arguments.first_step + 1, world.size());
     if (const double available_B = pipeline::memory_per_rank_B(world); needed_B > available_B)
-        throw UsageError(fmt::format("the run needs {:.3g} GB per rank, but only {:.3g} GB are "
+        throw UsageError(fmt::format("{}: the run needs {:.3g} GB per rank, but only {:.3g} GB are "
                                      "available; record fewer nodes or use more machines",
-                                     1e-9 * needed_B, 1e-9 * available_B));
+                                     arguments.input.string(), 1e-9 * needed_B,
+                                     1e-9 * available_B));
     print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {} "
                              "rank{}",
                              arguments.input.string(), grid.points[0], grid.points[1],

@@ -149,6 +149,64 @@ class Functions(ProgramTest):
         with self.assertRaises(shearwake.ShearwakeError):
             pstd_elastic_3d(found["kgrid"], found["medium"], found["source"], found["sensor"], quiet=True, launch=["false"], **keywords)
 
+    def small(self, **changes):
+        """A fluid over a lossy solid, 20 x 18 x 16 nodes, with a source of six velocities."""
+        points = (20, 18, 16)
+        c_s = numpy.zeros(points)
+        c_s[9:] = 800.0
+        mask = numpy.zeros(points)
+        mask[5, 7:9, 6:9] = 1.0
+        wave = numpy.sin(0.3 * numpy.arange(30.0))
+        fields = {"kgrid": {"Nx": 20, "Ny": 18, "Nz": 16, "dx": 1e-4, "dy": 1.1e-4, "dz": 0.9e-4, "dt": 5e-9, "Nt": 60},
+                  "medium": {"sound_speed_compression": numpy.where(c_s > 0, 2000.0, 1500.0), "sound_speed_shear": c_s,
+                             "density": numpy.where(c_s > 0, 1200.0, 1000.0), "alpha_coeff_compression": 0.1,
+                             "alpha_coeff_shear": numpy.where(c_s > 0, 0.5, 0.0)},
+                  "source": {"u_mask": mask, "ux": numpy.arange(1.0, 7.0)[:, None] * wave},
+                  "sensor": {"mask": numpy.ones(points), "record": ["p", "u"]}}
+        for name, change in changes.items():
+            if name in fields:
+                fields[name].update(change)
+        options = {name: value for name, value in changes.items() if name not in fields}
+        return pstd_elastic_3d(**fields, quiet=True, **{"pml_size": 4, **options})
+
+    def test_identities_of_kwaves_own_tests(self):
+        """What the unit tests of k-Wave's elastic code compare, with their limits 1e-14 and 1e-15 relative to the largest value."""
+        everything = self.small(sensor={"record": ["p", "u", "p_max", "p_rms", "u_non_staggered", "u_split_field"]})
+
+        def same(found, expected, limit=1e-14):
+            self.assertGreater(numpy.abs(expected).max(), 0.0)
+            numpy.testing.assert_allclose(found, expected, rtol=0, atol=limit * numpy.abs(expected).max())
+
+        nodes = numpy.array([[5, 7, 6], [10, 9, 8], [14, 11, 3]])
+        rows = numpy.ravel_multi_index(nodes.T, (20, 18, 16))
+        for axis in "xyz":  # the parts of the velocity add up to it, by construction to the last bit but one
+            same(everything[f"u{axis}_split_p"] + everything[f"u{axis}_split_s"], everything[f"u{axis}_non_staggered"], 1e-15)
+        # Cartesian points at nodes; x = 0 is node N/2 counted from 0.
+        places = (nodes - numpy.array([10, 9, 8])) * numpy.array([1e-4, 1.1e-4, 0.9e-4])
+        for interpolation in ("linear", "nearest"):
+            points = self.small(sensor={"mask": places.T, "record": ["p", "u", "p_max", "p_rms"]}, cart_interp=interpolation)
+            for name, values in points.items():
+                same(values, everything[name][rows])
+        # Corners of cuboids.
+        box = self.small(sensor={"mask": numpy.array([[6, 8, 7, 8, 10, 9]]).T})[0]
+        for name, values in box.items():
+            same(values, everything[name].reshape(20, 18, 16, -1)[5:8, 7:10, 6:9], 1e-15)
+        # Labels in place of one series per node.
+        wave = numpy.sin(0.3 * numpy.arange(30.0))
+        labels = numpy.zeros((20, 18, 16))
+        labels[5, 7:9, 6:9] = numpy.arange(1.0, 7.0).reshape(2, 3)
+        labelled = self.small(source={"u_mask": labels, "ux": numpy.arange(1.0, 7.0)[:, None] * wave})
+        same(labelled["p"], everything["p"], 1e-15)
+        # An axis is as good as another: the same problem with x and z exchanged.
+        turned = self.small(kgrid={"Nx": 16, "Nz": 20, "dx": 0.9e-4, "dz": 1e-4},
+                            medium={name: numpy.where(numpy.arange(20) < 9, below, above) * numpy.ones((16, 18, 1)) for name, below, above in (
+                                ("sound_speed_compression", 1500.0, 2000.0), ("sound_speed_shear", 0.0, 800.0), ("density", 1000.0, 1200.0),
+                                ("alpha_coeff_shear", 0.0, 0.5))},
+                            source={"u_mask": labels.T, "ux": None, "uz": numpy.arange(1.0, 7.0)[:, None] * wave},
+                            sensor={"mask": numpy.ones((16, 18, 20))})
+        expected = everything["uz"].reshape(20, 18, 16, -1).transpose(2, 1, 0, 3)
+        same(turned["ux"].reshape(expected.shape), expected, 1e-13)  # other sums in the FFTs
+
     @unittest.skipUnless(shutil.which("octave-cli"), "octave-cli is not installed")
     def test_octave_without_kwave(self):
         script = f"""
