@@ -43,6 +43,16 @@ class MutatedJobs(ProgramTest):
                 if "spectral" in change[1]:
                     self.says(said, "cases are chosen when they run")
 
+    def test_a_large_sweep_with_an_array_is_validated_at_once(self):
+        """The pattern of an array takes more time than all else that validates a case."""
+        text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
+        text = text[:text.index("[sweep]")] + '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 1500] }\n'
+        self.write_job(changed(('shape = "gaussian", fwhm_mm = 10.2', 'shape = "array", preset = "array-16x16", distance_mm = 200.0'),
+                               text=text))
+        said, code = self.accepted_or_refused("check")
+        self.assertEqual(code, 0, said)
+        self.says(said, "1500 cases")
+
     def test_steady_states_with_hardly_any_loss_are_computed_or_errors_of_the_job(self):
         text = (ROOT / "jobs" / "reardon-square.toml").read_text(encoding="utf-8")
         for exponent, code in (("0.27", 0), ("1e-7", 0), ("1e-300", 3)):

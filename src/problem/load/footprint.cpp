@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <map>
 #include <numbers>
+#include <optional>
 
 namespace shearwake {
 
@@ -18,12 +21,6 @@ using Complex = std::complex<double>;
 
 double sigma_m(const GaussianFootprint& g) {
     return g.fwhm_m / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
-}
-
-/// The pattern straight below the middle.
-Patch central_pattern(const ArrayFootprint& array) {
-    const Vec2 focus = array.center_m;
-    return ArrayField(array, 0.0).pattern(focus, {&focus, 1});
 }
 
 /// Where |p|^2 falls to a half, along a direction from the focus.
@@ -53,6 +50,41 @@ double bandwidth_of(const Patch& patch, double fraction) {
     return band / steps;
 }
 
+/// What is often asked of an array, for example for each case of a sweep.
+struct KnownArray {
+    explicit KnownArray(const ArrayFootprint& of) : array(of) {
+        const Vec2 focus = array.center_m;
+        pattern = ArrayField(array, 0.0).pattern(focus, {&focus, 1});
+    }
+    double fwhm_m() {
+        if (!width_m)
+            width_m =
+                2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) * half_width_m(array, {0.0, 1.0}));
+        return *width_m;
+    }
+    double bandwidth_rad_m(double fraction) {
+        const auto known = bandwidths_rad_m.find(fraction);
+        if (known != bandwidths_rad_m.end()) return known->second;
+        return bandwidths_rad_m[fraction] = bandwidth_of(pattern, fraction);
+    }
+
+    ArrayFootprint array;
+    Patch pattern; // straight below the middle
+    std::optional<double> width_m;
+    std::map<double, double> bandwidths_rad_m;
+};
+
+/// The last arrays of this thread. They are computed in some ms each, more than all else that
+/// validates a case.
+KnownArray& known(const ArrayFootprint& array) {
+    constexpr std::size_t most = 16;
+    thread_local std::deque<KnownArray> all;
+    for (KnownArray& one : all)
+        if (one.array == array) return one;
+    if (all.size() == most) all.pop_front();
+    return all.emplace_back(array);
+}
+
 } // namespace
 
 double pressure(const Footprint& footprint, double x_m, double y_m) {
@@ -73,30 +105,27 @@ double pressure(const Footprint& footprint, double x_m, double y_m) {
 }
 
 double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
-    return std::visit(
-        overloaded{
-            [&](const GaussianFootprint& g) {
-                const double s2 = sigma_m(g) * sigma_m(g);
-                const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
-                return two_pi * s2 * std::exp(-0.5 * k2 * s2);
-            },
-            [&](const ArrayFootprint& array) {
-                return std::abs(transform(central_pattern(array), kx_rad_m, ky_rad_m));
-            },
-            [&](const LensFootprint& lens) {
-                return std::abs(transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
-            },
-        },
-        footprint);
+    return std::visit(overloaded{
+                          [&](const GaussianFootprint& g) {
+                              const double s2 = sigma_m(g) * sigma_m(g);
+                              const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
+                              return two_pi * s2 * std::exp(-0.5 * k2 * s2);
+                          },
+                          [&](const ArrayFootprint& array) {
+                              return std::abs(transform(known(array).pattern, kx_rad_m, ky_rad_m));
+                          },
+                          [&](const LensFootprint& lens) {
+                              return std::abs(
+                                  transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
+                          },
+                      },
+                      footprint);
 }
 
 double fwhm_m(const Footprint& footprint) {
     return std::visit(overloaded{
                           [](const GaussianFootprint& g) { return g.fwhm_m; },
-                          [](const ArrayFootprint& array) {
-                              return 2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) *
-                                                     half_width_m(array, {0.0, 1.0}));
-                          },
+                          [](const ArrayFootprint& array) { return known(array).fwhm_m(); },
                           [](const LensFootprint& lens) { return design_of(lens)->width_m; },
                       },
                       footprint);
@@ -112,18 +141,17 @@ std::optional<double> reach_m(const Footprint& footprint) {
 }
 
 double bandwidth_rad_m(const Footprint& footprint, double fraction) {
-    return std::visit(overloaded{
-                          [&](const GaussianFootprint& g) {
-                              return std::sqrt(-2.0 * std::log(fraction)) / sigma_m(g);
-                          },
-                          [&](const ArrayFootprint& array) {
-                              return bandwidth_of(central_pattern(array), fraction);
-                          },
-                          [&](const LensFootprint& lens) {
-                              return bandwidth_of(design_of(lens)->pattern, fraction);
-                          },
-                      },
-                      footprint);
+    return std::visit(
+        overloaded{
+            [&](const GaussianFootprint& g) {
+                return std::sqrt(-2.0 * std::log(fraction)) / sigma_m(g);
+            },
+            [&](const ArrayFootprint& array) { return known(array).bandwidth_rad_m(fraction); },
+            [&](const LensFootprint& lens) {
+                return bandwidth_of(design_of(lens)->pattern, fraction);
+            },
+        },
+        footprint);
 }
 
 namespace {
