@@ -57,15 +57,26 @@ Complex piston_pressure(const ArrayFootprint& array, double offset_m) {
     return std::polar(directivity / r, k * r);
 }
 
-double pressure_below(const ArrayFootprint& array, double x_m, double y_m) {
-    Complex sum = 0.0;
+PressureBelow::PressureBelow(const ArrayFootprint& array)
+    : array_(array), amplitude_(amplitude_below(array)) {
     for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
-        const Vec2 place = place_m(array, column, row);
-        const Complex there = piston_pressure(array, norm(place));
-        sum += std::conj(there) / std::abs(there) *
-               piston_pressure(array, norm(Vec2{x_m, y_m} - place));
+        const Complex there = piston_pressure(array, norm(place_m(array, column, row)));
+        drives_.push_back(std::conj(there) / std::abs(there));
     });
-    return std::norm(sum / amplitude_below(array));
+}
+
+double PressureBelow::operator()(double x_m, double y_m) const {
+    Complex sum = 0.0;
+    std::size_t piston = 0;
+    for_pistons(array_, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
+        sum += drives_[piston++] *
+               piston_pressure(array_, norm(Vec2{x_m, y_m} - place_m(array_, column, row)));
+    });
+    return std::norm(sum / amplitude_);
+}
+
+double pressure_below(const ArrayFootprint& array, double x_m, double y_m) {
+    return PressureBelow(array)(x_m, y_m);
 }
 
 double peak_Pa(const ArrayFootprint& array, double strength_Pa_m, double air_density_kg_m3) {

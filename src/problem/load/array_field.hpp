@@ -50,6 +50,18 @@ private:
 /// that at (0, 0), without fade-out.
 double pressure_below(const ArrayFootprint& array, double x_m, double y_m);
 
+/// pressure_below() of one array at many points.
+class PressureBelow {
+public:
+    explicit PressureBelow(const ArrayFootprint& array);
+    double operator()(double x_m, double y_m) const;
+
+private:
+    ArrayFootprint array_;
+    double amplitude_;
+    std::vector<std::complex<double>> drives_; // of all pistons, of magnitude 1
+};
+
 /// Peak radiation pressure, p^2 / (rho c^2), directly below the centre, for pistons with p =
 /// strength / r [Pa].
 double peak_Pa(const ArrayFootprint& array, double strength_Pa_m, double air_density_kg_m3);

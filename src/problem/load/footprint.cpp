@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <map>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace shearwake {
 
@@ -25,7 +25,8 @@ double sigma_m(const GaussianFootprint& g) {
 
 /// Where |p|^2 falls to a half, along a direction from the focus.
 double half_width_m(const ArrayFootprint& array, Vec2 along) {
-    const auto at = [&](double r) { return pressure_below(array, r * along.x, r * along.y); };
+    const PressureBelow pressure(array);
+    const auto at = [&](double r) { return pressure(r * along.x, r * along.y); };
     double low = 0.0, high = 0.1 * array.sound_speed_m_s / array.frequency_Hz;
     while (at(high) > 0.5) {
         low = high;
@@ -38,17 +39,30 @@ double half_width_m(const ArrayFootprint& array, Vec2 along) {
     return low;
 }
 
-double bandwidth_of(const Patch& patch, double fraction) {
-    constexpr int steps = 400;
-    const double band = patch.band_rad_m();
-    const double least = fraction * std::abs(transform(patch, 0.0, 0.0));
-    for (int i = steps; i > 0; --i) {
-        const double k = band * i / steps, slanted = k * std::sqrt(0.5);
-        for (const Vec2 at : {Vec2{k, 0.0}, Vec2{0.0, k}, Vec2{slanted, slanted}})
-            if (std::abs(transform(patch, at.x, at.y)) >= least) return k;
+/// Magnitudes of the transform of a patch at ascending wavenumbers k, the largest of three
+/// directions. Those that are asked for are kept.
+class Spectrum {
+public:
+    double bandwidth_rad_m(const Patch& patch, double fraction) {
+        const double band = patch.band_rad_m();
+        const double least = fraction * std::abs(transform(patch, 0.0, 0.0));
+        for (int i = steps; i > 0; --i)
+            if (size(patch, i) >= least) return band * i / steps;
+        return band / steps;
     }
-    return band / steps;
-}
+
+private:
+    static constexpr int steps = 400;
+    double size(const Patch& patch, int i) {
+        double& size = sizes_[static_cast<std::size_t>(i)];
+        if (size >= 0.0) return size;
+        const double k = patch.band_rad_m() * i / steps, slanted = k * std::sqrt(0.5);
+        for (const Vec2 at : {Vec2{k, 0.0}, Vec2{0.0, k}, Vec2{slanted, slanted}})
+            size = std::max(size, std::abs(transform(patch, at.x, at.y)));
+        return size;
+    }
+    std::vector<double> sizes_ = std::vector<double>(steps + 1, -1.0);
+};
 
 /// What is often asked of an array, for example for each case of a sweep.
 struct KnownArray {
@@ -62,16 +76,12 @@ struct KnownArray {
                 2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) * half_width_m(array, {0.0, 1.0}));
         return *width_m;
     }
-    double bandwidth_rad_m(double fraction) {
-        const auto known = bandwidths_rad_m.find(fraction);
-        if (known != bandwidths_rad_m.end()) return known->second;
-        return bandwidths_rad_m[fraction] = bandwidth_of(pattern, fraction);
-    }
+    double bandwidth_rad_m(double fraction) { return spectrum.bandwidth_rad_m(pattern, fraction); }
 
     ArrayFootprint array;
     Patch pattern; // straight below the middle
     std::optional<double> width_m;
-    std::map<double, double> bandwidths_rad_m;
+    Spectrum spectrum;
 };
 
 /// The last arrays of this thread. They are computed in some ms each, more than all else that
@@ -148,7 +158,7 @@ double bandwidth_rad_m(const Footprint& footprint, double fraction) {
             },
             [&](const ArrayFootprint& array) { return known(array).bandwidth_rad_m(fraction); },
             [&](const LensFootprint& lens) {
-                return bandwidth_of(design_of(lens)->pattern, fraction);
+                return Spectrum().bandwidth_rad_m(design_of(lens)->pattern, fraction);
             },
         },
         footprint);
