@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace shearwake {
 
@@ -87,6 +89,97 @@ Vec3 weighted_normal(const Body& body, Vec3 centre_m, Vec3 size_m, const Materia
                 slope({0.0, 0.0, step * size_m.z})};
 }
 
+struct Part {
+    Material material;
+    double share;
+};
+
+/// Bruggeman's medium of many materials, the root mu of the sum of share (mu_i - mu) / (mu_i + 2
+/// mu), which decreases with mu.
+double effective_mu_Pa(std::span<const Part> parts, double low_Pa, double high_Pa) {
+    for (int i = 0; i < 40; ++i) { // contrast times 2^-40
+        const double mu_Pa = 0.5 * (low_Pa + high_Pa);
+        double sum = 0.0;
+        for (const auto& [m, share] : parts)
+            sum += share * (m.mu_Pa - mu_Pa) / (m.mu_Pa + 2.0 * mu_Pa);
+        (sum > 0.0 ? low_Pa : high_Pa) = mu_Pa;
+    }
+    return 0.5 * (low_Pa + high_Pa);
+}
+
+/// See material_of_cell.
+CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 centre_m,
+                         Vec3 size_m) {
+    constexpr int along = 4, last = along - 1; // points per axis
+    constexpr double of_point = 1.0 / (along * along * along);
+    const auto offset_m = [&](int i, int j, int k) {
+        const auto place = [](int n) { return (n + 0.5) / along - 0.5; };
+        return Vec3{place(i) * size_m.x, place(j) * size_m.y, place(k) * size_m.z};
+    };
+    const auto each_part = [&](Vec3 at_m, const auto& use) {
+        each_neighbour(map, at_m, [&](double share, const MapSample& value) {
+            use(share, material_of(with_given(layer, value)));
+        });
+    };
+    const Material centre = material_of(with_given(layer, sample(map, centre_m)));
+    constexpr double coarse = 1.5; // cells between points that interpolation resolves
+    if (std::max({map.spacing_m.x, map.spacing_m.y, map.spacing_m.z}) >
+        coarse * std::max(size_m.x, size_m.y))
+        return uniform(centre);
+    Material least = centre, greatest = centre;
+    const auto widen = [&](double, const Material& m) {
+        least.mu_Pa = std::min(least.mu_Pa, m.mu_Pa);
+        least.viscosity_Pa_s = std::min(least.viscosity_Pa_s, m.viscosity_Pa_s);
+        greatest.mu_Pa = std::max(greatest.mu_Pa, m.mu_Pa);
+        greatest.viscosity_Pa_s = std::max(greatest.viscosity_Pa_s, m.viscosity_Pa_s);
+    };
+    for (const int i : {0, last})
+        for (const int j : {0, last})
+            for (const int k : {0, last})
+                each_part(centre_m + offset_m(i, j, k), widen);
+    constexpr double interface = 1.2; // below, the means differ by less than 1 %
+    if (greatest.mu_Pa <= interface * least.mu_Pa &&
+        greatest.viscosity_Pa_s <= interface * least.viscosity_Pa_s)
+        return uniform(centre);
+
+    std::vector<Part> parts;
+    CellMaterial m;
+    double per_p = 0.0, lambda_per_p = 0.0, per_mu = 0.0, loss = 0.0;
+    for (int i = 0; i < along; ++i)
+        for (int j = 0; j < along; ++j)
+            for (int k = 0; k < along; ++k) {
+                const Vec3 place_m = offset_m(i, j, k);
+                const Vec3 slope{place_m.x / (size_m.x * size_m.x),
+                                 place_m.y / (size_m.y * size_m.y),
+                                 place_m.z / (size_m.z * size_m.z)};
+                each_part(centre_m + place_m, [&](double weight, const Material& part) {
+                    const double share = of_point * weight;
+                    parts.push_back({part, share});
+                    widen(share, part);
+                    const double p = part.lambda_Pa + 2.0 * part.mu_Pa;
+                    m.density_kg_m3 += share * part.density_kg_m3;
+                    m.mu_Pa += share * part.mu_Pa;
+                    m.viscosity_Pa_s += share * part.viscosity_Pa_s;
+                    per_p += share / p;
+                    lambda_per_p += share * part.lambda_Pa / p;
+                    per_mu += share / part.mu_Pa;
+                    loss += share * part.viscosity_Pa_s / (part.mu_Pa * part.mu_Pa);
+                    const double value = part.mu_Pa / greatest.mu_Pa +
+                                         (greatest.viscosity_Pa_s > 0.0
+                                              ? part.viscosity_Pa_s / greatest.viscosity_Pa_s
+                                              : 0.0);
+                    m.normal = m.normal + (share * value) * slope;
+                });
+            }
+    m.lambda_Pa = lambda_per_p / per_p;
+    if (least.mu_Pa == 0.0) return uniform(m); // next to a fluid
+    if (greatest.mu_Pa > material_of(layer).mu_Pa)
+        m.mu_Pa = effective_mu_Pa(parts, least.mu_Pa, greatest.mu_Pa);
+    m.mu_across_Pa = 1.0 / per_mu;
+    m.viscosity_across_Pa_s = loss / (per_mu * per_mu);
+    return m;
+}
+
 } // namespace
 
 Material material_of(const Layer& layer) {
@@ -95,8 +188,12 @@ Material material_of(const Layer& layer) {
 
 CellMaterial material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m) {
     Properties around = properties_of(medium.layers.at(layer));
-    if (medium.map) around = with_given(around, sample(*medium.map, centre_m));
     CellMaterial material = uniform(material_of(around));
+    if (medium.map) {
+        if (norm(size_m) > 0.0) material = cell_of_map(*medium.map, around, centre_m, size_m);
+        around = with_given(around, sample(*medium.map, centre_m));
+        if (norm(size_m) == 0.0) material = uniform(material_of(around));
+    }
     for (const Body& body : medium.bodies) {
         const double share = volume_fraction(body, centre_m, size_m);
         if (!(share > 0.0)) continue;

@@ -49,8 +49,12 @@ struct CellMaterial : Material {
     bool is_laminate() const { return norm(normal) > 0.0; }
 };
 
-/// The material of a cell in layer number `layer`: that of the layer, replaced by values of the map
-/// at the centre of the cell, then combined with each body in turn, which fills the fraction f.
+/// The material of a cell in layer number `layer`: that of the layer, replaced by values of the
+/// map, then combined with each body in turn, which fills the fraction f. The map applies at the
+/// centre of the cell. If its points are at most 1.5 cells apart and their shear modulus or
+/// viscosity changes within the cell by more than a factor of 1.2, the cell is a laminate, as
+/// below, of these points, weighted as 4 x 4 x 4 interpolations weight them, with the gradient of
+/// the modulus as its normal. It counts as stiffer if any of its points is stiffer than the layer.
 /// Properties that a body does not give are those of the layer and the map. In a cell of size 0, f
 /// is the share of the body within its smooth edge, and all properties are means (1 - f) m + f
 /// m_body. Otherwise the cell is a laminate, with the mean <x> = (1 - f) x + f x_body and M =

@@ -79,6 +79,27 @@ MapSample sample(const MaterialMap& map, Vec3 at_m) {
             value(map.viscosity_Pa_s)};
 }
 
+void each_neighbour(const MaterialMap& map, Vec3 at_m,
+                    const std::function<void(double share, const MapSample& value)>& use) {
+    const auto x = between(at_m.x, map.origin_m.x, map.spacing_m.x, map.counts[0]);
+    const auto y = between(at_m.y, map.origin_m.y, map.spacing_m.y, map.counts[1]);
+    const auto z = between(at_m.z, map.origin_m.z, map.spacing_m.z, map.counts[2]);
+    if (!x || !y || !z) return use(1.0, {});
+    for (const auto& [i, of_x] : {std::pair{x->index, 1.0 - x->share}, {x->next, x->share}})
+        for (const auto& [j, of_y] : {std::pair{y->index, 1.0 - y->share}, {y->next, y->share}})
+            for (const auto& [k, of_z] :
+                 {std::pair{z->index, 1.0 - z->share}, {z->next, z->share}}) {
+                if (!(of_x * of_y * of_z > 0.0)) continue;
+                const auto at =
+                    static_cast<std::size_t>((i * map.counts[1] + j) * map.counts[2] + k);
+                const auto value = [at](const std::vector<double>& values) {
+                    return values.empty() ? std::nullopt : std::optional(values[at]);
+                };
+                use(of_x * of_y * of_z, {value(map.c_s_m_s), value(map.c_p_m_s),
+                                         value(map.density_kg_m3), value(map.viscosity_Pa_s)});
+            }
+}
+
 DepthRange depths(const MaterialMap& map) {
     constexpr double endless_m = std::numeric_limits<double>::infinity();
     if (map.counts[2] == 1 && map.spacing_m.z == 0.0) return {-endless_m, endless_m};

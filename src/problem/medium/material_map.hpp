@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,11 @@ struct MapSample {
     std::optional<double> c_s_m_s, c_p_m_s, density_kg_m3, viscosity_Pa_s;
 };
 MapSample sample(const MaterialMap& map, Vec3 at_m);
+
+/// Passes the points of the map between which sample() interpolates, with their weights, or no
+/// values with weight 1 where the map has no effect.
+void each_neighbour(const MaterialMap& map, Vec3 at_m,
+                    const std::function<void(double share, const MapSample& value)>& use);
 
 /// The range of depths that the map covers, including its boundary; infinite for a single point.
 struct DepthRange {

@@ -56,16 +56,22 @@ namespace {
 std::vector<CellMaterial> plane_of_materials(const Case& c, std::size_t layer,
                                              const fft::SlabShare& share, double z_m,
                                              const DepthCell& cell) {
-    const bool smooth = is_smooth(c.scene().medium);
-    const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
+    const Medium& medium = c.scene().medium;
+    const bool smooth = is_smooth(medium), map_alone = medium.map && medium.bodies.empty();
+    const Vec3 size_m{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
     std::vector<CellMaterial> all;
     all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
-        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
-            all.push_back(material_of_cell(
-                c.scene().medium, layer,
-                {c.domain.x_m(share.x_start + i), c.domain.y_m(j), smooth ? z_m : cell.centre_m},
-                size_m));
+        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
+            Vec3 at_m{c.domain.x_m(share.x_start + i), c.domain.y_m(j), cell.centre_m};
+            CellMaterial m;
+            if (!smooth || map_alone) m = material_of_cell(medium, layer, at_m, size_m);
+            if (smooth && !m.is_laminate()) {
+                at_m.z = z_m;
+                m = material_of_cell(medium, layer, at_m, {});
+            }
+            all.push_back(m);
+        }
     return all;
 }
 

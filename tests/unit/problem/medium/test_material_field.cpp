@@ -135,6 +135,31 @@ TEST_CASE("a map replaces the layer and is replaced by bodies", "[material_field
           Approx(1900.0 * std::pow(linear_c_s_m_s(p), 2)).epsilon(1e-12));
 }
 
+TEST_CASE("a cell between different points of a map is a laminate", "[material_field]") {
+    Medium medium = two_layers();
+    MaterialMap map{.counts = {2, 1, 1}, .origin_m = {-0.5e-3, 0, 0}, .spacing_m = {1e-3, 0, 0}};
+    map.c_s_m_s = {2.0, GENERATE(1.0, 2.1, 8.0)}; // that of the layer and another one
+    medium.map = std::make_shared<const MaterialMap>(map);
+    const Vec3 middle{0.0, 0.0, 5e-3};
+    const CellMaterial m = material_of_cell(medium, 1, middle, cell_m);
+    if (map.c_s_m_s[1] == 2.1) { // no interface
+        CHECK_FALSE(m.is_laminate());
+        CHECK(m.mu_Pa == Approx(950.0 * 2.05 * 2.05).epsilon(1e-12));
+        return;
+    }
+    // The same as half a cell of a body.
+    Medium body = two_layers();
+    body.bodies = {
+        {.shape = Box{{2.0, 1.0, 1.0}}, .centre_m = {1.0, 0.0, 0.0}, .c_s_m_s = map.c_s_m_s[1]}};
+    const CellMaterial same = material_of_cell(body, 1, middle, cell_m);
+    CHECK(m.mu_Pa == Approx(same.mu_Pa).epsilon(1e-6));
+    CHECK(m.mu_across_Pa == Approx(same.mu_across_Pa).epsilon(1e-6));
+    CHECK(m.lambda_Pa == Approx(same.lambda_Pa).epsilon(1e-6));
+    CHECK(std::abs(m.normal.x) == Approx(std::abs(same.normal.x) / norm(same.normal)));
+    // Points that are further apart than 1.5 cells describe a smooth medium.
+    CHECK_FALSE(material_of_cell(medium, 1, middle, 0.6 * cell_m).is_laminate());
+}
+
 TEST_CASE("only the depths of bodies and maps vary", "[material_field]") {
     Medium medium = two_layers();
     CHECK_FALSE(varies_between(medium, 0.0, 12e-3));
