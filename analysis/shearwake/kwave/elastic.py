@@ -40,7 +40,7 @@ def attribute(item, name, default=None):
 
 
 def structure(item, name):
-    """The fields of an object that pstdElastic3D knows. Raises BadInput for another field with a value."""
+    """The fields of an object that pstdElastic3D has. Raises BadInput for another field with a value."""
     plain = item if isinstance(item, dict) else getattr(item, "__dict__", {})
     for field, value in plain.items():
         if field in REFUSED and value is not None and np.size(value) > 0:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..case import Case
 from ..errors import NotAnOutputFolder
 from ..plan import first_line
 from . import compare_fields, compare_words
