@@ -92,7 +92,7 @@ Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPl
     const double levels = static_cast<double>(mesh.levels() - 1);
     const double pencil_lanes = most_rows(ny, ranks) * up(nx / 2.0, lane_count);
     const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Block);
-    const double per_cell = ((v.iterates ? 7.0 : 4.0) + (v.box ? 1.0 : 0.0)) * v.components + 3.0 +
+    const double per_cell = ((v.iterates ? 8.0 : 4.0) + (v.box ? 2.0 : 0.0)) * v.components + 3.0 +
                             (v.iterates ? v.components / 3.0 : 0.0); // implicit moduli
     // With a box, the next step is predicted.
     Arrays arrays = {{"factors", pencil_lanes * factor_entries(mesh) * sizeof(Block)},

@@ -17,7 +17,7 @@ StrainSolver::StrainSolver(const LateralField& field, std::ptrdiff_t rows, const
                            StepClock& clock)
     : kernels_(simd::kernels<StrainKernels>()), field_(field), team_(team), clock_(clock),
       sums_(rows) {
-    for (auto* values : {&given_, &strain_, &direction_, &stress_, &image_})
+    for (auto* values : {&strain_, &direction_, &stress_, &image_})
         values->assign(field.size(), 0.0);
 }
 

@@ -11,9 +11,6 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Markers of a section within marker_reach of a point next to it.
-constexpr double near_markers = 30.0;
-
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Domain section_of(const Domain& domain, bool along_x) {
@@ -239,24 +236,37 @@ double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) 
             depths_m.push_back(mesh.z_m(level));
     if (bodies.empty() || depths_m.empty()) return 0.0;
     const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
-    const double far_m = NearStress::reach * c.domain.spacing_m;
-    double pairs = 0.0;
-    for (const Body& body : bodies) {
-        const Body section = turned(body, markers.along_x());
-        const Vec3 half_m = half_section_m(section) + Vec3{far_m, 0.0, far_m};
+    if (markers.all().empty()) return 0.0;
+    const double h_m = c.domain.spacing_m, reach_m = NearStress::reach * h_m;
+    double pairs = 0.0; // of points close to a body and markers next to them
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const Body section = turned(bodies[i], markers.along_x());
+        const double half_m = half_section_m(section).x + reach_m;
         for (const double depth_m : depths_m)
-            if (std::abs(depth_m - section.centre_m.z) < half_m.z)
-                pairs += 2.0 * half_m.x / c.domain.spacing_m *
-                         std::min(near_markers, static_cast<double>(markers.count()));
+            for (double x_m = -half_m; x_m < half_m; x_m += h_m) {
+                const Vec3 at_m = {section.centre_m.x + x_m, 0.0, depth_m};
+                if (volume_fraction(section, at_m, {}) > 0.5) continue;
+                double near = 0.0, least_m = reach_m;
+                for (const SectionMarkers::Marker& m : markers.all()) {
+                    if (m.body != i) continue;
+                    const double distance_m =
+                        std::hypot(x_m - m.across_m, depth_m - section.centre_m.z - m.down_m);
+                    least_m = std::min(least_m, distance_m);
+                    if (distance_m < NearStress::marker_reach * h_m) near += 1.0;
+                }
+                if (least_m < reach_m) pairs += near;
+            }
     }
     const auto count = static_cast<double>(markers.count());
     const auto nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
     const double period = markers.along_x() ? nx : ny,
                  points = markers.along_x() ? std::ceil(nx / ranks) : ny;
-    // Rows; phases, forces and their amplitudes, while taken twice; the response of the engine.
-    return pairs * sizeof(NearStress::Entry) +
-           sizeof(double) * (points * (period + 3.0 * count) + 4.0 * 3.0 * count * period) +
-           SectionForces::memory_B(count / 2.0, static_cast<double>(depths_m.size()));
+    const auto depths = static_cast<double>(markers.depth_of(markers.all().size() - 1) + 1);
+    // Rows and phases; the response of the engine, which is released before forces and their
+    // amplitudes, twice while they are taken, are allocated.
+    return pairs * sizeof(NearStress::Entry) + sizeof(double) * points * period +
+           std::max(SectionForces::memory_B(depths, static_cast<double>(depths_m.size())),
+                    sizeof(double) * 3.0 * count * (points + 4.0 * period));
 }
 
 } // namespace shearwake::spectral
