@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <string>
 #include <sys/resource.h>
@@ -164,6 +166,20 @@ CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine) {
     }
     all.work.push_back({files_kind, all.written_B});
     return plan;
+}
+
+std::string memory_text(const engines::Resources& needs) {
+    std::vector<engines::Array> all = needs.arrays;
+    all.push_back({"program", engines::program_B});
+    std::ranges::stable_sort(all, std::greater<>{}, &engines::Array::bytes);
+    std::string text = fmt::format("memory per rank: {:.1f} MB", needs.memory_per_rank_B() / 1e6);
+    const char* before = ": ";
+    for (const engines::Array& array : all) {
+        if (array.bytes < 5e4) break;
+        text += fmt::format("{}{} {:.1f}", before, array.name, array.bytes / 1e6);
+        before = ", ";
+    }
+    return text;
 }
 
 bool can_be_probed(const engines::Work& part) {

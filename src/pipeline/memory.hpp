@@ -7,6 +7,7 @@
 #include "problem/case/case.hpp"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace shearwake::pipeline {
@@ -30,6 +31,9 @@ struct CasePlan {
 };
 /// Not collective.
 CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine);
+
+/// "memory per rank: 120.0 MB: ", and the arrays with their sizes in MB, the largest first.
+std::string memory_text(const engines::Resources& needs);
 
 /// Whether the rate of a part of the work can be measured without writing a case file. Not
 /// collective.

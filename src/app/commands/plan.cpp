@@ -123,8 +123,8 @@ struct Estimates {
     double longest_s = 0.0;
     cost::Origin origin = cost::Origin::measured; // the worst of all cases
     schedule::Demand demand;
-    std::vector<engines::Array> arrays; // of the case that needs most memory
-    std::string error;                  // memory or disk do not suffice; empty: they do
+    std::string arrays; // of the case that needs most memory
+    std::string error;  // memory or disk do not suffice; empty: they do
 
     bool has_times() const { return origin != cost::Origin::unknown; }
 
@@ -174,7 +174,7 @@ Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
         e.origin = std::max(e.origin, time.origin);
         if (e.cases.back().memory_per_rank_B > e.demand.memory_per_rank_B) {
             e.demand.memory_per_rank_B = e.cases.back().memory_per_rank_B;
-            e.arrays = costs.of(c, layout.ranks_per_case).arrays;
+            e.arrays = pipeline::memory_text(costs.of(c, layout.ranks_per_case));
         }
         e.demand.disk_B += e.cases.back().disk_B;
     }
@@ -255,16 +255,6 @@ void print_totals(const Estimates& e) {
                                     duration_of(e.layout.seconds))
                       : "",
         e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
-}
-
-/// The arrays of the case that needs most memory, the largest first.
-void print_arrays(const Estimates& e) {
-    std::vector<engines::Array> arrays = e.arrays;
-    arrays.push_back({"program", engines::program_B});
-    std::ranges::stable_sort(arrays, std::greater<>{}, &engines::Array::bytes);
-    fmt::print("\nmemory per rank of the largest case:\n");
-    for (const engines::Array& array : arrays)
-        if (array.bytes > 0.0) fmt::print("{:>10.1f} MB  {}\n", array.bytes / 1e6, array.name);
 }
 
 /// States what the estimates cover if results add further points.
@@ -351,7 +341,7 @@ void print_text(const Estimates& e, const PlanArguments& arguments, const config
         fmt::print("{}\n", config::text(diagnostic));
     print_cases(e.cases, arguments.all_cases);
     print_choices(e, job.diagnostics);
-    if (arguments.verbose) print_arrays(e);
+    if (arguments.verbose) fmt::print("largest {}\n", e.arrays);
     print_totals(e);
     print_adaptive(e, job.plan.adaptive);
     if (e.error.empty())

@@ -18,6 +18,7 @@ namespace {
 /// Collective.
 engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes) {
     notes.insert(notes.end(), stepper.notes().begin(), stepper.notes().end());
+    if (stepper.uses_box()) notes.push_back("iterations take place in a box around the bodies");
     const StepStatistics& s = stepper.statistics();
     const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time
     return {.notes = std::move(notes),
@@ -38,24 +39,32 @@ const SpectralPlan& SpectralEngine::plan_of(const Case& given) const {
     return planned_.emplace_back(Planned{given, SpectralPlan(given)}).plan;
 }
 
-engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {
-    const SpectralPlan& plan = plan_of(c);
+const SampledVariation& SpectralEngine::variation_of(const SpectralPlan& plan) const {
+    static const SampledVariation none;
     const Medium& medium = plan.c.scene().medium;
-    if (medium.bodies.empty() && !medium.map) return plan.resources({}, ranks);
+    if (medium.bodies.empty() && !medium.map) return none;
     const std::string key = plan.key_of_variation();
     auto known = variations_.find(key);
     if (known == variations_.end())
         known = variations_.emplace(key, plan.sampled_variation()).first;
-    return plan.resources(known->second, ranks);
+    return known->second;
+}
+
+engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {
+    const SpectralPlan& plan = plan_of(c);
+    return plan.resources(variation_of(plan), ranks);
 }
 
 std::vector<std::string> SpectralEngine::choices(const Case& given) const {
-    const auto& [c, time, mesh] = plan_of(given);
+    const SpectralPlan& plan = plan_of(given);
+    const auto& [c, time, mesh] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
     auto notes = discretisation_notes(time, mesh, probed_errors(c, options, time.step_s));
     for (const auto& more :
          {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
+    if (const VariationPlan varying = plan.variation(variation_of(plan), 1); varying.points > 0.0)
+        notes.push_back(varying.note());
     return notes;
 }
 

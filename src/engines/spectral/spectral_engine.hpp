@@ -35,6 +35,7 @@ private:
     /// The plan of the case, which is made once for its resources, its choices and its run. Valid
     /// until the next call.
     const SpectralPlan& plan_of(const Case& given) const;
+    const SampledVariation& variation_of(const SpectralPlan& plan) const;
     mutable std::deque<Planned> planned_; // of the latest cases
     mutable std::map<std::string, SampledVariation> variations_; // by key_of_variation()
 };

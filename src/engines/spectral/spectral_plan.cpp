@@ -134,6 +134,13 @@ double VariationPlan::window(std::ptrdiff_t nx) const {
     return LineWindow::pays(nx, count) ? static_cast<double>(count) : 0.0;
 }
 
+std::string VariationPlan::note() const {
+    const std::string where =
+        box ? fmt::format("in a box of {} x {} points", box->nx, box->ny) : "on complete planes";
+    return fmt::format("{:.0f} planes of strain points vary laterally: {}", points,
+                       iterates ? "iterations " + where : "one background solve per step");
+}
+
 SpectralPlan::SpectralPlan(const Case& given)
     : c(with_rigid_bodies(given)), time(choose_time_step(c, std::get<SpectralOptions>(c.solver))),
       mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)) {}

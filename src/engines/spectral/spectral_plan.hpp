@@ -25,6 +25,8 @@ struct VariationPlan {
     std::optional<BoxGrid> box; // on which iterations take place
 
     double planes() const { return points * components; }
+    /// What varies, and how steps treat it.
+    std::string note() const;
     /// Points of the window of a line over x of nx points that is transformed; 0 for FFTs.
     double window(std::ptrdiff_t nx) const;
 };
