@@ -107,6 +107,15 @@ class LayerCheck(unittest.TestCase):
         self.assert_rejected({**ENGINE, "src/upper/CMakeLists.txt": lists, "src/upper/up.cpp": source},
                              "only the registry, benchmarks and kwave may include headers of an engine")
 
+    def test_rejects_options_of_an_engine_outside_of_engines(self):
+        options = {"src/problem/case/CMakeLists.txt": "shearwake_component()\n", "src/problem/case/solver_options.hpp":
+                   "#pragma once\nstruct ToyOptions {\n    virtual void check() = 0;\n};\nusing SolverOptions = std::variant<ToyOptions>;\n"}
+        toy = {"src/engines/toy/toy.cpp": ENGINE["src/engines/toy/toy.cpp"] + "struct ToyOptions;\n"}
+        self.assertEqual(self.check({**ENGINE, **options, **toy})[0], 0)
+        self.assert_rejected({**ENGINE, **options, **self.low("struct ToyOptions;")},
+                             "low.cpp:5: ToyOptions: only engines, benchmarks and problem/case may name the options of an engine")
+        self.assertEqual(self.check({**ENGINE, **options, **self.low("// as ToyOptions")})[0], 0)
+
     def test_rejects_paths_that_leave_the_folder(self):
         self.assert_rejected(self.low('#include "../upper/up.hpp"'), "is not a header of a component")
         self.assert_rejected(self.low('#include "low.hpp"'), "is not a header of a component")

@@ -36,7 +36,7 @@ private:
     /// until the next call.
     const SpectralPlan& plan_of(const Case& given) const;
     const SampledVariation& variation_of(const SpectralPlan& plan) const;
-    mutable std::deque<Planned> planned_; // of the latest cases
+    mutable std::deque<Planned> planned_;                        // of the latest cases
     mutable std::map<std::string, SampledVariation> variations_; // by key_of_variation()
 };
 
