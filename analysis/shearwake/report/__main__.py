@@ -6,6 +6,8 @@ Prints the result in a sentence and the path of the page, or a JSON document. Ne
 1: a figure could not be drawn; 2: no complete case has the id; 4: case files are damaged, which the page lists; 6: the
 folder does not exist.
 """
+from __future__ import annotations
+
 import argparse
 import gc
 import json
@@ -14,13 +16,14 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
+from ..errors import NotAnOutputFolder
 from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
 from .figure import Figure
 from .in_one_piece import in_one_piece
-from ..errors import NotAnOutputFolder
 from .load import Selection, load
 from .page import page
 from .player import player
@@ -35,7 +38,7 @@ SCHEMA = 1       # version of the JSON document
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
-def of_all(selection: Selection) -> list[tuple[str, Callable]]:
+def of_all(selection: Selection) -> list[tuple[str, Callable[..., Any]]]:
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
     first = [("adaptive axes", fig_adaptive.figures)] if selection.sweep.adaptive_axes else []
     if selection.sweep.uncertain:
@@ -54,7 +57,7 @@ class NoCase(Exception):
 OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the sweep they show
 
 
-def of_few(selection: Selection) -> list[tuple[str, Callable]]:
+def of_few(selection: Selection) -> list[tuple[str, Callable[..., Any]]]:
     """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
     time and frequency are omitted if there are too many curves for a panel."""
     if fig_optimise.is_study(selection):
@@ -69,7 +72,7 @@ def of_few(selection: Selection) -> list[tuple[str, Callable]]:
             ("spectrograms", fig_spectrogram.figures)]
 
 
-def attempt(name, problems, draw, *arguments):
+def attempt(name: str, problems: list[Any], draw: Callable[..., Any], *arguments: Any) -> Any:
     """Returns the result of `draw`. If it fails, adds a sentence to the problems and returns None, so that the
     other figures are drawn."""
     try:
@@ -82,13 +85,13 @@ def attempt(name, problems, draw, *arguments):
         return None
 
 
-def shown_caption(selection, figure, made):
+def shown_caption(selection: Selection, figure: Figure, made: list[Figure]) -> str:
     """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
     of them if each shows a single case."""
-    alone = len(made) > 1 and all(len(f.cases) == 1 for f in made)
+    alone = len(made) > 1 and all(len(f.cases or []) == 1 for f in made)
     if alone and figure is not made[0]:
         return ""
-    ids = {i for f in made for i in f.cases} if alone else set(figure.cases)
+    ids = {i for f in (made if alone else [figure]) for i in f.cases or []}
     every = layout.ordinary(selection)
     count = sum(case.id in ids for case in every)
     return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The data of an interactive figure: panels of lines that charts.js draws with uPlot."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_hex
@@ -13,11 +16,11 @@ DIGITS = 4         # significant digits of stored values
 @dataclass
 class Line:
     label: str
-    x: list
-    y: list
+    x: Any  # numbers, as list or array
+    y: Any
     colour: object
     case: str = ""      # id of the case, by which the table selects lines
-    error: list | None = None  # half the length of an error bar per point
+    error: Any = None  # half the length of an error bar per point
     dashed: bool = False
     points: bool = False
     dots: bool = False     # points without a line: a spectrum that consists of lines
@@ -50,17 +53,17 @@ class Chart:
     marks: list = field(default_factory=list)
 
 
-def rounded(values):
+def rounded(values: list[float] | np.ndarray) -> list[Any]:
     """Numbers for JSON with a few significant digits; None for NaN."""
     return [None if v is None or not math.isfinite(v) else float(f"{v:.{DIGITS}g}") for v in np.asarray(values, float)]
 
 
-def places(values):
+def places(values: list[float] | np.ndarray) -> list[float]:
     """Coordinates keep more digits than values, since neighbouring points must remain distinct."""
     return [float(f"{v:.7g}") for v in np.asarray(values, float)]
 
 
-def line_data(line):
+def line_data(line: Line) -> dict[str, Any]:
     step = 1 if line.dots else max(1, math.ceil(len(line.x) / MOST_POINTS))
     data = {"label": line.label, "x": places(line.x[::step]), "y": rounded(line.y[::step]),
             "colour": to_hex(line.colour)}
@@ -71,11 +74,11 @@ def line_data(line):
     return data | {"dashed": line.dashed, "points": line.points, "dots": line.dots, "crossed": line.crossed}
 
 
-def mark_data(mark):
+def mark_data(mark: Mark) -> dict[str, Any]:
     return {name: value for name, value in {**vars(mark), "colour": to_hex(mark.colour)}.items() if value not in (None, "")}
 
 
-def chart_data(chart):
+def chart_data(chart: Chart) -> dict[str, Any]:
     """A chart as JSON object for charts.js."""
     limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
     return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,

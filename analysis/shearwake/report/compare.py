@@ -5,12 +5,15 @@ Usage: python3 -m shearwake.report.compare A B [--json] [--all] [--picture FILE]
 A and B are case files or reduced output folders; B is the reference. Exit 0: compared; 2: nothing in common;
 6: a file cannot be read or written.
 """
+from __future__ import annotations
+
 import argparse
 import json
 import math
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +40,7 @@ class NotACase(Exception):
 class Side:
     """The complete cases of one argument and the columns that count samples."""
 
-    def __init__(self, path):
+    def __init__(self, path: str) -> None:
         self.path = Path(path)
         if self.path.is_dir():
             selection = load(self.path)
@@ -48,11 +51,11 @@ class Side:
             self.counting = counting_columns(self.cases[0])
 
     @property
-    def is_case(self):
+    def is_case(self) -> bool:
         return not self.path.is_dir()
 
 
-def one_case(path):
+def one_case(path: Path) -> Case:
     """The case of a file. Raises NotACase."""
     try:
         return single_case(path)
@@ -65,15 +68,15 @@ def one_case(path):
         raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
 
 
-def counting_columns(case):
+def counting_columns(case: Case) -> set[str]:
     return set(case.attributes.get("columns_in_samples", "").split())
 
 
-def key_of(case, keys):
+def key_of(case: Case, keys: Any) -> Any:
     return (case.is_reference, *(str(case.settings.get(k)) for k in keys))
 
 
-def pairs_of(first, second):
+def pairs_of(first: Side, second: Side) -> tuple[list[tuple[Case, Case]], list[Any], list[Any]]:
     """Pairs of cases with the same id or, if that is unique, the same values of the swept keys that both have;
     and the cases of each side without a partner."""
     if first.is_case and second.is_case:
@@ -83,7 +86,7 @@ def pairs_of(first, second):
     taken = {c.id for pair in pairs for c in pair}
     left = [[c for c in side.cases if c.id not in taken] for side in (first, second)]
     keys = sorted(set.intersection(*({k for c in side.cases for k in c.settings} for side in (first, second))))
-    found = [{}, {}]
+    found: list[dict[Any, list[Case]]] = [{}, {}]
     for cases, groups in zip(left, found):
         for case in cases:
             groups.setdefault(key_of(case, keys), []).append(case)
@@ -94,24 +97,25 @@ def pairs_of(first, second):
     matched = {id(c) for pair in pairs for c in pair}
     order = {id(c): i for i, c in enumerate(first.cases)}
     pairs.sort(key=lambda pair: order[id(pair[0])])
-    return pairs, *([c for c in side.cases if id(c) not in matched] for side in (first, second))
+    alone = [[c for c in side.cases if id(c) not in matched] for side in (first, second)]
+    return pairs, alone[0], alone[1]
 
 
-def grid_of(case):
+def grid_of(case: Case) -> dict[str, Any]:
     d = case.parameters["domain"]
     return {"points": [d["nx"], d["ny"]], "spacing_mm": round(1e3 * d["spacing_m"], 9)}
 
 
-def same_value(a, b):
+def same_value(a: float, b: float) -> bool:
     return a == b or (math.isnan(a) and math.isnan(b))
 
 
-def compare_columns(a, b, counting):
+def compare_columns(a: Case, b: Case, counting: set[str]) -> tuple[list[dict[str, Any]], list[str]]:
     """The columns that both have, and the names of those that are not compared because they count samples of
     different grids."""
     names = [n for n in a.values if n in b.values and not n.endswith("_error")]
     excluded = [n for n in names if n in counting] if grid_of(a) != grid_of(b) else []
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name in names:
         x, y = a.value(name), b.value(name)
         if name in excluded or (math.isnan(x) and math.isnan(y)):
@@ -122,12 +126,12 @@ def compare_columns(a, b, counting):
     return rows, excluded
 
 
-def depths_mm(case):
+def depths_mm(case: Case) -> list[float]:
     """The measured depths, of which the first is that of the surface and the traces."""
     return [round(1e3 * z, 9) for z in case.setting("measure", "depths_m", default=[0.0])]
 
 
-def compare_pair(a, b, counting):
+def compare_pair(a: Case, b: Case, counting: set[str]) -> dict[str, Any]:
     columns, excluded = compare_columns(a, b, counting)
     sensors, note = compare_sensors(a, b)
     return {"first": a.id, "second": b.id, "settings": [a.settings, b.settings],
@@ -138,7 +142,7 @@ def compare_pair(a, b, counting):
             "columns_not_compared": excluded}
 
 
-def without_nan(value):
+def without_nan(value: Any) -> Any:
     """JSON has no NaN: null."""
     if isinstance(value, dict):
         return {k: without_nan(v) for k, v in value.items()}
@@ -149,7 +153,7 @@ def without_nan(value):
     return value
 
 
-def compare(first, second):
+def compare(first: Side, second: Side) -> tuple[Any, ...]:
     """The result as a dictionary, and the compared pairs of cases. Raises Incomparable."""
     pairs, only_first, only_second = pairs_of(first, second)
     if not pairs:
@@ -162,7 +166,7 @@ def compare(first, second):
     return result, pairs
 
 
-def options(arguments):
+def options(arguments: list[str]) -> Any:
     parser = argparse.ArgumentParser(prog="shearwake compare")
     parser.add_argument("first")
     parser.add_argument("second")
@@ -172,7 +176,7 @@ def options(arguments):
     return parser.parse_args(arguments)
 
 
-def draw(result, pairs, path):
+def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> str:
     """Draws the picture. The line that reports it, or why there is none."""
     from . import compare_picture  # needs Matplotlib
     try:
@@ -182,7 +186,7 @@ def draw(result, pairs, path):
     return f"picture: {path}"
 
 
-def write(text):
+def write(text: str) -> int:
     """Prints the text and returns the exit code. A reader that closes the pipe, such as head, has read enough."""
     try:
         print(text, flush=True)

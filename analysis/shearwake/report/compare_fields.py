@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Differences of the surfaces and traces of two cases."""
+from __future__ import annotations
+
 import math
+from typing import Any
 
 import numpy as np
 
+from ..case import Case
 from . import load
 
 SAME_s = 1e-9  # times closer than this are equal; frames are at least 0.01 us apart
@@ -16,7 +20,7 @@ class NothingToDraw(Exception):
     """The two have no surface at a common time."""
 
 
-def interpolation(at, nodes):
+def interpolation(at: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """The matrix that interpolates values at equidistant nodes to the points `at`, by polynomials through the
     nearest nodes. Its rows are unit vectors where a point coincides with a node."""
     spacing = nodes[1] - nodes[0]
@@ -35,7 +39,7 @@ def interpolation(at, nodes):
     return matrix
 
 
-def common_axis(first, second):
+def common_axis(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """The points of the coarser axis that lie within both."""
     coarse, fine = (first, second) if first[1] - first[0] >= second[1] - second[0] else (second, first)
     low, high = max(first[0], second[0]) - SAME_m, min(first[-1], second[-1]) + SAME_m
@@ -43,25 +47,26 @@ def common_axis(first, second):
     return np.clip(chosen, fine[0], fine[-1])
 
 
-def common_times(first, second):
+def common_times(first: np.ndarray, second: np.ndarray) -> list[tuple[int, int]]:
     """Pairs of indices of equal times."""
     return [(i, int(j)) for i, t in enumerate(first)
             for j in np.flatnonzero(np.abs(second - t) < SAME_s)[:1]] if len(second) else []
 
 
-def on_common_grid(a, b):
+def on_common_grid(a: tuple[float, np.ndarray, np.ndarray, np.ndarray],
+                   b: tuple[float, np.ndarray, np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Two surfaces (t_s, x_m, y_m, u_z_m) as x_m, y_m, u_a, u_b on the common grid."""
-    x, y = (common_axis(a[axis], b[axis]) for axis in (1, 2))
-    fields = [interpolation(x, f[1]) @ f[3] @ interpolation(y, f[2]).T for f in (a, b)]
-    return x, y, *fields
+    x, y = (common_axis(*axes) for axes in ((a[1], b[1]), (a[2], b[2])))
+    u_a, u_b = (interpolation(x, f[1]) @ f[3] @ interpolation(y, f[2]).T for f in (a, b))
+    return x, y, u_a, u_b
 
 
-def relative_l2(a, b):
+def relative_l2(a: np.ndarray, b: np.ndarray) -> float:
     norm = math.sqrt(float(np.sum(b * b)))
     return math.sqrt(float(np.sum((a - b) ** 2))) / norm if norm else math.nan
 
 
-def place_of_largest(difference, x, y):
+def place_of_largest(difference: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[int, int]:
     """The indices of the largest difference. Of places with equal differences, the one with the largest y and then the
     largest x."""
     i, j = np.nonzero(difference >= (1.0 - TIE) * difference.max())
@@ -69,7 +74,7 @@ def place_of_largest(difference, x, y):
     return int(i[n]), int(j[n])
 
 
-def compare_surfaces(first, second):
+def compare_surfaces(first: Case, second: Case) -> list[dict[str, Any]]:
     """One entry for each common time: relative L2 of the difference, and its maximum with its location."""
     found = []
     for i, j in common_times(load.surface_times(first), load.surface_times(second)):
@@ -86,7 +91,7 @@ def compare_surfaces(first, second):
     return found
 
 
-def compare_traces(first, second):
+def compare_traces(first: Case, second: Case) -> list[dict[str, Any]]:
     """One entry for each trace point that both recorded, over the times that both have."""
     pairs = common_times(first.over_time["time"], second.over_time["time"])
     if not pairs:

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws two surfaces and their difference."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ..case import Case
 from . import compare_words, layout, load, style
 from .compare_fields import NothingToDraw, common_times, on_common_grid
 from .words import number
@@ -12,16 +19,17 @@ SEEN = 0.02      # smallest visible displacement relative to the largest
 MARGIN_mm = 3.0
 
 
-def surfaces(pair, time_ms):
+def surfaces(pair: tuple[Case, Case], time_ms: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The surfaces of both cases at this time on the common grid, in mm and um."""
     a, b = pair
     i, j = next((i, j) for i, j in common_times(load.surface_times(a), load.surface_times(b))
                 if abs(1e3 * load.surface_times(a)[i] - time_ms) < 1e-6)
-    x, y, u, v = on_common_grid(load.surface(a, i), load.surface(b, j))
+    x, y, u, v = on_common_grid(*(shot for shot in (load.surface(a, i), load.surface(b, j)) if shot))
     return 1e3 * x, 1e3 * y, 1e6 * u, 1e6 * v
 
 
-def visible(x, y, u, v, at_mm):
+def visible(x: np.ndarray, y: np.ndarray, u: np.ndarray, v: np.ndarray, at_mm: list[float]) -> tuple[np.ndarray, np.ndarray,
+            np.ndarray, np.ndarray]:
     """The part of the common grid with visible displacement and the place of the largest difference."""
     seen = np.maximum(np.abs(u), np.abs(v)) > SEEN * max(np.abs(u).max(), np.abs(v).max())
     parts = []
@@ -32,7 +40,7 @@ def visible(x, y, u, v, at_mm):
     return x[parts[0]], y[parts[1]], u[np.ix_(*parts)], v[np.ix_(*parts)]
 
 
-def panel(axes, x, y, u, end, title):
+def panel(axes: Axes, x: np.ndarray, y: np.ndarray, u: np.ndarray, end: float, title: str) -> Any:
     half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
     image = axes.imshow(u.T, origin="lower", cmap=style.DIVERGING, vmin=-end, vmax=end,
                         extent=(x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y))
@@ -43,7 +51,7 @@ def panel(axes, x, y, u, end, title):
     return image
 
 
-def title_of(chosen, side):
+def title_of(chosen: dict[str, Any], side: int) -> str:
     """The case with its settings, engine and spacing, wrapped to the width of a panel."""
     kind = ["reference"] if chosen["is_reference"][side] else []
     words = ", ".join([*kind, *compare_words.settings(chosen, side)]) or chosen[("first", "second")[side]]
@@ -51,7 +59,7 @@ def title_of(chosen, side):
     return f"{('first', 'second')[side]}: {layout.wrapped(words, 3.0)}\n{facts}"
 
 
-def draw(result, pairs, path):
+def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> None:
     """The pair that differs most, at the time of the largest relative L2. Both surfaces have the same colour scale.
     Raises NothingToDraw without a common surface."""
     chosen = compare_words.worst(result["pairs"])

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Differences of the sensors of two imported k-Wave studies, at nodes of the same position."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .. import inputs
+from ..case import Case
 from .compare_fields import SAME_m, common_times, relative_l2
 from .load import UNREADABLE
 from .medium_files import file_of
@@ -28,7 +33,7 @@ class Places:
     at_m: np.ndarray  # (n, 3)
 
 
-def sensor(case):
+def sensor(case: Case) -> Sensor | None:
     """The sensor of a case; None without one."""
     try:
         found, units = case.arrays("sensor"), case.units("sensor")
@@ -40,41 +45,41 @@ def sensor(case):
         return None
 
 
-def places(case, nodes):
+def places(case: Case, nodes: Any) -> Places | None:
     """The positions of these nodes, from the study file; None if it is not found or was changed after the run."""
     folder = case.path.resolve().parent.parent
     job = folder / "job.toml"
     text = job.read_text(encoding="utf-8", errors="replace") if job.is_file() else str(case.attributes.get("job", ""))
     path = file_of(folder, text, case, "solver.pstd.study")
     try:
-        points, spacing_m = inputs.study_grid(path or "")
+        points, spacing_m = inputs.study_grid(path or Path())
     except (OSError, KeyError, ValueError):
         return None
     return Places(spacing_m, (np.array(nodes, dtype=float).reshape(-1, 3) - points // 2) * spacing_m)
 
 
-def same_grid(first, second):
+def same_grid(first: Any, second: Any) -> bool:
     keys = ("nx", "ny", "spacing_m")
     return [first.setting("domain", key, default=None) for key in keys] == [
         second.setting("domain", key, default=None) for key in keys]
 
 
-def common_nodes(ours, theirs):
+def common_nodes(ours: Any, theirs: Any) -> Any:
     """Pairs of rows whose keys are equal."""
     rows = {key: n for n, key in enumerate(theirs)}
     return [(n, rows[key]) for n, key in enumerate(ours) if key in rows]
 
 
-def rounded(at_m):
+def rounded(at_m: Any) -> Any:
     return [tuple(row) for row in np.rint(at_m / SAME_m).astype(np.int64).tolist()]
 
 
-def nearest_mm(ours, theirs):
+def nearest_mm(ours: Any, theirs: Any) -> Any:
     """The smallest distance of a node of one sensor from a node of the other, without large matrices."""
     return 1e3 * min(float(np.min(np.linalg.norm(theirs - at, axis=1))) for at in ours)
 
 
-def matched(first, second, ours, theirs):
+def matched(first: Any, second: Any, ours: Any, theirs: Any) -> Any:
     """Pairs of rows, and a note: why there are none, or what is to be observed."""
     here, there = places(first, ours.nodes), places(second, theirs.nodes)
     if here is None or there is None:
@@ -92,7 +97,7 @@ def matched(first, second, ours, theirs):
     return pairs, f"up to {shift_mm:.3g} mm apart" if shift_mm > 1e3 * SAME_m else ""
 
 
-def staggered(note, ours, theirs, names):
+def staggered(note: str, ours: Any, theirs: Any, names: Any) -> Any:
     """What differs between the velocities of two grids: their places and times lie between nodes and steps."""
     lag_us = 0.5e6 * abs(ours.step_s - theirs.step_s)
     apart = [note] if note else []
@@ -104,7 +109,7 @@ def staggered(note, ours, theirs, names):
             "times")
 
 
-def compare_sensors(first, second):
+def compare_sensors(first: Case, second: Case) -> tuple[list[Any], str]:
     """One entry for each field that both sensors recorded, over their common nodes and times, and a note: why the
     sensors are not compared, or in what the compared values differ; empty without a sensor."""
     ours, theirs = sensor(first), sensor(second)

@@ -1,22 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Interactive versions of the curves against the swept key, with their error bars."""
+from __future__ import annotations
+
 import math
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from ..case import Case
 from . import layout, style
 from .chart import Chart, Line
+from .load import Selection
 from .numerical_error import valid
 from .validity import split
 from .words import value_text
 
 
-def errors(cases, column):
+def errors(cases: list[Case], column: str) -> np.ndarray:
     """Half the lengths of the error bars, which `reduce` adds as columns; NaN without."""
     return np.array([case.value(column + "_error", math.nan) for case in cases])
 
 
-def draw_errors(axes, x, y, cases, column, colour):
+def draw_errors(axes: Axes, x: np.ndarray, y: np.ndarray, cases: list[Case], column: str, colour: str) -> bool:
     """Adds error bars to a curve of a picture if a case has an error. Returns whether it did."""
     half = errors(cases, column)
     known = np.isfinite(half) & np.isfinite(y)
@@ -26,18 +31,19 @@ def draw_errors(axes, x, y, cases, column, colour):
     return bool(known.any())
 
 
-def have_errors(selection, column):
+def have_errors(selection: Selection, column: str) -> bool:
     """Whether a valid case has an error; values that are not valid have no error bars."""
     return bool(np.isfinite(errors(valid(selection, column), column)).any())
 
 
-def error_caption(selection, *columns):
+def error_caption(selection: Selection, *columns: str) -> str:
     if any(have_errors(selection, column) for column in columns):
         return " Error bars: the estimated numerical error."
     return ""
 
 
-def reference_lines(selection, figure, group, column, label, colour):
+def reference_lines(selection: Selection, figure: str, group: layout.Group, column: str, label: str,
+                    colour: str) -> list[Line]:
     """The values of the reference at each x of a curve, and crosses where they are not valid."""
     pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.reference_of(c))]
     values = np.array([r.value(column, math.nan) for _, r in pairs])
@@ -47,7 +53,7 @@ def reference_lines(selection, figure, group, column, label, colour):
                         split(selection, [r for _, r in pairs], column, figure, values))
 
 
-def with_crosses(line, parts):
+def with_crosses(line: Line, parts: tuple[np.ndarray, np.ndarray]) -> list[Line]:
     """A line of the valid values and one of grey crosses; one of them alone if the other has no values."""
     line.y, invalid = parts
     crosses = Line(f"{line.label}, not valid", line.x, invalid, style.GREY, points=True, crossed=True)
@@ -56,7 +62,7 @@ def with_crosses(line, parts):
     return [line, crosses] if np.isfinite(line.y).any() else [crosses]
 
 
-def curve_chart(selection, figure, column, y_label, title="", y_log=False):
+def curve_chart(selection: Selection, figure: str, column: str, y_label: str, title: str = "", y_log: bool = False) -> Chart:
     """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
     references."""
     found = layout.groups(selection)

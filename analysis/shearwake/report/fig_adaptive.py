@@ -1,29 +1,36 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of adaptive axes: the points of each curve, its estimated error between them, and what was found."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
+from ..case import Case
 from ..tables import read_adaptive
 from . import fig_heat, layout, style
 from .figure import Figure
+from .load import Selection
 from .warnings_of import is_valid
 from .words import counted, number
 
 GOALS = {"maximum": "maxima", "minimum": "minima", "crossing": "crossings"}
 
 
-def settings_text(case, key):
+def settings_text(case: Case, key: str) -> str:
     """The other settings of a case, as in the column `settings`."""
-    def cell(value):
+    def cell(value: Any) -> Any:
         return f"{value:.9g}" if isinstance(value, float) else str(value)
     return ", ".join(f"{k} = {cell(float(v) if isinstance(v, int) else v)}" for k, v in case.settings.items() if k != key)
 
 
-def curves(selection, key, column):
+def curves(selection: Selection, key: str, column: str) -> Any:
     """{settings: (x, y, label)} of the valid cases in ascending order."""
-    found = {}
+    found: dict[str, list[Any]] = {}
     for case in layout.ordinary(selection):
         if key in case.settings and is_valid(case) and not math.isnan(case.value(column, math.nan)):
             found.setdefault(settings_text(case, key), []).append((float(case.settings[key]), case.value(column, math.nan), case))
@@ -35,7 +42,7 @@ def curves(selection, key, column):
     return made
 
 
-def draw_axis(axes, selection, axis, rows):
+def draw_axis(axes: Axes, selection: Selection, axis: Any, rows: Any) -> Any:
     key, column = axis["key"], axis["column"]
     made = curves(selection, key, column)
     named = {row["settings"] for row in rows}
@@ -64,7 +71,7 @@ def draw_axis(axes, selection, axis, rows):
     return len(shown), len(made)
 
 
-def sentence(selection, axis, rows):
+def sentence(selection: Selection, axis: Any, rows: Any) -> str:
     """What is known about an axis."""
     name = layout.name(selection, axis["key"])
     if not rows:
@@ -80,7 +87,7 @@ def sentence(selection, axis, rows):
     return f" {name}: {axis['goal'] if len(places) == 1 else GOALS[axis['goal']]} of {axis['column']} at {', '.join(places)}."
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> Any:
     rows = read_adaptive(selection.sweep.folder, selection.sweep.name)
     if not selection.sweep.adaptive_axes or not rows:
         return []

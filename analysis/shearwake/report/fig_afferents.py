@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The responses of each class of afferents against the swept key."""
+from __future__ import annotations
+
 import math
 from dataclasses import replace
+from pathlib import Path
 
 from ..case import Case
 from . import fig_curves as curves_module, layout, style
 from .figure import Figure
+from .load import Selection
 from .validity import invalid_caption
 from .words import key_name
 
@@ -21,15 +25,16 @@ FEWEST = 5
 class Without(Case):
     """A case with an empty value in place of that of a column."""
 
-    def __init__(self, case, column):
-        self.__dict__.update(vars(case), column=column)
+    def __init__(self, case: Case, column: str) -> None:
+        self.__dict__.update(vars(case))
+        self.column = column
 
     @property
-    def values(self):
+    def values(self) -> dict[str, float]:
         return {**super().values, self.column: math.nan}
 
 
-def with_enough_spikes(selection, kind):
+def with_enough_spikes(selection: Selection, kind: str) -> tuple[Selection, list[Case]]:
     """The selection without the vector strengths of cases with too few spikes, and the number of these cases."""
     few = [c for c in selection.cases if not math.isnan(c.value(f"{kind}_vector_strength_1", math.nan))
            and not c.value(f"{kind}_spikes_1", math.nan) >= FEWEST * c.value(f"{kind}_active_1", math.nan)]
@@ -37,7 +42,7 @@ def with_enough_spikes(selection, kind):
     return replace(selection, cases=rest), few
 
 
-def class_figure(selection, folder, kind):
+def class_figure(selection: Selection, folder: Path, kind: str) -> Figure | None:
     selection, few = with_enough_spikes(selection, kind)
     columns = [(f"{kind}_{name}", label) for name, label in PANELS]
     columns = [c for c in columns if curves_module.has_any(selection, c[0])]
@@ -65,7 +70,7 @@ def class_figure(selection, folder, kind):
                   + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *(c for c, _ in columns)), title)
 
 
-def few_caption(few):
+def few_caption(few: list[Case]) -> str:
     """States which vector strengths are not drawn, and why."""
     if not few:
         return ""
@@ -73,7 +78,7 @@ def few_caption(few):
             "that of n spikes with random phases is 0.89/√n on average, 0.4 for five.")
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
     values = {layout.x_position(selection, c) for c in layout.ordinary(selection) if c.is_complete}

@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Curves of a measure against the swept key: the mean over periods above, the instant below."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter, NullLocator
 
 from . import layout, style, warnings_of
 from .curve_chart import curve_chart, draw_errors, error_caption
 from .figure import Figure
+from .load import Selection
 from .validity import CROSSES, invalid_caption, split
 from .words import SUPERSCRIPTS, counted, number, value_text
 
 
-def set_x_axis(axes, selection):
+def set_x_axis(axes: Axes, selection: Selection) -> None:
     """Puts ticks at the swept values if they fit; strings of x become labels."""
     values = layout.x_values(selection)
     axes.set_xlabel(layout.axis_label(selection, selection.x))
@@ -39,19 +45,20 @@ def set_x_axis(axes, selection):
         axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def tick_labels(values):
+def tick_labels(values: list[float]) -> list[str]:
     """The numbers with six digits or, where these labels would touch, with the three that still distinguish them."""
     exact, short = ([number(float(v), digits) for v in values] for digits in (6, 3))
     return short if sum(map(len, exact)) > 60 and len(set(short)) == len(values) else exact
 
 
-def points(selection, group, column, aside=0.0):
+def points(selection: Selection, group: layout.Group, column: str, aside: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """x and y of a curve. `aside` shifts x if it is a string, so that curves do not hide each other."""
     x = [layout.x_position(selection, c) + aside for c in group.cases]
     return np.array(x), np.array([c.value(column, math.nan) for c in group.cases])
 
 
-def draw_curve(axes, selection, group, column, figure, aside=0.0, **look):
+def draw_curve(axes: Axes, selection: Selection, group: layout.Group, column: str, figure: str, aside: float = 0.0,
+               **look: Any) -> tuple[np.ndarray, np.ndarray]:
     """Draws the values of a column; those that are not valid in this figure become grey crosses without a line. Returns x
     and y of the curve."""
     x, y = points(selection, group, column, aside)
@@ -62,13 +69,14 @@ def draw_curve(axes, selection, group, column, figure, aside=0.0, **look):
     return x, y
 
 
-def asides(selection, curves):
+def asides(selection: Selection, curves: list[tuple[layout.Group, str, str]]) -> list[float]:
     middle = 0.5 * (len(curves) - 1)
     step = 0.0 if layout.is_numeric(selection) else 0.12
     return [step * (i - middle) for i in range(len(curves))]
 
 
-def draw_reference(axes, selection, group, column, figure, colour, line, labels, name):
+def draw_reference(axes: Axes, selection: Selection, group: layout.Group, column: str, figure: str, colour: str, line: str,
+                   labels: list[Any], name: str) -> None:
     """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
     curve. References that are not valid in this figure are grey: a dotted line or crosses."""
     found = layout.references(selection, group)
@@ -85,9 +93,8 @@ def draw_reference(axes, selection, group, column, figure, colour, line, labels,
             look |= {"color": colour, "linestyle": ":"}
         axes.axhline(value, **look)
     else:
-        cases = [c for c in group.cases if selection.reference_of(c)]
-        own = [selection.reference_of(c) for c in cases]
-        x = [layout.x_position(selection, c) for c in cases]
+        pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.reference_of(c))]
+        x, own = [at for at, _ in pairs], [r for _, r in pairs]
         y, invalid = split(selection, own, column, figure, np.array([r.value(column, math.nan) for r in own]))
         axes.plot(x, invalid, **CROSSES)
         if not np.isfinite(y).any():
@@ -102,11 +109,12 @@ def draw_reference(axes, selection, group, column, figure, colour, line, labels,
         labels.append((value, text, colour))
 
 
-def reference_lines(axes, selection, curves, column, figure):
+def reference_lines(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str,
+                    figure: str) -> list[tuple[float, str, str]]:
     """Draws all references of a panel dashed and returns their labels for the right edge."""
     names = layout.reference_name(layout.all_references(selection))
     colours = {group.label: colour for group, colour, _ in curves}
-    labels = []
+    labels: list[Any] = []
     sets = layout.by_reference(selection, [group for group, _, _ in curves], column)
     for same in sets:
         own = style.INK if len(sets) == 1 else colours[same[0].label]
@@ -114,7 +122,7 @@ def reference_lines(axes, selection, curves, column, figure):
     return labels if len(labels) <= 6 else []
 
 
-def widen(axes, least=0.02):
+def widen(axes: Axes, least: float = 0.02) -> None:
     """Widens the y axis of a flat curve, which would otherwise show only rounding errors."""
     if axes.get_yscale() == "log":
         return
@@ -124,7 +132,7 @@ def widen(axes, least=0.02):
         axes.set_ylim(middle * (1 - least / 2), middle * (1 + least / 2))
 
 
-def legend_above(figure, curves, top_in=0.08):
+def legend_above(figure: Any, curves: list[tuple[layout.Group, str, str]], top_in: float = 0.08) -> None:
     """A legend with one entry per curve, above the panels."""
     if len(curves) < 2:
         return
@@ -134,29 +142,29 @@ def legend_above(figure, curves, top_in=0.08):
                   bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
 
-def curves_of(selection):
+def curves_of(selection: Selection) -> list[tuple[layout.Group, str, str]]:
     found = layout.groups(selection)
     colours = style.distinct(len(found))
     return [(g, colours[i], style.MARKERS[i % len(style.MARKERS)]) for i, g in enumerate(found)]
 
 
-def legend_columns(curves):
+def legend_columns(curves: list[tuple[layout.Group, str, str]]) -> int:
     """The number of columns that fit into a line of about 100 characters."""
     longest = max(len(group.label) for group, _, _ in curves) + 8  # for the marker
     return max(1, min(4, len(curves), 100 // longest))
 
 
-def legend_rows(curves):
+def legend_rows(curves: list[tuple[layout.Group, str, str]]) -> int:
     return 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
 
 
-def panels(count, curves, height_in=2.35):
+def panels(count: int, curves: list[tuple[layout.Group, str, str]], height_in: float = 2.35) -> tuple[Any, list[Axes]]:
     """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
     rows = legend_rows(curves)
     top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
     figure = plt.figure(figsize=(style.WIDTH_in, total))
-    made = []
+    made: list[Axes] = []
     for i in range(count):
         y = bottom + (count - 1 - i) * (height_in + between)
         made.append(figure.add_axes([0.85 / style.WIDTH_in, y / total, 5.65 / style.WIDTH_in,
@@ -166,11 +174,11 @@ def panels(count, curves, height_in=2.35):
     return figure, made
 
 
-def has_any(selection, column):
-    return any(not math.isnan(c.value(column, math.nan)) for c in layout.ordinary(selection))
+def has_any(selection: Selection, column: str | None) -> bool:
+    return column is not None and any(not math.isnan(c.value(column, math.nan)) for c in layout.ordinary(selection))
 
 
-def move_power_to_label(axes):
+def move_power_to_label(axes: Axes) -> None:
     """Moves the power of ten from the axis to the label: '1.9 ... 2.7 (10⁻⁷ mm²)'."""
     largest = max(abs(limit) for limit in axes.get_ylim())
     if axes.get_yscale() == "log" or not 0 < largest < 1e-3:
@@ -181,19 +189,19 @@ def move_power_to_label(axes):
     axes.set_ylabel(axes.get_ylabel().replace("(mm²)", f"({power} mm²)"))
 
 
-def spans_decades(selection, column):
+def spans_decades(selection: Selection, column: str) -> bool:
     values = [c.value(column, math.nan) for c in [*layout.ordinary(selection), *layout.all_references(selection)]]
     values = [v for v in values if not math.isnan(v)]
     return min(values) > 0 and max(values) > 10 * min(values)
 
 
-def instant_title(selection):
+def instant_title(selection: Selection) -> str:
     """'at the instant t = 14 ms', if it is the same for all cases."""
     times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(selection)}
     return f"at the instant t = {number(times.pop())} ms" if len(times) == 1 else "at one instant"
 
 
-def measure_figure(selection, folder, measure):
+def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> Figure | None:
     """Writes the figure of one measure; None if no case has a value."""
     period, instant = measure["period"], measure["instant"]
     rows = [c for c in (period, instant) if has_any(selection, c)]
@@ -205,7 +213,7 @@ def measure_figure(selection, folder, measure):
     for axes, column in zip(made, rows):
         whole_periods = column == period
         for (group, colour, marker), aside in zip(curves, asides(selection, curves)):
-            look = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
+            look: dict[str, Any] = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
             x, y = draw_curve(axes, selection, group, column, measure["name"], aside, marker=marker, color=colour,
                               linestyle="-" if numeric else "none", **look)
             draw_errors(axes, x, y, group.cases, column, colour)
@@ -235,17 +243,17 @@ def measure_figure(selection, folder, measure):
                   f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
 
 
-def is_modulated(selection):
+def is_modulated(selection: Selection) -> bool:
     """Whether a case has a modulation; plain STM has none."""
     return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(selection))
 
 
-def is_steady(selection):
+def is_steady(selection: Selection) -> bool:
     """Whether all cases are in the periodic regime."""
     return all(layout.repeats(c) for c in layout.ordinary(selection))
 
 
-def region_words(selection):
+def region_words(selection: Selection) -> str:
     """The region over which the measures are taken, as a part of a sentence."""
     areas = [c.value("region_mm2", math.nan) for c in layout.ordinary(selection)]
     areas = [area for area in areas if not math.isnan(area)]
@@ -255,13 +263,13 @@ def region_words(selection):
     return f"the measured region ({low if low == high else f'{low} to {high}'} cm²)"
 
 
-def period_words(selection):
+def period_words(selection: Selection) -> str:
     if is_steady(selection):
         return "one period of the load"
     return "complete modulation periods" if is_modulated(selection) else "the settled part of the run"
 
 
-def marker_caption(selection, rows, period, instant):
+def marker_caption(selection: Selection, rows: list[str], period: str, instant: str | None) -> str:
     """Explains the markers; in detail for eta, whose figure is the first."""
     if period != "eta_period_1":
         return " Panels and lines as in the figure of the efficiency."

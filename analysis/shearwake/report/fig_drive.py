@@ -1,18 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Position and force of the focus over time for a few cases."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
+from ..case import Case
 from . import fig_medium, layout, periods, references, style
 from .figure import Figure
+from .load import Selection
 from .words import number
 
 CASES = 4
 LEAD = 1e-3  # of the length of the path: smaller leads over the reference are neglected
 
 
-def chosen(selection):
+def chosen(selection: Selection) -> list[Case]:
     """The reference, then cases from the first to the last curve; if x is a string, all cases of the first
     curve."""
     found = layout.groups(selection)
@@ -24,11 +32,11 @@ def chosen(selection):
     return [c for c in references.with_references(selection, picks, CASES) if "force" in c.over_time]
 
 
-def is_moving(case):
+def is_moving(case: Case) -> bool:
     return max(np.ptp(case.over_time["focus_x"]), np.ptp(case.over_time["focus_y"])) > 0
 
 
-def lead_mm(selection, case):
+def lead_mm(selection: Selection, case: Case) -> np.ndarray | None:
     """Lead of the focus over that of its reference along the path of the reference, over time; None if both
     have the same path or there is no reference."""
     reference = selection.reference_of(case)
@@ -43,7 +51,7 @@ def lead_mm(selection, case):
     return (own - other) @ way / length
 
 
-def draw_place(axes, case):
+def draw_place(axes: Axes, case: Case) -> None:
     """Draws the coordinates that change while the load acts; a line along x has one curve."""
     pressed = wake.last_pressed(case) + 1
     time = 1e3 * case.over_time["time"][:pressed]
@@ -54,25 +62,25 @@ def draw_place(axes, case):
             axes.plot(time, place, linewidth=1.3, label=name, **look)
 
 
-def draw_lead(axes, selection, case):
+def draw_lead(axes: Axes, selection: Selection, case: Case) -> None:
     lead = lead_mm(selection, case)
     time = 1e3 * case.over_time["time"]
     axes.plot(time, np.zeros(len(time)) if lead is None else lead, color=style.PALETTE[2],
               linewidth=1.3)
 
 
-def draw_force(axes, case):
+def draw_force(axes: Axes, case: Case) -> None:
     axes.plot(1e3 * case.over_time["time"], 1e3 * case.over_time["force"], color=style.INK,
               linewidth=1.2)
 
 
-def changes(case):
+def changes(case: Case) -> bool:
     """Whether the force changes while the load acts."""
     force = case.over_time["force"][: wake.last_pressed(case) + 1]
     return np.ptp(force) > 1e-6 * np.abs(force).max()
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     cases = chosen(selection)
     if not cases:
         return []
@@ -116,7 +124,7 @@ def figures(selection, folder):
     return drawn
 
 
-def name_places(made, middle):
+def name_places(made: np.ndarray, middle: int) -> None:
     lines = {line.get_label(): line for axes in made[:, 0] for line in axes.get_lines()}
     label = "position" if len(lines) > 1 else next(iter(lines))
     made[middle, 0].set_ylabel(f"{label} (mm)")
@@ -124,7 +132,7 @@ def name_places(made, middle):
         style.legend_strip(made[0, 0].figure, list(lines.values()))
 
 
-def caption(cases, columns, steady, name):
+def caption(cases: list[Case], columns: list[tuple[str, Any]], steady: bool, name: str) -> str:
     parts = []
     for _, draw in columns:
         if draw is draw_place:

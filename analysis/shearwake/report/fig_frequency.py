@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The dominant frequency at a trace point and the fraction of its energy in bands against x."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.axes import Axes
 
 from .. import wake
 from . import fig_curves, layout, style
 from .figure import Figure
-from .load import traces
+from .load import Selection, traces
 from .validity import invalid_caption
 from .words import listed
 
@@ -22,7 +27,7 @@ class Band:
     label: str
 
     @property
-    def is_share(self):
+    def is_share(self) -> bool:
         return bool(self.velocity)
 
 
@@ -30,7 +35,7 @@ class Band:
 FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
 
 
-def bands(selection):
+def bands(selection: Selection) -> list[Band]:
     """The bands of the job, else that of perceptible vibration."""
     for case in layout.ordinary(selection):
         edges = case.setting("measure", "bands_Hz", default=[])
@@ -41,11 +46,11 @@ def bands(selection):
     return [FELT]
 
 
-def has_values(selection, column):
+def has_values(selection: Selection, column: str) -> bool:
     return any(not math.isnan(case.value(column, math.nan)) for case in layout.ordinary(selection))
 
 
-def peaks(selection):
+def peaks(selection: Selection) -> list[tuple[str, str]]:
     """The dominant frequencies that most cases have, as (column, quantity)."""
     cases = layout.ordinary(selection)
     both = [("peak_frequency_Hz", "u"), ("velocity_peak_frequency_Hz", "du/dt")]
@@ -53,7 +58,7 @@ def peaks(selection):
             if 2 * sum(not math.isnan(c.value(column, math.nan)) for c in cases) > len(cases)]
 
 
-def draw_peaks(axes, selection, curves, column, of):
+def draw_peaks(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str, of: str) -> None:
     numeric = layout.is_numeric(selection)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(selection, curves)):
         fig_curves.draw_curve(axes, selection, group, column, NAME, aside, marker=marker, color=colour,
@@ -65,7 +70,7 @@ def draw_peaks(axes, selection, curves, column, of):
     style.label_right(axes, labels)
 
 
-def draw_band(axes, selection, curves, band):
+def draw_band(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], band: Band) -> None:
     """Draws the fraction of u with filled markers, and that of du/dt with open markers and dashed lines."""
     numeric = layout.is_numeric(selection)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(selection, curves)):
@@ -82,7 +87,7 @@ def draw_band(axes, selection, curves, band):
     axes.set_title(band.title, loc="left", color="#555555")
 
 
-def caption(selection, found, shown):
+def caption(selection: Selection, found: list[tuple[str, str]], shown: list[Band]) -> str:
     places = [layout.column_place_m(c) for c in layout.ordinary(selection)]
     where, text = layout.place_words(places), []
     if found:
@@ -106,7 +111,7 @@ def caption(selection, found, shown):
     return " ".join(text)
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
     found = peaks(selection)

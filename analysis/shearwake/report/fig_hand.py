@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Firing afferents on the hand, their spikes over time, and the motion of the skin."""
+from __future__ import annotations
+
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
+from ..case import Case
 from . import layout, style, warnings_of
 from .figure import Figure
+from .load import Selection
 from .words import counted, millimetres, number
 
 COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
@@ -20,7 +26,7 @@ MOST_TICKS = 200  # largest number of afferents per class in a raster
 class Afferents:
     """The afferents of a case file, in mm and ms, with one array of spikes per afferent."""
 
-    def __init__(self, case):
+    def __init__(self, case: Case) -> None:
         found, pins, hand = (case.arrays(name) for name in ("afferents", "pins", "hand"))
         self.x, self.y = 1e3 * found["hand_x"], 1e3 * found["hand_y"]
         self.patch = 1e3 * np.stack([found["x"], found["y"]], axis=1)
@@ -33,27 +39,27 @@ class Afferents:
         self.time = 1e3 * pins["time"] if "time" in pins else None
         self.spikes = np.split(1e3 * found["spike_time"], np.cumsum(self.count)[:-1]) if len(self.count) else []
 
-    def of(self, kind):
+    def of(self, kind: str) -> np.ndarray:
         return np.flatnonzero(self.kind == kind)
 
-    def present(self):
+    def present(self) -> list[str]:
         """The classes with an afferent, in the order of their numbers."""
         return list(dict.fromkeys(self.kind[np.argsort(self.number, kind="stable")].tolist()))
 
 
-def duration_ms(case):
+def duration_ms(case: Case) -> float:
     """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""
     periods = case.value("receptor_periods_1", math.nan)
     once_ms = 1e3 * case.setting("time", "frames", default=math.nan) * case.setting("time", "interval_s", default=math.nan)
     return once_ms if math.isnan(periods) else periods * once_ms
 
 
-def feels_stress(case):
+def feels_stress(case: Case) -> bool:
     """Whether the stress at the receptors is the input. Pins then exert no motion and only mark places."""
     return case.setting("afferents", "input", default="") == "stress"
 
 
-def hand_axes(axes, afferents):
+def hand_axes(axes: Axes, afferents: Afferents) -> None:
     """Draws the palmar side of a right hand with the fingers up and the thumb to the left."""
     outline = np.vstack([afferents.outline, afferents.outline[:1]])
     axes.fill(outline[:, 1], -outline[:, 0], color="#f7f3ef", zorder=0)
@@ -62,7 +68,7 @@ def hand_axes(axes, afferents):
     axes.axis("off")
 
 
-def hand_figure(selection, case, afferents, folder, name):
+def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure:
     """One hand per class with a dot per firing afferent, coloured by its rate."""
     kinds = afferents.present()
     rates = 1e3 * afferents.count / duration_ms(case)
@@ -94,12 +100,12 @@ def hand_figure(selection, case, afferents, folder, name):
                   " Red crosses: pins that move the skin."), title)
 
 
-def evenly(indices, most):
+def evenly(indices: np.ndarray, most: int) -> np.ndarray:
     return indices if len(indices) <= most else indices[
         np.linspace(0, len(indices) - 1, most).round().astype(int)]
 
 
-def raster_rows(afferents, kind):
+def raster_rows(afferents: Afferents, kind: str) -> np.ndarray:
     """The firing afferents, sorted by their distance from the nearest pin, nearest first."""
     rows = afferents.of(kind)
     rows = rows[afferents.count[rows] > 0]
@@ -108,7 +114,7 @@ def raster_rows(afferents, kind):
     return evenly(rows[np.argsort(between.min(axis=1), kind="stable")], MOST_TICKS)
 
 
-def raster_figure(selection, case, afferents, folder, name):
+def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure | None:
     """Spikes over time; for a long run with an additional panel of its start, which shows bursts."""
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
@@ -137,17 +143,17 @@ def raster_figure(selection, case, afferents, folder, name):
                   (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
 
 
-def chosen_pins(afferents):
+def chosen_pins(afferents: Afferents) -> np.ndarray:
     return evenly(np.arange(len(afferents.pins)), PLACES)
 
 
-def tick_at(top):
+def tick_at(top: float) -> float:
     """The largest number of the form 1 or 5 times a power of ten that is at most `top`."""
     power = 10.0 ** math.floor(math.log10(top))
     return 5.0 * power if 5.0 * power <= top else power
 
 
-def places_figure(selection, case, afferents, folder, name):
+def places_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure | None:
     """The motion of a few pins and, below each curve, the spikes of nearby afferents."""
     if afferents.u_um is None:
         return None
@@ -185,7 +191,7 @@ def places_figure(selection, case, afferents, folder, name):
                   "class.", title)
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     made = []
     cases = [c for c in layout.ordinary(selection) if c.is_complete and "afferents" in c.parameters]
     for n, case in enumerate(layout.evenly(cases, MOST_CASES)):

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Heat maps of a measure over two swept keys, with one panel per value of the other keys."""
+from __future__ import annotations
+
 import math
 import textwrap
 from itertools import product
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
 from . import hover, layout, style, warnings_of
 from .figure import Figure
-from .load import traces
+from .load import Selection, traces
 from .words import counted, listed, number, some_of, value_text
 
 NAME = "heat_"  # followed by the column
@@ -38,7 +43,7 @@ MEASURES = [
 HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
-def measure_label(selection, column):
+def measure_label(selection: Selection, column: str) -> str:
     """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
     other one."""
     reference = layout.reference_name(layout.all_references(selection))
@@ -46,7 +51,7 @@ def measure_label(selection, column):
     return textwrap.fill(found.format(reference=reference), 26, break_on_hyphens=False, break_long_words=False)
 
 
-def band_measures(selection):
+def band_measures(selection: Selection) -> Any:
     """Shares of the energy at the trace point of the columns in the bands of the job."""
     found = dict.fromkeys(name for c in layout.ordinary(selection) for name in c.values
                           if name.startswith("share_"))
@@ -55,21 +60,21 @@ def band_measures(selection):
         yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}", "fraction of the energy (1)")
 
 
-def plane(selection):
+def plane(selection: Selection) -> tuple[str, str, list[Any]] | None:
     """x, y and the keys of the panels; None if curves are more suitable."""
     keys = layout.axes(selection)
     if len(keys) < 2:
         return None
     counts = {k: len(layout.values_of(selection, k)) for k in keys}
     x = selection.x if selection.x in keys else keys[0]
-    y = max((k for k in keys if k != x), key=counts.get)
+    y = max((k for k in keys if k != x), key=lambda k: counts[k])
     enough = counts[x] >= LEAST and counts[y] >= LEAST
     if not enough and len(layout.groups(selection)) <= style.CURVES:
         return None
     return x, y, [k for k in keys if k not in (x, y)]
 
 
-def panels(selection, others):
+def panels(selection: Selection, others: list[Any]) -> tuple[list[tuple[Any, ...]], int]:
     """The combinations of the other keys that are drawn, and the number of combinations that occur."""
     every = list(product(*(layout.values_of(selection, k) for k in others)))
     there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(selection)}
@@ -77,7 +82,8 @@ def panels(selection, others):
     return layout.evenly(every, PANELS), len(every)
 
 
-def cells(selection, column, x, y, others, values):
+def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], values: tuple[Any, ...]) -> tuple[np.ndarray,
+          np.ndarray, np.ndarray]:
     """The values (y, x) of one panel, a mask of cells whose case has no result, and a mask of values that are not
     valid."""
     xs, ys = layout.values_of(selection, x), layout.values_of(selection, y)
@@ -94,7 +100,7 @@ def cells(selection, column, x, y, others, values):
     return found, failed, invalid
 
 
-def scale(grids, relative):
+def scale(grids: Any, relative: Any) -> Any:
     """Norm and colour map from the smallest to the largest value; the middle of a diverging map is at 1 for
     ratios with values on both sides of 1."""
     every = np.concatenate([g[np.isfinite(g)] for g in grids])
@@ -109,7 +115,7 @@ def scale(grids, relative):
     return plt.Normalize(low, high), style.sequential_map()
 
 
-def ticks(axis, key, selection, room):
+def ticks(axis: Any, key: str, selection: Selection, room: Any) -> None:
     values = layout.values_of(selection, key)
     every = max(1, math.ceil(len(values) / room))
     words = [number(float(v), 3) if layout.is_number(v)
@@ -122,7 +128,7 @@ def ticks(axis, key, selection, room):
             label.set_horizontalalignment("right")
 
 
-def rotation(words, shape):
+def rotation(words: Any, shape: Any) -> Any:
     """The angle in degrees at which numbers fit into the cells of a single panel without touching; None if they do not
     fit."""
     length, height = 0.64 * NUMBERS_pt * max(map(len, words)) + 4.0, 1.4 * NUMBERS_pt  # digits are 0.64 em wide
@@ -132,7 +138,7 @@ def rotation(words, shape):
     return 90 if length <= cell[1] and height <= cell[0] else None
 
 
-def write_numbers(axes, values, norm, colours):
+def write_numbers(axes: Axes, values: Any, norm: Any, colours: Any) -> None:
     """Writes the finite values into their cells if there is room."""
     words = {place: number(value, 3) for place, value in np.ndenumerate(values) if np.isfinite(value)}
     angle = rotation(words.values(), values.shape) if words else None
@@ -145,7 +151,7 @@ def write_numbers(axes, values, norm, colours):
                   color="white" if dark else style.INK)
 
 
-def draw(axes, grid, failed, invalid, norm, colours, written):
+def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any) -> None:
     valid = np.where(invalid, math.nan, grid)
     axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
                 interpolation="nearest")
@@ -163,7 +169,7 @@ def draw(axes, grid, failed, invalid, norm, colours, written):
     axes.grid(False)
 
 
-def columns_of(selection, others, count):
+def columns_of(selection: Selection, others: Any, count: Any) -> Any:
     """The number of columns: the number of values of the last key if they fit."""
     last = len(layout.values_of(selection, others[-1])) if others else 1
     if len(others) > 1 and last <= 4 and count % last == 0:
@@ -171,7 +177,7 @@ def columns_of(selection, others, count):
     return 2 if count == 4 else min(COLUMNS, count)
 
 
-def heat_figure(selection, folder, measure, plan):
+def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str], plan: tuple[str, str, list[str]]) -> Figure | None:
     column, title, label = measure
     x, y, others = plan
     shown, of = panels(selection, others)
@@ -216,7 +222,7 @@ def heat_figure(selection, folder, measure, plan):
     return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
 
 
-def caption(every, others, shown, of):
+def caption(every: Any, others: Any, shown: Any, of: Any) -> str:
     text = "Each cell is a case; the cells are equidistant irrespective of their values."
     if others:
         text += f" One panel per {listed(others)}, with the same colour scale in all panels."
@@ -233,7 +239,7 @@ def caption(every, others, shown, of):
     return text
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Any]:
     plan = plane(selection)
     if plan is None:
         return []

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Time-averaged intensity of the surface with the shape that the focus draws."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
 from . import fig_surface, hover, layout, load, style, warnings_of
@@ -10,13 +15,13 @@ from .figure import Figure
 from .words import number
 
 
-def draw_lines(axes, lines):
+def draw_lines(axes: Axes, lines: list[np.ndarray]) -> None:
     for line in lines:
         axes.plot(*(1e3 * line).T, color="white", linewidth=0.9, linestyle=(0, (3, 2)),
                   marker="+" if len(line) == 1 else "", path_effects=style.halo(1.8, "black"))
 
 
-def window(found, shots, end):
+def window(found: list[Any], shots: list[fig_surface.Snapshot], end: float) -> tuple[float, float, float, float]:
     """The rectangle that contains all visible vibration and the drawn shape."""
     limits = fig_surface.window(shots, end)
     points = 1e3 * np.concatenate([line for _, (_, _, _, lines) in found for line in lines])
@@ -25,7 +30,7 @@ def window(found, shots, end):
             max(limits[3], high[1]))
 
 
-def figures(selection, folder):
+def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     cells, columns = fig_surface.cells(selection)
     with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
     found = [f for f in with_map if f]
@@ -39,7 +44,7 @@ def figures(selection, folder):
     limits = window(found, [s for s in shots if s], end)
     figure, made, bar_axes = fig_surface.arrange(selection, shots, columns, limits)
     for axes, shot, cell in zip(made, shots, with_map):
-        if not shot:
+        if not shot or not cell:
             continue
         image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=0.0, vmax=end,
                             extent=fig_surface.extent(shot), interpolation="bicubic",

@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The measures that are drawn against the swept key, and their captions."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
 
 from .. import wake
 from . import fig_curves as curves_module, layout, style
-from .chart import Line
+from .chart import Chart, Line
 from .curve_chart import curve_chart, draw_errors, error_caption
 from .figure import Figure
+from .load import Selection
 from .validity import invalid_caption
 from .words import number
 
-MEASURES = [
+MEASURES: list[dict[str, Any]] = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
      "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
      "caption": "η is the fraction of Σu² of {region} that lies within the focal disc. The larger η is, "
@@ -33,13 +40,14 @@ MEASURES = [
 ]
 
 
-SHARPNESS = {
+SHARPNESS: dict[str, Any] = {
     "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
     "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
-def draw_column(axes, selection, curves, column, figure):
+def draw_column(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str,
+                figure: str) -> None:
     """Draws one column of the table with its error bars, one line per curve, as a part of the figure of this name."""
     for (group, colour, marker), aside in zip(curves, curves_module.asides(selection, curves)):
         x, y = curves_module.draw_curve(axes, selection, group, column, figure, aside, marker=marker, color=colour,
@@ -49,7 +57,7 @@ def draw_column(axes, selection, curves, column, figure):
     curves_module.widen(axes)
 
 
-def ratio_curves(selection, folder, column, name, label):
+def ratio_curves(selection: Selection, folder: Path, column: str, name: str, label: str) -> list[Chart]:
     """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
     curves = curves_module.curves_of(selection)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
@@ -67,13 +75,13 @@ def ratio_curves(selection, folder, column, name, label):
     return [chart]
 
 
-def finish(figure, axes, selection, curves, path):
+def finish(figure: Any, axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], path: Path) -> None:
     curves_module.set_x_axis(axes, selection)
     curves_module.legend_above(figure, curves)
     style.save(figure, path)
 
 
-def gain_figure(selection, folder):
+def gain_figure(selection: Selection, folder: Path) -> Figure | None:
     """eta relative to that of the reference, both as means over periods."""
     if not selection.x or not curves_module.has_any(selection, selection.ratio_of("eta_period_1")):
         return None
@@ -87,7 +95,7 @@ def gain_figure(selection, folder):
                   + invalid_caption(selection, "gain", selection.ratio_of("eta_period_1")), title, charts)
 
 
-def strength_figure(selection, folder):
+def strength_figure(selection: Selection, folder: Path) -> Figure | None:
     """rms over the focal disc relative to the reference; None without a reference."""
     if not selection.x or not layout.all_references(selection) or not curves_module.has_any(selection, "focal_rms_um"):
         return None
@@ -104,7 +112,7 @@ DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
                 ("peak_um", "peak (µm)", "largest displacement")]
 
 
-def displacement_figure(selection, folder):
+def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
     """The rms over the focal disc and the peak in micrometres."""
     rows = [row for row in DISPLACEMENT if curves_module.has_any(selection, row[0])]
     if not selection.x or not rows:
@@ -130,11 +138,10 @@ def displacement_figure(selection, folder):
     return Figure("displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])
 
 
-def impulse_caption(selection, name):
+def impulse_caption(selection: Selection, name: str) -> str:
     """States the impulse relative to the reference, since half the mean force halves the displacement."""
-    shares = [c.value("impulse_mN_ms", math.nan) / selection.reference_of(c).value("impulse_mN_ms", math.nan)
-              for c in layout.ordinary(selection)
-              if selection.reference_of(c) and selection.reference_of(c).value("impulse_mN_ms", math.nan)]
+    shares = [c.value("impulse_mN_ms", math.nan) / whole for c in layout.ordinary(selection)
+              if (r := selection.reference_of(c)) and (whole := r.value("impulse_mN_ms", math.nan))]
     shares = [s for s in shares if not math.isnan(s)]
     if not shares or (min(shares) > 0.99 and max(shares) < 1.01):
         return ""
@@ -143,7 +150,7 @@ def impulse_caption(selection, name):
     return f" The impulse on the skin (mean force times time) is {amount} times that of {name}."
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     if len(layout.groups(selection)) > style.CURVES:
         return []  # drawn as small multiples and heat maps instead
     made = [curves_module.measure_figure(selection, folder, m) for m in MEASURES[:1]]

@@ -1,15 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Vertical slices of the medium: its layers, bodies, map or study, with the path of the focus or the sources."""
+from __future__ import annotations
+
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
+from ..case import Case
 from . import hover, layout, medium_files, style, to_scale
 from .figure import Figure
+from .load import Selection
 from .words import OTHERS, number
 
 CASES = 4
@@ -21,7 +29,7 @@ CLOSE = 0.08         # least distance between ticks of the colour bar, relative 
 UNLIKE = 4.0         # largest ratio of shear-wave speeds on a linear colour scale
 
 
-def axes_of(body):
+def axes_of(body: Any) -> Any:
     """The rows are the unit vectors of the body's own axes; the first one is the axis of a cylinder."""
     if body.get("axis") == "vertical":
         return np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -33,11 +41,11 @@ def axes_of(body):
                      math.cos(roll) * down - math.sin(roll) * across])
 
 
-def has_ends(body):
+def has_ends(body: Any) -> bool:
     return 0.0 < body.get("length_m", 0.0) < math.inf
 
 
-def is_inside(body, x, y, z):
+def is_inside(body: Any, x: Any, y: Any, z: Any) -> bool:
     """Whether points in m are within the body; its smooth edge counts up to its middle."""
     cx, cy, cz = body["centre_m"]
     u, v, w = (a * (x - cx) + b * (y - cy) + c * (z - cz) for a, b, c in axes_of(body))
@@ -51,12 +59,12 @@ def is_inside(body, x, y, z):
     return (v**2 + w**2 <= body["radius_m"]**2) & within
 
 
-def is_grey(body):
+def is_grey(body: Any) -> bool:
     """Whether a body is rigid and has no shear-wave speed."""
     return body.get("rigid", False) and "c_s_m_s" not in body
 
 
-def speed(medium, x, y, z):
+def speed(medium: dict[str, Any], x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The shear-wave speed in m/s at points in m; nan within a rigid body that has none. A later body covers an earlier
     one."""
     c_s, top = np.full(np.broadcast(x, y, z).shape, math.nan), 0.0
@@ -72,7 +80,7 @@ def speed(medium, x, y, z):
     return c_s
 
 
-def depth_mm(medium):
+def depth_mm(medium: dict[str, Any]) -> float:
     """The depth that is drawn: down to the base, or below the deepest interface of a half-space."""
     total = 1e3 * sum(layer.get("thickness_m", 0.0) for layer in medium["layer"])
     if medium.get("base") != "half-space":
@@ -91,7 +99,8 @@ class Slice:
     sensors: np.ndarray  # (n, 2), in mm: horizontal, depth
 
 
-def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0, 3))):
+def slices(x_mm: Any, y_mm: Any, below_mm: float, centre_mm: np.ndarray, speed_at: Callable[..., Any],
+           marks: np.ndarray, sensors: np.ndarray = np.empty((0, 3))) -> list[Slice]:
     """The planes y = centre and x = centre. x_mm and y_mm are the ends of the axes."""
     z = np.linspace(0.0, below_mm, POINTS)[:, None]
     made = []
@@ -104,18 +113,18 @@ def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0
     return made
 
 
-def scene(selection, case):
+def scene(selection: Selection, case: Case) -> list[Slice] | None:
     """The slices of a case with layers, bodies or a map, through the first body or the centre; None without the file of
     the map."""
     medium, domain = case.parameters["medium"], case.parameters["domain"]
-    grid = None
+    grid: medium_files.Grid | None = None
     if "map" in medium:
-        path = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "medium.map")
-        grid = path and medium_files.read_map(path)
+        file = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "medium.map")
+        grid = medium_files.read_map(file) if file else None
         if grid is None:
             return None
 
-    def speed_at(x, y, z):
+    def speed_at(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         c_s = speed(medium, x, y, z)
         if grid is not None:
             mapped = grid.speed(x, y, z)
@@ -128,10 +137,10 @@ def scene(selection, case):
     path = wake.focus_at(case, case.over_time["time"][-1])[2]
     if grid is None:
         ends = [shown(axis, *ends[axis], path, bodies, depth_mm(medium)) for axis in (0, 1)]
-    return slices(*ends, depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))
+    return slices(ends[0], ends[1], depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))
 
 
-def reach_mm(body, axis):
+def reach_mm(body: Any, axis: Any) -> Any:
     """How far a body extends from its centre along x (axis 0) or y; 0 if it crosses the whole domain."""
     parts = axes_of(body)[:, axis]
     if "semi_axes_m" in body:
@@ -142,7 +151,7 @@ def reach_mm(body, axis):
     return 1e3 * (abs(parts[0]) * half + math.hypot(*parts[1:]) * body["radius_m"])
 
 
-def shown(axis, low, high, path, bodies, depth):
+def shown(axis: int, low: float, high: float, path: np.ndarray, bodies: list[Any], depth: float) -> tuple[float, float]:
     """The part of the domain along an axis with the path and the bodies, and a margin of the depth around them, since the
     layers are uniform beyond."""
     ends = [*path[:, axis]]
@@ -151,7 +160,7 @@ def shown(axis, low, high, path, bodies, depth):
     return max(low, min(ends) - depth), min(high, max(ends) + depth)
 
 
-def study(selection, case):
+def study(selection: Selection, case: Case) -> list[Slice] | None:
     """The slices of a k-Wave study through the middle of its sources; None without its file."""
     path = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "solver.pstd.study")
     found = path and medium_files.read_study(path, case)
@@ -160,24 +169,24 @@ def study(selection, case):
     grid = found.grid
     sources = found.sources_mm if len(found.sources_mm) else np.zeros((1, 3))
     ends = [(1e3 * axis[0], 1e3 * axis[-1]) for axis in (grid.x_m, grid.y_m)]
-    return slices(*ends, 1e3 * grid.z_m[-1], np.median(sources[:, :2], axis=0), grid.speed, found.sources_mm,
+    return slices(ends[0], ends[1], 1e3 * grid.z_m[-1], np.median(sources[:, :2], axis=0), grid.speed, found.sources_mm,
                   found.sensors_mm)
 
 
-def is_study(case):
+def is_study(case: Case) -> bool:
     """Whether the grid, the medium and the sources are those of an imported k-Wave study; [medium] and [load] of such a
     job do not affect the solution."""
     return bool(case.setting("solver", "study", default=""))
 
 
-def slices_of(selection, case):
+def slices_of(selection: Selection, case: Case) -> list[Slice] | None:
     if is_study(case):
         return study(selection, case)
     has_layers = case.setting("medium", "layer", default=[]) and "nx" in case.setting("domain", default={})
     return scene(selection, case) if has_layers else None
 
 
-def draw(axes, plane, norm):
+def draw(axes: Axes, plane: Slice, norm: Any) -> Any:
     image = axes.imshow(plane.c_s, extent=plane.extent, aspect="equal", norm=norm, interpolation="nearest",
                         cmap=style.sequential_map().with_extremes(bad=RIGID))
     is_point = np.ptp(plane.marks, axis=0).max(initial=0.0) == 0.0
@@ -194,7 +203,7 @@ def draw(axes, plane, norm):
     return image
 
 
-def mark_speeds(bar, values, norm):
+def mark_speeds(bar: Any, values: np.ndarray, norm: Any) -> None:
     """Ticks of the colour bar at the speeds of the media; of close speeds only the first."""
     marked = [values[0]]
     for value in values[1:]:
@@ -204,7 +213,7 @@ def mark_speeds(bar, values, norm):
     bar.ax.minorticks_off()
 
 
-def draw_scale(figure, image, axes, values, where="everywhere"):
+def draw_scale(figure: Any, image: Any, axes: Axes, values: np.ndarray, where: str = "everywhere") -> None:
     """A colour bar for these speeds, or a text if there is only one."""
     if len(values) == 1:
         axes.set_axis_off()
@@ -217,16 +226,16 @@ def draw_scale(figure, image, axes, values, where="everywhere"):
         mark_speeds(bar, values, image.norm)
 
 
-def different(selection):
+def different(selection: Selection) -> list[Case]:
     """The first case of each medium."""
-    found = {}
+    found: dict[str, Case] = {}
     for case in layout.ordinary(selection):
         key = json.dumps([case.setting("medium", default={}), case.setting("solver", "study", default="")], default=str)
         found.setdefault(key, case)
     return list(found.values())
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     every = different(selection)
     pairs = [(c, found) for c in layout.evenly(every, CASES) if (found := slices_of(selection, c))]
     if not pairs:
@@ -246,7 +255,7 @@ def figures(selection, folder):
                    "Shear-wave speed over position and depth", maps=hover.maps_of(figure), cases=[c.id for c, _ in pairs])]
 
 
-def caption(cases, every):
+def caption(cases: list[Case], every: int) -> str:
     studies = any(map(is_study, cases))
     text = ("Vertical slices of the medium through "
             + ("the middle of the sources" if studies else

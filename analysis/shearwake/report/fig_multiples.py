@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Curves in small multiples, for sweeps of too many keys for one panel."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
 
+from ..case import Case
 from . import fig_curves, layout, style, validity, warnings_of
 from .figure import Figure
+from .load import Selection
 from .words import listed, some_of
 
 PANELS = 9
@@ -14,7 +21,7 @@ MEASURES = [("eta_period_1", "Reconstruction efficiency", "efficiency η (1)"),
             ("focal_rms_um", "Strength at the focus", "focal rms (µm)")]
 
 
-def split(selection):
+def split(selection: Selection) -> tuple[str, list[str]] | None:
     """The key of the colours and the keys of the panels; None if there are too few keys. Of three keys, the one
     with the fewest values forms the rows and the one with the most the columns."""
     others = [k for k in layout.axes(selection) if k != selection.x]
@@ -26,7 +33,7 @@ def split(selection):
     return ordered[0], [k for k in others if k != ordered[0]]
 
 
-def chosen(selection, every, others):
+def chosen(selection: Selection, every: Any, others: Any) -> Any:
     """The panels to draw: for two keys complete rows with some of the columns, else some panels, spread
     evenly."""
     rows = layout.values_of(selection, others[0])
@@ -37,9 +44,9 @@ def chosen(selection, every, others):
     return [(p, found[p]) for p in ((r, s) for r in rows for s in some) if p in found]
 
 
-def curves(selection, colour, others):
+def curves(selection: Selection, colour: Any, others: Any) -> Any:
     """(values of the keys of the panel) -> value of the key of the colour -> cases in the order of x."""
-    found = {}
+    found: dict[Any, dict[Any, list[Case]]] = {}
     for case in layout.ordinary(selection):
         panel = tuple(case.settings.get(k, "") for k in others)
         found.setdefault(panel, {}).setdefault(case.settings.get(colour, ""), []).append(case)
@@ -52,7 +59,7 @@ def curves(selection, colour, others):
     return every
 
 
-def draw_references(axes, selection, cases, column, name):
+def draw_references(axes: Axes, selection: Selection, cases: list[Case], column: str, name: str) -> None:
     """Draws the valid references of the cases of a line in grey behind it."""
     pairs = [(layout.x_position(selection, c), r.value(column, math.nan)) for c in cases
              if (r := selection.reference_of(c)) and warnings_of.is_valid(r, name)]
@@ -60,7 +67,7 @@ def draw_references(axes, selection, cases, column, name):
         axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
 
 
-def curve_figure(selection, folder, measure, plan):
+def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) -> Any:
     column, title, label = measure
     name, (colour, others) = "multiples_" + column, plan
     every = curves(selection, colour, others)
@@ -113,7 +120,7 @@ def curve_figure(selection, folder, measure, plan):
     return Figure(name, head, text + validity.invalid_caption(selection, name, column), head + ", one line per value")
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Any]:
     plan = split(selection)
     if plan is None or len(layout.groups(selection)) <= style.CURVES:
         return []

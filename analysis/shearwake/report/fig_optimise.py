@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of `shearwake optimise`: efficiency against strength with its upper bound, envelopes, the energy at the focus and
 in the wake over time, and surfaces."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
+from ..case import Case
 from . import fig_surface, style
 from .figure import Figure
+from .load import Selection
 from .optima import by_case, compared, is_study, middle, optima, title_of
 from .words import number
 
@@ -15,7 +23,7 @@ NAMES = {"eta_period_1": "efficiency η (1)"}
 COLOURS = {"unmodulated": style.GREY, **dict(zip((name for name, _ in KINDS), style.PALETTE))}
 
 
-def panels(count, height, **more):
+def panels(count: int, height: float, **more: Any) -> tuple[Any, list[Axes]]:
     """One panel per case in up to two columns, and the figure."""
     columns = min(2, count)
     rows = -(-count // columns)
@@ -26,7 +34,7 @@ def panels(count, height, **more):
     return figure, list(made.flat[:count])
 
 
-def draw_front(selection, axes, rows):
+def draw_front(selection: Selection, axes: Axes, rows: list[dict[str, Any]]) -> None:
     axes.plot([r["strength_at_least_1"] for r in rows], [r["eta_ceiling_1"] for r in rows], color=style.INK,
               linestyle="--", label="upper bound")
     for label, name in KINDS:
@@ -39,7 +47,7 @@ def draw_front(selection, axes, rows):
     axes.set_title(title_of(selection, rows[0]), loc="left", color="#555555")
 
 
-def finish(figure, made, x, y):
+def finish(figure: Any, made: list[Axes], x: str, y: str) -> None:
     for axes in made[-2:]:
         axes.set_xlabel(x)
         axes.xaxis.set_tick_params(labelbottom=True)
@@ -49,7 +57,7 @@ def finish(figure, made, x, y):
     style.legend_strip(figure, list(handles.values()))
 
 
-def front(selection, folder, table):
+def front(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> Figure:
     figure, made = panels(len(table), 2.2)
     for axes, rows in zip(made, table.values()):
         draw_front(selection, axes, rows)
@@ -65,7 +73,7 @@ def front(selection, folder, table):
                   f"{optima(selection).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
 
 
-def envelope(selection, case, strength):
+def envelope(selection: Selection, case: str, strength: float) -> tuple[np.ndarray, list[float]]:
     """Times in ms and values of an optimum, to the end of a period."""
     optimum = optima(selection).optimum(case, strength)
     knots = optima(selection).forms(optimum["forms"])["knots"]
@@ -73,7 +81,7 @@ def envelope(selection, case, strength):
     return 1e3 * knots["interval_s"] * np.arange(len(values)), values
 
 
-def envelopes(selection, folder, table):
+def envelopes(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> Figure:
     figure, made = panels(len(table), 1.8)
     for axes, (case, rows) in zip(made, table.items()):
         for colour, row in zip(style.distinct(len(rows)), rows):
@@ -87,14 +95,14 @@ def envelopes(selection, folder, table):
                   "its knots.", "Envelopes of the optima over time", cases=[])
 
 
-def draw_energy(made, case, name, unit):
+def draw_energy(made: np.ndarray, case: Case, name: str, unit: float) -> None:
     t, inside, total = (case.over_time[key] for key in ("time", "focal_sum_u2", "sum_u2"))
     outside = (total - inside) / unit
     for axes, values in zip(made, (inside / unit, outside, np.gradient(outside, 1e3 * t))):
         axes.plot(1e3 * t, values, color=COLOURS[name], label=name)
 
 
-def energy(selection, folder, table):
+def energy(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
     """Energy at the focus and in the wake over time, for the first optimised case."""
     rows = next(iter(table.values()))
     shown = {name: c for name, c in compared(selection, rows, middle(rows)).items() if "focal_sum_u2" in c.over_time}
@@ -124,10 +132,9 @@ def energy(selection, folder, table):
                    cases=[c.id for c in shown.values()])]
 
 
-def surfaces(selection, folder, rows, place):
+def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], place: int) -> list[Figure]:
     """The surfaces of one strength of an optimised case side by side."""
-    shots = [(name, c, fig_surface.snapshot(c)) for name, c in compared(selection, rows, middle(rows)).items()]
-    shots = [(name, c, shot) for name, c, shot in shots if shot is not None]
+    shots = [(name, c, shot) for name, c in compared(selection, rows, middle(rows)).items() if (shot := fig_surface.snapshot(c))]
     if not shots:
         return []
     end = fig_surface.scale([shot for _, _, shot in shots])
@@ -154,7 +161,7 @@ def surfaces(selection, folder, rows, place):
                    "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     if not is_study(selection):
         return []
     table = dict(list(by_case(selection).items())[:CASES])

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Profiles of the displacement through the focus, along and across its path."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from .. import wake
+from ..case import Case
 from . import fig_surface, fig_time, layout, load, style, warnings_of
 from .chart import Chart, Line
 from .figure import Figure
 from .words import number
 
 
-def sample(shot, x_mm, y_mm):
+def sample(shot: fig_surface.Snapshot, x_mm: np.ndarray, y_mm: np.ndarray) -> np.ndarray:
     """u in um at points, bilinear between the points of the grid; NaN outside."""
     i = (np.asarray(x_mm) - shot.x_mm[0]) / (shot.x_mm[1] - shot.x_mm[0])
     j = (np.asarray(y_mm) - shot.y_mm[0]) / (shot.y_mm[1] - shot.y_mm[0])
@@ -26,18 +31,18 @@ def sample(shot, x_mm, y_mm):
     return np.where(inside, u, math.nan)
 
 
-def last_shot(case):
+def last_shot(case: Case) -> fig_surface.Snapshot | None:
     """The last snapshot while the load acts; the last one if there is none."""
     times = load.surface_times(case)
     if not len(times):
         return None
     acting = [n for n, t in enumerate(times) if not wake.is_over(case, t)]
-    t, x, y, u = load.surface(case, acting[-1] if acting else -1)
+    t, x, y, u = case.snapshot(acting[-1] if acting else -1)
     shot = fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
     return shot if np.isfinite(u).any() and min(u.shape) > 1 else None
 
 
-def profile(shot, along):
+def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.ndarray]:
     """Distances from the focus in mm and u in um on a line through the focus. A focus at rest has no direction of
     motion: its lines are parallel to x and y."""
     focus, direction, _ = wake.focus_at(shot.case, shot.t_s)
@@ -51,7 +56,8 @@ def profile(shot, along):
     return distance[np.isfinite(u)], u[np.isfinite(u)]
 
 
-def draw(shots, colours, labels, titles, path):
+def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str],
+         path: Path) -> list[Chart]:
     figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.WIDTH_in, 4.8))
     charts = []
     for axes, along, title in zip(made, (True, False), titles):
@@ -73,7 +79,7 @@ def draw(shots, colours, labels, titles, path):
     return charts
 
 
-def figures(selection, folder):
+def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     some = layout.lines_of_one_panel(selection)
     cases = layout.with_references(some)
     shots = [shot for case in cases if (shot := last_shot(case))]

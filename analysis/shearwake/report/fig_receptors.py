@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A map of the receptors on the hand with the pins and the path of the focus."""
+from __future__ import annotations
+
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
 from . import fig_hand, layout, style
 from .figure import Figure
+from .load import Selection
 from .words import OTHERS, counted
 
 MARGIN_mm = 15.0  # around the receptors, pins and the path
 
 
-def to_hand(afferents, points_mm):
+def to_hand(afferents: fig_hand.Afferents, points_mm: np.ndarray) -> np.ndarray:
     """Points of the skin patch in coordinates of the hand. The patch is a rotated and shifted part of the hand; its
     receptors, of which both places are known, determine how."""
     patch = afferents.patch @ np.array([1.0, 1.0j])
@@ -23,7 +29,7 @@ def to_hand(afferents, points_mm):
     return np.column_stack([placed.real, placed.imag])
 
 
-def frame(axes, afferents, path):
+def frame(axes: Axes, afferents: fig_hand.Afferents, path: np.ndarray) -> None:
     """Shows the part of the hand with all receptors, pins and the path."""
     points = np.concatenate([np.column_stack([afferents.x, afferents.y]), afferents.pins, path])
     low, high = points.min(axis=0) - MARGIN_mm, points.max(axis=0) + MARGIN_mm
@@ -34,7 +40,7 @@ def frame(axes, afferents, path):
     axes.set_yticks([])
 
 
-def scale_bar(axes):
+def scale_bar(axes: Axes) -> None:
     """A bar of 1, 2, 5, 10, 20 or 50 mm, at most 0.3 of the width, in the lower left corner."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     length = max(mm for mm in (1, 2, 5, 10, 20, 50) if mm <= 0.3 * (right - left))
@@ -43,7 +49,7 @@ def scale_bar(axes):
     axes.text(x + length / 2, y + 0.015 * (high - low), f"{length} mm", ha="center", va="bottom", fontsize=9, zorder=6)
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     cases = [c for c in layout.ordinary(selection) if "afferents" in c.parameters]
     if not cases:
         return []

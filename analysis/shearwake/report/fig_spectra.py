@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
+from __future__ import annotations
+
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
+from ..case import Case
 from . import fig_frequency, fig_time, layout, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
-from .load import amplitude_spectrum, traces
+from .load import Selection, amplitude_spectrum, traces
 from .words import listed, millimetres, number, split_unit
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
@@ -20,30 +27,30 @@ UNLIKE = 3.0  # largest ratio of the largest amplitudes of panels with a common 
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
 
 
-def own_frequency_Hz(selection, case):
+def own_frequency_Hz(selection: Selection, case: Case) -> float:
     """The modulation frequency of the case if x is a modulation frequency, else NaN."""
     name, unit = split_unit(selection.x or "")
     factor = {"Hz": 1.0, "kHz": 1e3}.get(unit)
-    value = case.settings.get(selection.x)
+    value: Any = case.settings.get(selection.x)
     if name not in MODULATIONS or factor is None or not layout.is_number(value):
         return math.nan
     return factor * value
 
 
-def spectrum(case):
+def spectrum(case: Case) -> tuple[np.ndarray, np.ndarray]:
     """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
     found = traces(case)
     shown = found.frequency_Hz > 0
     return found.frequency_Hz[shown], found.amplitude_m[found.nearest, shown]
 
 
-def unit_of(cases):
+def unit_of(cases: list[Case]) -> tuple[str, float]:
     """Unit and factor of the amplitudes: nm below 1 um, else um."""
     largest = max(np.nanmax(spectrum(c)[1], initial=0.0) for c in cases)
     return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
 
 
-def velocity_spectrum(case):
+def velocity_spectrum(case: Case) -> Any:
     """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s. The skin is at rest at t = 0 or, in the
     periodic regime, moves as at the end of the period."""
     nearest = traces(case).u_z_m[traces(case).nearest]
@@ -56,13 +63,13 @@ def velocity_spectrum(case):
     return frequency[1:], 1e3 * amplitude[1:]
 
 
-def of_one_period(cases):
+def of_one_period(cases: list[Case]) -> bool:
     """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
     ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
     return all(layout.repeats(c) for c in cases) and len(ends) == 1
 
 
-def draw_spectrum(axes, case, frequency, values, coincide, **look):
+def draw_spectrum(axes: Axes, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool, **look: Any) -> None:
     """A curve. In the periodic regime a dot per line of the spectrum, with a bar per visible line; if the lines of all
     cases coincide, bars would hide each other, and thin lines join the dots."""
     if coincide:
@@ -79,7 +86,8 @@ def draw_spectrum(axes, case, frequency, values, coincide, **look):
     axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
 
 
-def draw_case(axes, selection, case, frequency, values, coincide, colour, **look):
+def draw_case(axes: Axes, selection: Selection, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool,
+              colour: str | tuple[float, float, float, float], **look: Any) -> None:
     draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
     own = own_frequency_Hz(selection, case)
     if own <= SHOWN_Hz:
@@ -87,7 +95,7 @@ def draw_case(axes, selection, case, frequency, values, coincide, colour, **look
                   transform=axes.get_xaxis_transform())
 
 
-def plain_of(selection, case):
+def plain_of(selection: Selection, case: Case) -> Case | None:
     """The case with which a case is compared: its reference, or STM in a sweep over the modulation. A
     reference and STM are compared with themselves. None if there is no such case."""
     if reference := selection.reference_of(case):
@@ -99,22 +107,22 @@ def plain_of(selection, case):
                  and all(c.settings.get(k) == v for k, v in same.items())), None)
 
 
-def kind_of(case):
+def kind_of(case: Case) -> str:
     return case.setting("load", "modulation", "kind", default="")
 
 
-def largest(case):
+def largest(case: Case | None) -> float:
     return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and traces(case) else 0.0
 
 
-def rows_of(selection):
+def rows_of(selection: Selection) -> list[Any]:
     """The panels that contain a spectrum: (title, cases, reference or None)."""
     rows = [(title, [c for c in drawn if traces(c)], reference)
             for title, drawn, reference in layout.rows(selection)]
     return [row for row in rows if row[1]]
 
 
-def highest(curves, own_Hz, end_Hz):
+def highest(curves: list[tuple[np.ndarray, np.ndarray]], own_Hz: list[float], end_Hz: float) -> float:
     """The end of the frequency axis: a half or a quarter of the range if all curves and the modulation
     frequencies of the cases fit, else the range."""
     above = max((f for f in own_Hz if f <= end_Hz), default=0.0)
@@ -124,7 +132,8 @@ def highest(curves, own_Hz, end_Hz):
     return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
 
 
-def draw_rows(selection, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
+def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Callable[..., Any], path: Path, end_Hz: float = SHOWN_Hz,
+              peaks: bool = False) -> tuple[bool, list[Chart]]:
     """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
     value. Returns whether the panels share their scale, and the charts of the panels."""
     cases = [c for _, drawn, _ in rows for c in drawn]
@@ -144,7 +153,8 @@ def draw_rows(selection, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=Fal
         for low, high in bands(drawn):
             axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
         if reference and traces(reference):
-            draw_spectrum(axes, reference, *curve_of(reference), coincide, color="black", linewidth=1.4,
+            frequency, values = curve_of(reference)
+            draw_spectrum(axes, reference, frequency, values, coincide, color="black", linewidth=1.4,
                           linestyle=fig_time.DASHED)
         for case in drawn:
             frequency, values = curve_of(case)
@@ -167,7 +177,8 @@ def draw_rows(selection, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=Fal
     return alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
 
 
-def row_marks(selection, drawn, colours, curve_of, end_Hz, peaks):
+def row_marks(selection: Selection, drawn: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
+              peaks: bool) -> list[Mark]:
     """The band of the table, the modulation frequencies of the cases, and the largest values."""
     marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
     for case in drawn:
@@ -181,7 +192,8 @@ def row_marks(selection, drawn, colours, curve_of, end_Hz, peaks):
     return marks
 
 
-def row_chart(selection, row, colours, label, curve_of, y_limits, marks, end_Hz):
+def row_chart(selection: Selection, row: tuple[Any, ...], colours: dict[str, Any], label: str, curve_of: Callable[..., Any],
+              y_limits: tuple[float, float] | None, marks: list[Mark], end_Hz: float) -> Chart:
     """The interactive version of one panel."""
     title, drawn, reference = row
     lines = []
@@ -195,23 +207,24 @@ def row_chart(selection, row, colours, label, curve_of, y_limits, marks, end_Hz)
                  y_limits=y_limits, marks=marks)
 
 
-def bands(cases):
+def bands(cases: list[Case]) -> list[Any]:
     """The band of `measure.bands_Hz` in Hz if all cases have the same single band, else none."""
     edges = {tuple(c.setting("measure", "bands_Hz", default=())) for c in cases}
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
-def relative_figure(selection, folder, rows):
+def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
     """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
     of the references do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
     plain = {c.id: plain_of(selection, c) for c in drawn}
-    if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
-            or not all(wake.is_passed(c, *traces(c).nearest_m) for c in plain.values())):
+    references = [c for c in plain.values() if c and largest(c)]
+    if (len(references) < len(plain) or all(plain[c.id] is c for c in drawn)
+            or not all(wake.is_passed(c, *traces(c).nearest_m) for c in references)):
         return None
-    name = layout.reference_name(list(plain.values()))
+    name = layout.reference_name(references)
 
-    def relative(case):
+    def relative(case: Case) -> tuple[np.ndarray, np.ndarray]:
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
@@ -223,7 +236,7 @@ def relative_figure(selection, folder, rows):
                   f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
 
 
-def velocity_figure(selection, folder, rows):
+def velocity_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
     """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
     if [of for _, of in fig_frequency.peaks(selection)] != ["du/dt"]:
         return None
@@ -239,11 +252,11 @@ def velocity_figure(selection, folder, rows):
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
 
-def own_scale(alike):
+def own_scale(alike: bool) -> str:
     return "" if alike else " Each panel has its own scale."
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     selection = layout.fewer_lines(selection)
     cases = [c for c in layout.ordinary(selection) if traces(c)]
     rows = rows_of(selection)
@@ -251,7 +264,7 @@ def figures(selection, folder):
         return []
     unit, factor = unit_of(cases + [r for r in layout.all_references(selection) if traces(r)])
 
-    def shown(case):
+    def shown(case: Case) -> tuple[np.ndarray, np.ndarray]:
         frequency, amplitude = spectrum(case)
         return frequency, factor * amplitude
 
@@ -260,16 +273,16 @@ def figures(selection, folder):
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
             velocity_figure(selection, folder, rows), relative_figure(selection, folder, rows)]
-    shown = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
-    return [replace(f, cases=shown) for f in made if f]
+    ids = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
+    return [replace(f, cases=ids) for f in made if f]
 
 
-def spectra_title(cases):
+def spectra_title(cases: list[Case]) -> str:
     at_centre = all(math.hypot(*traces(c).nearest_m) < 1e-9 for c in cases)
     return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
 
 
-def caption(selection, cases):
+def caption(selection: Selection, cases: list[Case]) -> str:
     places = sorted({tuple(millimetres(1e3 * v) for v in traces(c).nearest_m) for c in cases})
     duration = {round(c.over_time["time"][-1], 9) for c in cases}
     where = listed(f"({x}, {y}) mm" for x, y in places)

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Spectrograms of u at the trace points: its frequencies over time."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..case import Case
 from . import hover, layout, references, style, warnings_of
 from .figure import Figure
-from .load import traces
+from .load import Selection, traces
 from .words import millimetres, number
 
 SHOWN_Hz = 1000.0
@@ -17,7 +22,8 @@ WINDOWS = 3.0  # length of the run over that of a window: balances resolution in
 LEAST = 32  # smallest number of samples for a spectrogram
 
 
-def spectrogram(u, interval_s, window, repeats=False):
+def spectrogram(u: np.ndarray, interval_s: float, window: int, repeats: bool = False) -> tuple[np.ndarray, np.ndarray,
+                np.ndarray]:
     """Times in s, frequencies in Hz, and amplitude of u (frequency, time), computed with Hann windows after
     subtraction of their means. Windows may start before the load, since the skin is at rest then, but end
     within the run. If u repeats, the previous and the next period surround it."""
@@ -33,24 +39,24 @@ def spectrogram(u, interval_s, window, repeats=False):
     return times, np.fft.rfftfreq(padded, interval_s), amplitude
 
 
-def chosen(selection):
+def chosen(selection: Selection) -> list[Case]:
     """The reference, then cases from the first to the last curve."""
     return [c for c in references.first_and_last(selection, CASES) if traces(c) and len(c.over_time["time"]) >= LEAST]
 
 
-def points(case):
+def points(case: Case) -> list[tuple[tuple[float, float], np.ndarray]]:
     """The trace points nearest to the centre, nearest first."""
     return sorted(zip(traces(case).points_m, traces(case).u_z_m), key=lambda trace: math.hypot(*trace[0]))[:POINTS]
 
 
-def compute(case):
+def compute(case: Case) -> list[Any]:
     time = case.over_time["time"]
     interval_s = float(time[1] - time[0])
     window = max(8, round(len(time) / WINDOWS))
     return [(at, *spectrogram(u, interval_s, window, layout.repeats(case))) for at, u in points(case)]
 
 
-def window_words(cases):
+def window_words(cases: list[Case]) -> str:
     times = [c.over_time["time"] for c in cases]
     lengths_s = sorted(max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0]) for time in times)
     if lengths_s[-1] > 1.01 * lengths_s[0]:
@@ -61,13 +67,13 @@ def window_words(cases):
             f"{number(2.0 / lengths_s[0], 2)} Hz apart")
 
 
-def extent(x, y):
+def extent(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float, float]:
     """The edges of a picture of equidistant values."""
     half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
     return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     cases = chosen(selection)
     if not cases:
         return []
@@ -92,7 +98,8 @@ def figures(selection, folder):
         image = axes.imshow(level, extent=extent(1e3 * times, frequency), origin="lower", aspect="auto", vmin=LOWEST_dB,
                             vmax=0.0, cmap=style.sequential_map(), interpolation="bilinear")
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
-        hover.attach(axes, level, *np.reshape(extent(1e3 * times, frequency), (2, 2)), "amplitude", "t (ms)", "f (Hz)", "dB")
+        left, right, low, high = extent(1e3 * times, frequency)
+        hover.attach(axes, level, (left, right), (low, high), "amplitude", "t (ms)", "f (Hz)", "dB")
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({millimetres(1e3 * at[0])}, {millimetres(1e3 * at[1])}) mm")

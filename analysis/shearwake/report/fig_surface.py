@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Snapshots of the surface: one column per curve, the reference above, x increasing downwards."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
 from ..case import Case
@@ -27,7 +32,7 @@ class Snapshot:
     u_um: np.ndarray  # (x, y)
 
 
-def snapshot(case):
+def snapshot(case: Case) -> Snapshot | None:
     found = load.surface(case)
     if found is None or not np.any(np.isfinite(found[3])):
         return None
@@ -35,14 +40,14 @@ def snapshot(case):
     return Snapshot(case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
 
 
-def some_rows(cases, columns):
+def some_rows(cases: list[Case], columns: int) -> list[Case]:
     """The cases of one curve: all if there are few, else some, spread evenly."""
     most = {1: 5, 2: 4}.get(columns, 3)
     return list(cases) if len(cases) <= (ALL_ROWS if columns < 3 else 4) else layout.evenly(cases,
                                                                                          most)
 
 
-def cells(selection):
+def cells(selection: load.Selection) -> tuple[Any, ...]:
     """The cases of the panels row by row (None: empty panel) and the number of columns. A single curve with one
     reference fills two columns; other curves have one column each, and references that depend on x another."""
     groups = layout.groups(selection)
@@ -58,12 +63,12 @@ def cells(selection):
     return [column[row] for row in range(rows) for column in columns], len(columns)
 
 
-def scale(shots):
+def scale(shots: list[Snapshot]) -> float:
     """End of the colour scale, see wake.scale_end()."""
     return wake.scale_end([(s.case, s.t_s, s.x_mm, s.y_mm, s.u_um) for s in shots])
 
 
-def window(shots, end):
+def window(shots: list[Snapshot], end: float) -> tuple[float, float, float, float]:
     """The rectangle, common to all snapshots, that contains all visible displacement and the path."""
     low, high = np.full(2, math.inf), np.full(2, -math.inf)
     for s in shots:
@@ -79,12 +84,12 @@ def window(shots, end):
             max(low[1], *(s.y_mm[0] for s in shots)), min(high[1], *(s.y_mm[-1] for s in shots)))
 
 
-def extent(shot):
+def extent(shot: Snapshot) -> tuple[float, float, float, float]:
     dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
     return shot.x_mm[0] - dx, shot.x_mm[-1] + dx, shot.y_mm[0] - dy, shot.y_mm[-1] + dy
 
 
-def frame(axes, limits):
+def frame(axes: Axes, limits: tuple[float, float, float, float]) -> None:
     axes.set_xlim(*limits[:2])
     axes.set_ylim(*limits[2:])
     axes.set_aspect("equal")
@@ -93,7 +98,7 @@ def frame(axes, limits):
         spine.set_visible(True)
 
 
-def draw(axes, shot, norm, limits):
+def draw(axes: Axes, shot: Snapshot, norm: Any, limits: tuple[float, float, float, float]) -> tuple[Any, bool]:
     image = axes.imshow(shot.u_um.T, origin="lower", cmap=style.DIVERGING, norm=norm,
                         extent=extent(shot), interpolation="bicubic", interpolation_stage="data")
     lines = wake.draw_theory(axes, shot.case, shot.t_s)
@@ -106,7 +111,8 @@ def draw(axes, shot, norm, limits):
     return image, lines
 
 
-def attach_values(axes, x, y, u, limits, what="u", unit="µm"):
+def attach_values(axes: Axes, x: np.ndarray, y: np.ndarray, u: np.ndarray, limits: tuple[float, float, float, float],
+                  what: str = "u", unit: str = "µm") -> None:
     """Adds the values u(x, y) within the limits to a map of the surface."""
     i, j = (np.flatnonzero((at >= low) & (at <= high)) for at, low, high in ((x, *limits[:2]), (y, *limits[2:])))
     half_x, half_y = np.diff(x[:2])[0] / 2, np.diff(y[:2])[0] / 2
@@ -114,12 +120,12 @@ def attach_values(axes, x, y, u, limits, what="u", unit="µm"):
                  "x (mm)", "y (mm)", unit)
 
 
-def note(axes, text, colour):
+def note(axes: Axes, text: str, colour: str) -> Any:
     """Writes a short text in the lower right corner of a map."""
     return axes.text(0.97, 0.04, text, transform=axes.transAxes, fontsize=8, color=colour, ha="right")
 
 
-def colour_scale(curves):
+def colour_scale(curves: list[list[Snapshot]]) -> tuple[float, Any]:
     """End and norm of the common colour scale. The norm is the root of u if the wakes of the curves, given as
     lists of snapshots, differ strongly, for example because of the size of the focus."""
     ends = [scale(shots) for shots in curves if shots]
@@ -130,16 +136,17 @@ def colour_scale(curves):
     return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
 
 
-def root_ticks(end, norm):
+def root_ticks(end: Any, norm: Any) -> Any:
     """Ticks of a colour bar that follows the root of u: those of a linear axis whose labels do not touch."""
-    kept = []
+    kept: list[float] = []
     for value in plt.MaxNLocator(4).tick_values(0.0, end)[::-1]:
         if 0.0 < value <= end and min([norm(last) for last in kept], default=2.0) - norm(value) > 0.09 < norm(value) - 0.5:
             kept.append(value)
     return [*(-value for value in kept), 0.0, *reversed(kept)]
 
 
-def arrange(selection, shots, columns, limits):
+def arrange(selection: load.Selection, shots: list[Any], columns: int,
+            limits: tuple[float, float, float, float]) -> tuple[Any, list[Axes], Axes]:
     """Axes of equal scale with titles, hidden where there is no snapshot, and the axes of the colour bar.
     Lengths are in inches."""
     rows = math.ceil(len(shots) / columns)
@@ -173,12 +180,12 @@ def arrange(selection, shots, columns, limits):
     return figure, made, bar
 
 
-def times(shots):
+def times(shots: list[Snapshot]) -> str:
     found = sorted({s.t_s for s in shots})
     return f"{' to '.join(number(1e3 * t) for t in dict.fromkeys([found[0], found[-1]]))} ms"
 
 
-def figures(selection, folder):
+def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     cases, columns = cells(selection)
     grid = [snapshot(c) if c else None for c in cases]
     shots = [s for s in grid if s]
@@ -214,7 +221,7 @@ def figures(selection, folder):
                    cases=[s.case.id for s in shots])]
 
 
-def caption(shots, any_lines, clipped):
+def caption(shots: list[Snapshot], any_lines: bool, clipped: bool) -> str:
     text = (f"Displacement of {layout.plane_name([s.case for s in shots])} seen from above, on the same colour scale in all panels. Solid circle with a "
             "centre point: focal disc. Dotted line: path of the focus so far.")
     if clipped:
@@ -227,7 +234,7 @@ def caption(shots, any_lines, clipped):
                  f"θ = {listed(a + '°' for a in sorted(angles))}; their length follows from the path.")
     if any(not math.isnan(s.case.value("mach_angle_deg", math.nan)) and warnings_of.is_valid(s.case) for s in shots):
         text += " Fitted: angle of the computed wake, if its edge is straight."
-    without = {}
+    without: dict[str, list[Case]] = {}
     for s in shots:
         if reason := s.case.notes.get("mach_angle_theory_deg"):
             without.setdefault(reason, []).append(s.case)

@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A measure over time for every case: one small panel per case, or a common panel for many cases."""
+from __future__ import annotations
+
 import math
 import textwrap
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
+from ..case import Case
 from . import layout, periods, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
+from .load import Selection
 from .words import number, value_text
 
 PANELS = 12  # largest number of cases with a panel each
@@ -18,7 +25,7 @@ DASHED = (0, (4.0, 2.0))  # the line of a reference
 DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
 
 
-def in_mm2(case, name):
+def in_mm2(case: Case, name: str) -> np.ndarray:
     spacing_mm = 1e3 * case.setting("domain", "spacing_m")
     return case.over_time[name] * spacing_mm**2
 
@@ -40,17 +47,17 @@ MEASURES = [
 ]
 
 
-def time_ms(case):
+def time_ms(case: Case) -> np.ndarray:
     return 1e3 * case.over_time["time"]
 
 
-def settled(case):
+def settled(case: Case) -> np.ndarray:
     after, at = case.setting("measure", "settled_after_s"), case.setting("measure", "at_s")
     time = case.over_time["time"]
     return (time >= after) & (time <= at * (1 + 1e-9))
 
 
-def limits(cases, measure):
+def limits(cases: list[Case], measure: dict[str, Any]) -> tuple[float, float] | None:
     """Limits of the y axis from the settled part only: while the waves are still close to the focus, the
     measures are meaningless."""
     values = np.concatenate([measure["value"](c)[settled(c)] for c in cases])
@@ -64,7 +71,7 @@ def limits(cases, measure):
     return max(low / 2.0, high / DECADES), high * 2.0
 
 
-def colours_by_x(selection, cases):
+def colours_by_x(selection: Selection, cases: list[Case]) -> dict[str, Any]:
     """The colours of the cases. Few numeric values of x are coloured by rank, many by value; strings get
     distinct colours. A reference that has an x gets the colour of x, other references are black."""
     if not selection.x:
@@ -82,7 +89,7 @@ def colours_by_x(selection, cases):
     return colours | {c.id: style.sequential(float(norm(c.settings[selection.x]))) for c in cases}
 
 
-def colours_in_one_panel(selection, cases):
+def colours_in_one_panel(selection: Selection, cases: list[Case]) -> dict[str, Any]:
     """The colours of cases that share a panel: those of x, or different ones if there are several curves. A reference
     has the colour of its first case if there are several, otherwise it is black."""
     if len(layout.groups(selection)) > 1:
@@ -94,13 +101,13 @@ def colours_in_one_panel(selection, cases):
     return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(selection, cases)}
 
 
-def x_norm(selection):
+def x_norm(selection: Selection) -> Any:
     values = layout.x_values(selection)
     kind = plt.matplotlib.colors.LogNorm if layout.is_logarithmic(values) else plt.Normalize
     return kind(values[0], values[-1])
 
 
-def mark_times(axes, cases):
+def mark_times(axes: Axes, cases: list[Case]) -> None:
     """Grey where the run is not settled, a line at each instant."""
     after, instants = marked_times(cases)
     if after > 0:
@@ -109,11 +116,11 @@ def mark_times(axes, cases):
         axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
 
 
-def draw(axes, case, measure, **look):
+def draw(axes: Axes, case: Case, measure: dict[str, Any], **look: Any) -> None:
     axes.plot(time_ms(case), positive(measure, case), **look)
 
 
-def positive(measure, case):
+def positive(measure: dict[str, Any], case: Case) -> np.ndarray:
     """The values of a measure over time; a logarithmic axis shows only positive values."""
     values = np.array(measure["value"](case), dtype=float)
     if measure.get("log"):
@@ -121,7 +128,7 @@ def positive(measure, case):
     return values
 
 
-def frame(axes, cases, measure, y_limits):
+def frame(axes: Axes, cases: list[Case], measure: dict[str, Any], y_limits: tuple[float, float] | None) -> None:
     axes.set_xlim(0.0, max(time_ms(c)[-1] for c in cases) * 1.005)
     if measure.get("log") and y_limits:
         axes.set_yscale("log")
@@ -129,7 +136,7 @@ def frame(axes, cases, measure, y_limits):
         axes.set_ylim(*y_limits)
 
 
-def small_panels(selection, measure, cases, colours):
+def small_panels(selection: Selection, measure: dict[str, Any], cases: list[Case], colours: dict[str, Any]) -> Any:
     """One panel per case on shared axes, with its reference dashed."""
     columns = min(COLUMNS, len(cases))
     rows = math.ceil(len(cases) / columns)
@@ -158,7 +165,7 @@ def small_panels(selection, measure, cases, colours):
     return figure
 
 
-def arrange(figure, titles, rows, columns):
+def arrange(figure: Any, titles: list[str], rows: int, columns: int) -> None:
     """Places the panels below the legend, with room for the longest title; lengths are in inches."""
     lines = max(title.count("\n") + 1 for title in titles)
     above = 0.1 + 0.16 * lines  # a panel: its title
@@ -169,7 +176,7 @@ def arrange(figure, titles, rows, columns):
                            top=1.0 - (0.32 + above) / total, hspace=above / height, wspace=0.34 / width)
 
 
-def add_key(figure, selection, cases):
+def add_key(figure: Any, selection: Selection, cases: list[Case]) -> None:
     starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
     after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
     at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
@@ -180,7 +187,7 @@ def add_key(figure, selection, cases):
                   bbox_to_anchor=(0.5, 1.0))
 
 
-def overlay(selection, measure, cases, colours):
+def overlay(selection: Selection, measure: Any, cases: list[Case], colours: Any) -> Any:
     """One panel per series with its cases as thin lines coloured by x."""
     rows = layout.rows(selection)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
@@ -202,7 +209,7 @@ def overlay(selection, measure, cases, colours):
     return figure
 
 
-def add_x_key(figure, all_axes, selection, colours):
+def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: dict[str, Any]) -> None:
     """Adds the key of the colours: a legend for few values, a colour bar for many."""
     values = layout.x_values(selection)
     if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
@@ -226,7 +233,7 @@ def add_x_key(figure, all_axes, selection, colours):
                        bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
 
 
-def in_columns(selection):
+def in_columns(selection: Selection) -> list[Case]:
     """The cases in the order of their panels: two curves have one column each."""
     found = [group.cases for group in layout.groups(selection)]
     if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
@@ -234,7 +241,7 @@ def in_columns(selection):
     return [c for cases in found for c in cases]
 
 
-def time_figure(selection, folder, measure):
+def time_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> list[Figure]:
     selection = layout.fewer_lines(selection)
     cases = [c for c in in_columns(selection)
              if measure["needs"] in c.over_time and len(c.over_time["time"])]
@@ -254,7 +261,7 @@ def time_figure(selection, folder, measure):
     return [replace(f, cases=shown) for f in (made, *last)]
 
 
-def last_periods(figure, cases, measure, folder, marks):
+def last_periods(figure: Any, cases: list[Case], measure: dict[str, Any], folder: Path, marks: str) -> list[Figure]:
     """The figure once more with the last periods of a long run; `marks` describes its lines."""
     span = periods.last_span_ms(cases)
     if not span:
@@ -267,19 +274,19 @@ def last_periods(figure, cases, measure, folder, marks):
     return [Figure(name, title, f"{measure['caption']} The last {periods.LAST} periods of the modulation.{marks}", title)]
 
 
-def marked_times(cases):
+def marked_times(cases: list[Case]) -> tuple[float, list[float]]:
     """The longest part of the runs that is not settled, and the different instants, in ms."""
     after, at = ([1e3 * c.setting("measure", k) for c in cases] for k in ("settled_after_s", "at_s"))
     return max(after), sorted({round(t, 9) for t in at})
 
 
-def time_marks(cases):
+def time_marks(cases: list[Case]) -> list[Mark]:
     """The part of the run that is not settled, and the instants."""
     after, instants = marked_times(cases)
     return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
 
 
-def time_charts(selection, colours, measure):
+def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any]) -> list[Chart]:
     """One panel per curve and for references that differ within a curve, with a line per case; the vertical axis shows
     the settled part."""
     panels = [(title, [c for c in [*drawn, *([reference] if reference else [])]
@@ -294,11 +301,11 @@ def time_charts(selection, colours, measure):
             for title, shown in panels]
 
 
-def span(values):
+def span(values: list[float]) -> str:
     return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
 
 
-def key_caption(selection, cases):
+def key_caption(selection: Selection, cases: list[Case]) -> str:
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
     text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
@@ -314,5 +321,5 @@ def key_caption(selection, cases):
     return text
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     return [f for m in MEASURES for f in time_figure(selection, folder, m)]

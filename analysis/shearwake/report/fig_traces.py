@@ -1,25 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The displacement over time and its spectrum at every trace point."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 
+from ..case import Case
 from . import fig_spectra, fig_time, layout, periods, style, warnings_of
 from .chart import Chart, Line
 from .figure import Figure
-from .load import traces
+from .load import Selection, traces
 from .words import millimetres, some_of
 
 POINTS = 12  # largest number of trace points with a row
 
 
-def places_of(cases):
+def places_of(cases: list[Case]) -> tuple[list[tuple[float, float]], int]:
     """The trace points of all cases in mm, nearest to the centre first."""
     found = {tuple(round(1e3 * v, 6) for v in place) for c in cases for place in traces(c).points_m}
     return layout.evenly(sorted(found, key=lambda p: (math.hypot(*p), p)), POINTS), len(found)
 
 
-def at(case, place):
+def at(case: Case, place: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """u in um over time, and the frequencies and amplitudes in um, of one trace point; None if it has none."""
     found = traces(case)
     for (x, y), u, amplitude in zip(found.points_m, found.u_z_m, found.amplitude_m):
@@ -30,11 +36,12 @@ def at(case, place):
     return None
 
 
-def title_of(place):
+def title_of(place: tuple[float, float]) -> str:
     return f"x = {millimetres(place[0])} mm, y = {millimetres(place[1])} mm"
 
 
-def draw(figure, made, cases, places, colours, span):
+def draw(figure: Any, made: np.ndarray, cases: list[tuple[Case, str]], places: list[tuple[float, float]],
+         colours: dict[str, Any], span: tuple[float, float] | None) -> None:
     """Fills the rows: the run, the last periods of a long run, and the spectrum."""
     coincide = fig_spectra.of_one_period([case for case, _ in cases])
     for row, place in zip(made, places):
@@ -62,7 +69,7 @@ def draw(figure, made, cases, places, colours, span):
     style.legend_strip(figure, handles)
 
 
-def charts_of(cases, places, colours):
+def charts_of(cases: list[tuple[Case, str]], places: list[tuple[float, float]], colours: dict[str, Any]) -> list[Chart]:
     """For each point the run and the spectrum."""
     made = []
     for place in places:
@@ -77,7 +84,7 @@ def charts_of(cases, places, colours):
     return made
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Figure]:
     some = layout.lines_of_one_panel(selection)
     drawn = [c for c in layout.with_references(some) if traces(c)]
     if not drawn:

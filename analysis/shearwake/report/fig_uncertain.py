@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of a job with [uncertain]: bands around curves, probabilities, sensitivity indices and scatter plots."""
+from __future__ import annotations
+
 import math
+from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from ..tables import read_sensitivity, read_statistics
 from . import fig_heat, layout, sample, style, warnings_of, words
 from .figure import Figure
+from .load import Selection
 from .validity import CROSSES
 
 COLUMNS = ("eta_period_1", "eta_period_over_reference_1", "focal_rms_um", "focal_rms_over_reference_1")
@@ -15,17 +21,18 @@ TITLES = {"first_order": "first order", "total": "total", "mu_star": "µ*", "sig
 PANELS = 4  # largest number of swept values with bars of their own
 
 
-def drawn_columns(selection, rows):
+def drawn_columns(selection: Selection, rows: Any) -> Any:
     """The main columns and those with a threshold, as far as they have values."""
     names = [*COLUMNS, *(c for c in selection.sweep.uncertain["exceedance"] if c not in COLUMNS)]
     return [name for name in names if sample.by_place(selection, rows, name)]
 
 
-def curves(selection, found):
+def curves(selection: Selection, found: Any) -> Any:
     """{label: [(x, statistics)]} with one curve per combination of the other swept values. Without a numeric x each
     combination is a point at its number."""
     numeric = bool(selection.x) and layout.is_numeric(selection)
-    made, keys = {}, sample.swept(selection)
+    made: dict[str, list[Any]] = {}
+    keys = sample.swept(selection)
     for n, (where, statistics) in enumerate(found.items()):
         if numeric:
             x = float(where[keys.index(selection.x)])
@@ -35,11 +42,11 @@ def curves(selection, found):
     return {name: sorted(points, key=lambda p: p[0]) for name, points in made.items()}, numeric
 
 
-def values(points, name, part="value"):
+def values(points: Any, name: str, part: Any = "value") -> Any:
     return np.array([statistics[name][part] for _, statistics in points])
 
 
-def name_x(axes, selection, found, numeric):
+def name_x(axes: Axes, selection: Selection, found: Any, numeric: Any) -> None:
     if numeric:
         axes.set_xlabel(layout.axis_label(selection, selection.x))
         return
@@ -49,7 +56,7 @@ def name_x(axes, selection, found, numeric):
     axes.set_xlim(-0.6, len(labels) - 0.4)
 
 
-def draw_curves(axes, selection, found, middle, ends, inner=None):
+def draw_curves(axes: Axes, selection: Selection, found: Any, middle: Any, ends: Any, inner: Any = None) -> None:
     """Curves of a statistic with a band between two ends (statistic, part of its row)."""
     made, numeric = curves(selection, found)
     for colour, (name, points) in zip(style.distinct(len(made)), made.items()):
@@ -71,13 +78,13 @@ def draw_curves(axes, selection, found, middle, ends, inner=None):
         axes.legend()
 
 
-def small_sample(rows, columns):
+def small_sample(rows: Any, columns: Any) -> Any:
     """A sentence if the sample is too small for some of the drawn numbers."""
     notes = [row for row in rows if row["column"] in columns and row["note"]]
     return f" Warning for {len(notes)} of the numbers: {notes[0]['note']}." if notes else ""
 
 
-def bands(selection, folder, rows):
+def bands(selection: Selection, folder: Path, rows: Any) -> Any:
     columns = drawn_columns(selection, rows)
     if not columns:
         return []
@@ -95,7 +102,7 @@ def bands(selection, folder, rows):
                    "Median and quantiles of the measures over the samples")]
 
 
-def probabilities(selection, folder, rows):
+def probabilities(selection: Selection, folder: Path, rows: Any) -> Any:
     wanted = [(c, f"exceeds {v:.9g}") for c, v in selection.sweep.uncertain["exceedance"].items()]
     wanted = [(c, n) for c, n in wanted if any(n in s for s in sample.by_place(selection, rows, c).values())]
     if not wanted:
@@ -114,7 +121,7 @@ def probabilities(selection, folder, rows):
                                                                    in wanted], {c for c, _ in wanted}), "Exceedance probabilities with confidence intervals")]
 
 
-def indices(selection, folder):
+def indices(selection: Selection, folder: Path) -> Any:
     rows = [row for row in read_sensitivity(selection.sweep.folder, selection.sweep.name) if not math.isnan(row["value"])]
     column = next((c for c in COLUMNS if any(row["column"] == c for row in rows)), None)
     if column is None:
@@ -155,7 +162,7 @@ def indices(selection, folder):
                    "Sensitivity indices as bars with confidence intervals")]
 
 
-def scatter(selection, folder):
+def scatter(selection: Selection, folder: Path) -> Any:
     cases = [c for c in selection.cases if not c.is_reference]
     column = next((c for c in sample.RESULT if any(not math.isnan(case.value(c, math.nan)) for case in cases)), None)
     if column is None:
@@ -201,7 +208,7 @@ def scatter(selection, folder):
                    "Scatter plots of the samples against the uncertain keys")]
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> Any:
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
     return [*bands(selection, folder, rows), *probabilities(selection, folder, rows), *indices(selection, folder),
             *scatter(selection, folder)]

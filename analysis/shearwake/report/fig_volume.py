@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Slices of recorded volumes: vertical through the focus, and horizontal below the surface."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from .. import wake
+from ..case import Case
 from . import hover, layout, style, to_scale, warnings_of
 from .figure import Figure
-from .load import UNREADABLE
+from .load import UNREADABLE, Selection
 from .words import number
 
 CASES = 4
 BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volume
 
 
-def last_volume(case):
+def last_volume(case: Case) -> Any:
     """t_s, the name of the component, x, y, z in mm and the last volume (z, y, x) in um; None without volumes."""
     try:
         names = case.dimensions("volume")
@@ -23,29 +30,29 @@ def last_volume(case):
         return None
 
 
-def draw(axes, horizontal, vertical, values, end, labels):
+def draw(axes: Axes, horizontal: Any, vertical: Any, values: Any, end: Any, labels: Any) -> Any:
     image = axes.pcolormesh(horizontal, vertical, values, cmap=style.DIVERGING, vmin=-end, vmax=end,
                             shading="nearest", rasterized=True)
     axes.grid(False)
     hover.attach(axes, on_even_rows(values, vertical), (horizontal[0], horizontal[-1]), (vertical[0], vertical[-1]), "u",
-                 *labels, "µm")
+                 labels[0], labels[1], "µm")
     return image
 
 
-def on_even_rows(values, vertical):
+def on_even_rows(values: Any, vertical: Any) -> Any:
     """The rows nearest to even steps; the planes of a volume may be closer near the surface."""
     even = np.linspace(vertical[0], vertical[-1], 72)
     return values[np.abs(vertical[:, None] - even[None, :]).argmin(axis=0)]
 
 
-def planes(case, volume):
+def planes(case: Case, volume: Any) -> Any:
     """The indices (j, k) of the planes of the two slices."""
     t_s, _, _, y, z, _ = volume
     focus = wake.focus_at(case, t_s)[0]
     return int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
 
 
-def row_of(selection, case, volume):
+def row_of(selection: Selection, case: Case, volume: Any) -> Any:
     """The slices of a case, for to_scale.arrange()."""
     t_s, _, x, y, z, _ = volume
     j, k = planes(case, volume)
@@ -54,7 +61,7 @@ def row_of(selection, case, volume):
                    (f"z\u00a0=\u00a0{number(z[k], 3)}\u00a0mm", np.ptp(x), np.ptp(y)))
 
 
-def draw_row(pair, case, volume, end):
+def draw_row(pair: Any, case: Case, volume: Any, end: Any) -> Any:
     """Draws the slices of a case and returns the image of the first."""
     _, _, x, y, z, u = volume
     j, k = planes(case, volume)
@@ -71,7 +78,7 @@ def draw_row(pair, case, volume, end):
     return image
 
 
-def figures(selection, folder):
+def figures(selection: Selection, folder: Path) -> list[Any]:
     candidates = [c for c in layout.ordinary(selection) if c.setting("record", "volumes_s", default=[])]
     found = [(c, v) for c in layout.evenly(candidates, CASES) if (v := last_volume(c))]
     if not found:

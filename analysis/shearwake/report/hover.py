@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Values of maps under the pointer: heat maps, surfaces, spectrograms and slices of a picture, which maps.js shows."""
+from __future__ import annotations
+
 import base64
 import math
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 CELLS = 400   # largest number of values that are stored with all digits
 POINTS = 72   # of a stored map along its longer side
 STEPS = 32767
 
 
-def attach(axes, values, x, y, what, x_label, y_label, unit="", x_names=None, y_names=None, title="",
-           invalid=None):
+def attach(axes: Axes, values: np.ndarray, x: Any, y: Any, what: str, x_label: str, y_label: str, unit: str = "",
+           x_names: list[str] | None = None, y_names: list[str] | None = None, title: str = "",
+           invalid: np.ndarray | None = None) -> None:
     """Adds values (row, column) to the axes of a picture. x and y are the coordinates at the outer edges of the first and
     the last column and row; x_names and y_names replace the coordinates of columns and rows. `what` names the values, and
     `title` the panel. `invalid` marks values of few that are not valid."""
@@ -23,7 +28,7 @@ def attach(axes, values, x, y, what, x_label, y_label, unit="", x_names=None, y_
         axes.hover["invalid"] = [int(i) for i in np.flatnonzero(invalid)]
 
 
-def stored(values):
+def stored(values: np.ndarray) -> dict[str, Any]:
     """Few values as numbers; many as base64 text of 16-bit integers, of which `scale` is the unit."""
     if values.size <= CELLS:
         rounded = [None if not math.isfinite(v) else float(f"{v:.5g}") for v in values.ravel()]
@@ -34,7 +39,7 @@ def stored(values):
             "packed": base64.b64encode(whole.astype("<i2").tobytes()).decode("ascii")}
 
 
-def maps_of(figure):
+def maps_of(figure: Any) -> list[dict[str, Any]]:
     """The maps of a figure that was drawn, with the place of their axes in fractions of the picture, from its lower left
     corner, and the limits of the axes."""
     made = []

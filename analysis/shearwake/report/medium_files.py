@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps and k-Wave studies that a case refers to. Case files contain only the hash of these files."""
+from __future__ import annotations
+
 import functools
 import tomllib
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .. import inputs
+from ..case import Case
 from .load import UNREADABLE
 
 LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
@@ -22,7 +26,7 @@ class Grid:
     z_m: np.ndarray
     c_s_m_s: np.ndarray
 
-    def speed(self, x, y, z):
+    def speed(self, x: Any, y: Any, z: Any) -> Any:
         """The speed on a plane, of which x and y are a row and a number, or a number and a row, and z a column in m.
         Linear between nodes; NaN farther outside than half a spacing."""
         along = [weights(np.ravel(at), nodes) for at, nodes in ((x, self.x_m), (y, self.y_m), (z, self.z_m))]
@@ -30,7 +34,7 @@ class Grid:
         return values.reshape(np.broadcast(x, y, z).shape)
 
 
-def weights(at, nodes):
+def weights(at: Any, nodes: Any) -> Any:
     """The matrix of linear interpolation from the nodes to the points `at`; rows of NaN outside."""
     if len(nodes) == 1:
         return np.ones((len(at), 1))
@@ -47,7 +51,7 @@ def weights(at, nodes):
 
 
 @functools.cache
-def keys_in(text):
+def keys_in(text: str) -> dict[str, Any]:
     """A job, or one override, as a dictionary; empty if it is not TOML."""
     try:
         return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
@@ -55,9 +59,9 @@ def keys_in(text):
         return {}
 
 
-def job_value(job, case, key):
+def job_value(job: str, case: Case, key: str) -> str | None:
     """The value of a key of the job, given as text, for this case: swept, overridden on the command line, or in the job file."""
-    found = case.settings.get(key)
+    found: Any = case.settings.get(key)
     for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], job]:
         if found is not None:
             break
@@ -67,7 +71,7 @@ def job_value(job, case, key):
     return found
 
 
-def file_of(folder, job, case, key):
+def file_of(folder: Path, job: str, case: Case, key: str) -> Path | None:
     """The path of the file that a key of the job names, if the file is found and was not changed after the start of
     the case; else None. `job` is the text of the job. Paths in jobs are relative to the job, which usually lies near the
     output folder."""
@@ -82,7 +86,7 @@ def file_of(folder, job, case, key):
     return None
 
 
-def started(case):
+def started(case: Case) -> float:
     """The start of a case in seconds since 1970."""
     try:
         moment = datetime.strptime(case.attributes.get("started", ""), "%Y-%m-%dT%H:%M:%SZ")
@@ -91,7 +95,7 @@ def started(case):
     return moment.replace(tzinfo=timezone.utc).timestamp()
 
 
-def read_map(path):
+def read_map(path: Path) -> Grid | None:
     """The grid of a map, or None if the file has no shear-wave speed or cannot be read."""
     try:
         found = inputs.read_map(path)
@@ -107,7 +111,7 @@ class Study:
     sensors_mm: np.ndarray
 
 
-def read_study(path, case):
+def read_study(path: Path, case: Case) -> Study | None:
     """The grid of a study and the places of its nodes, or None if the file cannot be read. The surface of the case has
     the nodes of one plane of the grid."""
     try:
@@ -123,6 +127,6 @@ def read_study(path, case):
         return None
 
 
-def places(grid, nodes):
+def places(grid: Any, nodes: Any) -> Any:
     """The places of nodes, given by their indices, in mm."""
     return 1e3 * np.column_stack([axis[nodes[:, i]] for i, axis in enumerate((grid.x_m, grid.y_m, grid.z_m))])

@@ -5,10 +5,14 @@ Usage: python3 -m shearwake.report.modulation DATA.json PICTURE    (`shearwake s
 The extension of PICTURE determines its format: .png, .svg or .pdf. Exit 0: done; 6: a file cannot be read or
 written.
 """
+from __future__ import annotations
+
 import json
 import sys
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from .style import GREY, INK, PALETTE, halo, plt
 
@@ -18,14 +22,14 @@ SLOW_PERIODS = 40
 SMALL_DPI = 90  # for the small pictures of the documentation
 
 
-def round_step(span, count):
+def round_step(span: Any, count: Any) -> Any:
     """The smallest step of 1, 2 or 5 times a power of ten that divides the span into at most `count` parts."""
     least = span / count
     decade = 10.0 ** np.floor(np.log10(least))
     return next(f * decade for f in (1, 2, 5, 10) if f * decade >= least * (1 - 1e-9))
 
 
-def draw_path(axes, data):
+def draw_path(axes: Axes, data: Any) -> None:
     run = {key: np.array(values) for key, values in data["run"].items()}
     x, y, t = 1e3 * run["x_m"], 1e3 * run["y_m"], 1e3 * run["t_s"]
     foci = list(zip(data["foci_x_m"], data["foci_y_m"])) or [(0.0, 0.0)]
@@ -33,11 +37,11 @@ def draw_path(axes, data):
         axes.plot(x + 1e3 * fx, y + 1e3 * fy, color=PALETTE[0], linewidth=1.0)
     moves = np.ptp(x) + np.ptp(y) > 0
     ticks = np.arange(0.0, t[-1] * (1 + 1e-9), round_step(t[-1], TICKS)) if moves else np.zeros(1)
-    places = [(np.interp(tick, t, x), np.interp(tick, t, y)) for tick in ticks]
+    places = [(float(np.interp(tick, t, x)), float(np.interp(tick, t, y))) for tick in ticks]
     for fx, fy in foci:
         axes.plot([px + 1e3 * fx for px, _ in places], [py + 1e3 * fy for _, py in places], "o",
                   color=INK, markersize=3.5)
-    written = []  # positions of labels; ticks too close to one of them get no label
+    written: list[tuple[float, float]] = []  # positions of labels; ticks too close to one of them get no label
     reach = max(np.ptp(x), np.ptp(y), 1.0)
     for tick, place in zip(ticks, places):
         if moves and all(np.hypot(place[0] - a, place[1] - b) > 0.09 * reach for a, b in written):
@@ -49,14 +53,14 @@ def draw_path(axes, data):
                       max(p for p, _ in places) + 5 + 1e3 * max(f for f, _ in foci))
     margin = 0.15 * reach
     low, high = axes.get_ylim()
-    axes.set_ylim(min(low, np.min(y) - margin), max(high, np.max(y) + margin))
+    axes.set_ylim(min(low, float(np.min(y)) - margin), max(high, float(np.max(y)) + margin))
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
     axes.set_title(data["kind"] + (": path, ticks in ms" if moves else ": focus at rest"), loc="left")
 
 
-def draw_curve(axes, t_s, values, label, colour):
+def draw_curve(axes: Axes, t_s: Any, values: Any, label: str, colour: Any) -> None:
     t = 1e3 * np.array(t_s)
     axes.plot(t, values, color=colour)
     axes.fill_between(t, values, color=colour, alpha=0.12, linewidth=0)
@@ -65,7 +69,7 @@ def draw_curve(axes, t_s, values, label, colour):
     axes.set_ylabel(label)
 
 
-def draw_courses(speed_axes, gain_axes, data):
+def draw_courses(speed_axes: Any, gain_axes: Any, data: Any) -> None:
     period, run, frequency = data["period"], data["run"], data["frequency_Hz"]
     # A slow focus hardly moves within a period, so its speed is drawn over the run.
     is_slow = run["t_s"][-1] > SLOW_PERIODS * period["t_s"][-1]
@@ -80,7 +84,7 @@ def draw_courses(speed_axes, gain_axes, data):
     gain_axes.axhline(1.0, color=GREY, linewidth=0.6, linestyle=":")
 
 
-def draw(data, picture):
+def draw(data: Any, picture: Any) -> None:
     figure = plt.figure(figsize=(6.6, 2.5), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     draw_path(figure.add_subplot(grid[:, 0]), data)
@@ -89,7 +93,7 @@ def draw(data, picture):
     plt.close(figure)
 
 
-def main(arguments):
+def main(arguments: Any) -> Any:
     if len(arguments) != 2:
         print("usage: python3 -m shearwake.report.modulation DATA.json PICTURE", file=sys.stderr)
         return 2

@@ -6,14 +6,18 @@ Usage: python3 -m shearwake.report.movie CASE.h5 [--out NAME] [--slow-down FACTO
 NAME is the path of the movies without extension; by default that of the case file. Needs numpy, h5py, matplotlib and
 ffmpeg. Exit 0: done; 2: wrong arguments; 6: the case has no recorded surfaces, or ffmpeg is missing or failed.
 """
+from __future__ import annotations
+
 import argparse
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..case import Case
 from ..plan import first_line
 from . import compare_words, fig_surface, layout, load, player
 from .progress import Progress
@@ -35,7 +39,7 @@ class CannotWrite(Exception):
     """The movie cannot be written; the text states why and what to do."""
 
 
-def read(path):
+def read(path: Path) -> Any:
     """A case of a single file. Raises CannotWrite."""
     if path.is_dir():
         files = sorted(path.glob("cases/*.h5")) or sorted(path.glob("*.h5"))
@@ -53,22 +57,22 @@ def read(path):
     return case
 
 
-def name_of(case):
+def name_of(case: Case) -> Any:
     """The settings of the case, or the title of its job if nothing is swept."""
     words = [*(["reference"] if case.is_reference else []), *compare_words.settings_texts(case.settings)]
     return ", ".join(words) or str(case.attributes.get("title", case.id))
 
 
-def warnings_of(case):
+def warnings_of(case: Case) -> Any:
     """The stored warnings as sentences, those of readings that are not valid first."""
     order = sorted(case.warnings, key=lambda warning: warning["severity"] != "error")
     return [f"{'not valid' if warning['severity'] == 'error' else 'warning'}: {warning['message']}" for warning in order]
 
 
-def part_text(case, limits):
+def part_text(case: Case, limits: Any) -> str:
     """The part of the surface, or of the measured plane, that is shown, relative to the domain; limits in mm."""
     plane = layout.plane_name([case])
-    _, x, y, _ = load.surface(case, 0)
+    _, x, y, _ = case.snapshot(0)
     shown = [limits[1] - limits[0], limits[3] - limits[2]]
     every = [1e3 * float(np.ptp(axis)) for axis in (x, y)]
     if all(part >= 0.999 * extent for part, extent in zip(shown, every)):
@@ -76,7 +80,7 @@ def part_text(case, limits):
     return f"shown: {plane}, {number(shown[0], 3)} x {number(shown[1], 3)} mm of {number(every[0], 3)} x {number(every[1], 3)} mm"
 
 
-def frame_rate(times_s, slow_down):
+def frame_rate(times_s: Any, slow_down: Any) -> Any:
     """The frames that are shown and their rate, so that the movie is `slow_down` times slower than the motion.
     Frames are skipped above FPS per second."""
     per_second = (len(times_s) - 1) / ((times_s[-1] - times_s[0]) * slow_down)
@@ -84,7 +88,7 @@ def frame_rate(times_s, slow_down):
     return range(0, len(times_s), step), per_second / step
 
 
-def usual_slow_down(times_s):
+def usual_slow_down(times_s: Any) -> Any:
     """The slow-down of the player: the run takes about six seconds."""
     run_s = float(times_s[-1] - times_s[0])
     return min(player.SLOW_DOWNS, key=lambda s: abs(np.log(s * run_s / player.PLAYED_s)))
@@ -93,7 +97,7 @@ def usual_slow_down(times_s):
 class Picture:
     """The figure of which every frame is one state."""
 
-    def __init__(self, case, slow_down, width_px):
+    def __init__(self, case: Case, slow_down: Any, width_px: Any) -> None:
         self.case = case
         self.end, self.peak, limits = player.common_view([case])
         self.part = part_text(case, limits)
@@ -113,9 +117,9 @@ class Picture:
             self.figure.text(0.75 / INCHES, 1.0 - (0.1 + LINE_in * n) / height, plain(line), va="top", color=colour, fontsize=8.5)
         self.limits, self.slow_down = limits, slow_down
 
-    def draw(self, index):
+    def draw(self, index: Any) -> Any:
         """RGB rows of frame `index`, with an even number of rows and columns."""
-        t_s, x, y, u = load.surface(self.case, index)
+        t_s, x, y, u = self.case.snapshot(index)
         shot = fig_surface.Snapshot(self.case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
         self.axes.clear()
         image, _ = fig_surface.draw(self.axes, shot, plt.Normalize(-self.end, self.end), self.limits)
@@ -131,11 +135,12 @@ class Picture:
         return rgb[: rgb.shape[0] // 2 * 2, : rgb.shape[1] // 2 * 2]
 
 
-def encode(pictures, size, rate, path):
+def encode(pictures: Any, size: Any, rate: Any, path: Path) -> None:
     """Pipes the pictures to ffmpeg, which writes a lossless intermediate file. Raises CannotWrite."""
     command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
                f"{size[0]}x{size[1]}", "-r", f"{rate:.6f}", "-i", "-", "-c:v", "ffv1", str(path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as ffmpeg:
+        assert ffmpeg.stdin and ffmpeg.stderr  # pipes
         try:
             for picture in pictures:
                 ffmpeg.stdin.write(picture.tobytes())
@@ -147,7 +152,7 @@ def encode(pictures, size, rate, path):
         raise CannotWrite(f"ffmpeg failed: {first_line(message)}")
 
 
-def convert(source, path, *options):
+def convert(source: Any, path: Path, *options: Any) -> None:
     """Converts the intermediate file. Raises CannotWrite."""
     part = path.with_name(f".{path.stem}.part{path.suffix}")
     done = subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(source), *options, str(part)],
@@ -158,7 +163,7 @@ def convert(source, path, *options):
     part.replace(path)
 
 
-def watched(indices, progress):
+def watched(indices: Any, progress: Any) -> Any:
     """The indices, with a bar on a terminal and a line per minute elsewhere."""
     for n, index in enumerate(indices):
         done = BAR * (n + 1) // len(indices)
@@ -167,7 +172,7 @@ def watched(indices, progress):
     progress.show("encoding")
 
 
-def state(case, times_s, indices, part):
+def state(case: Case, times_s: Any, indices: Any, part: Any) -> None:
     """Prints what the movie shows, before it is drawn."""
     print(f"movie: {name_of(case)}")
     for text in warnings_of(case):
@@ -176,7 +181,7 @@ def state(case, times_s, indices, part):
           f"{number(1e3 * times_s[-1])} ms; {part}", flush=True)
 
 
-def write(case_path, name, slow_down, width_px):
+def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -> tuple[Path, Path]:
     """Writes NAME.mp4 and NAME.gif and returns their paths. Raises CannotWrite."""
     case = read(case_path)
     if not shutil.which("ffmpeg"):

@@ -1,43 +1,49 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The results of `shearwake optimise` in words and tables: the first sentence of the page, the optima with their upper bounds,
 their robustness, and the numbers of the certificates."""
+from __future__ import annotations
+
 import csv
 import html
 import math
+from typing import Any
 
+from ..case import Case
 from ..tables import Optima
 from . import layout
+from .load import Selection
 from .warnings_of import is_valid
 from .words import number, value_text
 
 COMPARED = (("no modulation", "unmodulated"), ("best AM-STM", "am"), ("best SM-STM tried", "sm"), ("optimum found", "optimum"))
 
 
-def optima(selection):
+def optima(selection: Selection) -> Any:
     return Optima(selection.sweep.folder)
 
 
-def is_study(selection):
+def is_study(selection: Selection) -> bool:
     return optima(selection).exists
 
 
-def by_case(selection):
+def by_case(selection: Selection) -> dict[str, list[dict[str, Any]]]:
     """{id of the optimised case: rows}."""
-    found = {}
+    found: dict[str, Any] = {}
     for row in optima(selection).rows:
         found.setdefault(row["case"], []).append(row)
     return found
 
 
-def swept(row):
+def swept(row: dict[str, Any]) -> list[str]:
     """The swept keys: the columns before the strength."""
     names = list(row)
     return names[1:names.index("strength_at_least_1")]
 
 
-def title_of(selection, row):
+def title_of(selection: Selection, row: dict[str, Any]) -> str:
     """The swept values of an optimised case, without those that follow from the values before them."""
-    rows, keys = optima(selection).rows, []
+    rows = optima(selection).rows
+    keys: list[str] = []
     for key in swept(row):
         values = {r[key] for r in rows}
         follows = any(len({(r[k], r[key]) for r in rows}) == len({r[k] for r in rows}) for k in keys)
@@ -46,7 +52,7 @@ def title_of(selection, row):
     return ", ".join(_value(selection, key, row[key]) for key in keys) or "the case of the job"
 
 
-def _value(selection, key, text):
+def _value(selection: Selection, key: str, text: str) -> str:
     """A number with its key, and other values alone: 'periodic', 'focus speed 7 m/s'."""
     try:
         return layout.setting_text(selection, key, float(text))
@@ -54,23 +60,23 @@ def _value(selection, key, text):
         return value_text(key, text)
 
 
-def middle(rows):
+def middle(rows: list[dict[str, Any]]) -> float:
     """The strength that is shown where only one is."""
     return rows[(len(rows) - 1) * 2 // 3]["strength_at_least_1"]
 
 
-def relation(ratio):
+def relation(ratio: float) -> str:
     if ratio >= 1.5:
         return f"{number(ratio, 2)} times that of"
     return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
 
 
-def compared(selection, rows, strength):
+def compared(selection: Selection, rows: list[dict[str, Any]], strength: float) -> dict[str, Case]:
     """{modulation: case} of one optimised case and strength, unmodulated first. A case that several strengths share has
     the settings of the first one."""
     ordinary = [c for c in layout.ordinary(selection)
                 if all(str(c.settings.get(key)) == rows[0][key] or c.settings.get(key) == rows[0][key] for key in swept(rows[0]))]
-    found = {}
+    found: dict[str, Any] = {}
     for name in ("unmodulated", "AM-STM", "SM-STM", "optimum"):
         of = [c for c in ordinary if c.settings.get("optimise.modulation") == name]
         exact = [c for c in of if c.settings.get("optimise.strength_at_least") == strength]
@@ -79,7 +85,7 @@ def compared(selection, rows, strength):
     return found
 
 
-def sentence(selection):
+def sentence(selection: Selection) -> str:
     """The result for the first case, and how close all optima are to their upper bounds."""
     rows = next(iter(by_case(selection).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == middle(rows))
@@ -100,19 +106,19 @@ def sentence(selection):
             f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
 
 
-def cell(value):
+def cell(value: float | str) -> str:
     if isinstance(value, str):
         return f"<td>{html.escape(value)}</td>"
     return f'<td class="n" title="{value:.9g}">{number(value, 4)}</td>' if not math.isnan(value) else '<td class="n empty">–</td>'
 
 
-def table(names, rows):
+def table(names: list[str], rows: list[list[float | str]]) -> str:
     head = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in names)
     body = "".join(f"<tr>{''.join(cell(v) for v in row)}</tr>" for row in rows)
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def results(selection):
+def results(selection: Selection) -> str:
     names = ["case", "strength at least", *(text for text, _ in COMPARED), "strength of SM-STM", "upper bound", "bound / optimum"]
     exported = any("eta_exported_1" in row for row in optima(selection).rows)
     names += ["exported", "its strength"] if exported else []
@@ -122,7 +128,7 @@ def results(selection):
     return table(names, rows)
 
 
-def robustness(selection):
+def robustness(selection: Selection) -> str:
     """Each optimum in other tissues and at other speeds; '' if these were not computed."""
     path = optima(selection).folder / "robustness.csv"
     if not path.is_file():
@@ -132,7 +138,7 @@ def robustness(selection):
     columns = ("strength_at_least_1", "eta_unmodulated_1", "eta_found_1", "found_over_unmodulated_1", "strength_1")
     cases = {rows[0]["case"]: title_of(selection, rows[0]) for rows in by_case(selection).values()}
 
-    def difference(text):
+    def difference(text: str) -> Any:
         return f"tissue of: {cases[text.split()[-1]]}" if text.split()[-1] in cases else text
     rows = [[cases[r["case"]], difference(r["difference"]), *(float(r[c] or "nan") for c in columns)] for r in read]
     names = ["optimised for", "difference", "strength at least", "no modulation", "the same envelope", "relative to no modulation",
@@ -140,7 +146,7 @@ def robustness(selection):
     return f"<h3>The same envelopes in other tissues and at other speeds</h3>{table(names, rows)}"
 
 
-def certificates(selection):
+def certificates(selection: Selection) -> str:
     """Knots, envelope and certificate of each optimum, folded."""
     items = ""
     for row in optima(selection).rows:
@@ -157,7 +163,7 @@ def certificates(selection):
             f"bound. scripts/verify_certificate.py states the proof and verifies it.</p>{items}")
 
 
-def section(selection):
+def section(selection: Selection) -> str:
     """The tables of the page."""
     note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
             f"another name are {html.escape(optima(selection).maximised)}. The optimum is the best of a local search from several starts. The upper bound "

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes one HTML page that contains all figures, loads nothing from elsewhere, and escapes all text."""
+from __future__ import annotations
+
 import base64
 import html
 import io
@@ -7,6 +9,7 @@ import json
 from collections import Counter
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -25,11 +28,11 @@ FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
          ("HDF5", "hdf5_version"), ("host", "host"), ("ranks per case", "ranks")]
 
 
-def escape(text):
+def escape(text: str) -> str:
     return html.escape(str(text))
 
 
-def counts(selection):
+def counts(selection: Selection) -> str:
     """For example '8 cases (of them 1 reference): 8 complete.'"""
     by_status = Counter(c.status for c in selection.cases)
     references = sum(c.is_reference for c in selection.cases)
@@ -38,13 +41,13 @@ def counts(selection):
     return f"{counted(len(selection.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
-def folded(name, title, count, inner, state=""):
+def folded(name: str, title: str, count: str, inner: str, state: str = "") -> str:
     """A section of the page that is closed unless `state` is "open"."""
     return (f'<details class="topic" id="{name}"{" " + state if state else ""}><summary><h2>{escape(title)}</h2> '
             f"<span>{escape(count)}</span></summary>{inner}</details>")
 
 
-def notices(selection, problems):
+def notices(selection: Selection, problems: list[Any]) -> str:
     """One line below the result that counts what is missing or doubtful, with links; '' if nothing is."""
     links = []
     if missing := sum(not case.is_complete for case in selection.cases):
@@ -58,7 +61,7 @@ def notices(selection, problems):
     return f'<p class="badge">See also: {"; ".join(links)}.</p>' if links else ""
 
 
-def warning_list(selection, state=""):
+def warning_list(selection: Selection, state: str = "") -> str:
     """All warnings of the sweep, once each, with the number of cases; '' without warnings."""
     items = ""
     for kind in warnings_of.kinds(selection):
@@ -73,7 +76,7 @@ def warning_list(selection, state=""):
     return folded("warnings", "Warnings", count, f'<ol class="warning">{items}</ol>', state) if items else ""
 
 
-def badge(found, shown):
+def badge(found: list[warnings_of.Kind], shown: int) -> str:
     """A line with the warnings of those cases that a figure shows, with links to the list."""
     if not found:
         return ""
@@ -82,7 +85,7 @@ def badge(found, shown):
     return f'<p class="badge">{"Warning" if len(found) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
 
 
-def small_picture(path, reduction=1):
+def small_picture(path: Path, reduction: int = 1) -> str:
     """The picture with few colours as base64 text of a lossless WebP, a fifth of the size of the file."""
     file = io.BytesIO()
     few = Image.open(path).convert("RGB").reduce(reduction).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
@@ -90,13 +93,13 @@ def small_picture(path, reduction=1):
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def json_script(data):
+def json_script(data: list[dict[str, Any]]) -> str:
     """JSON within a page, in which no text can end the script."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/").replace("<!", "<\\u0021")
     return f'<script type="application/json">{text}</script>'
 
 
-def picture(figure, folder, level):
+def picture(figure: Figure, folder: Path, level: str) -> str:
     """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
     are pictures of half the resolution."""
     name = escape(figure.name)
@@ -116,7 +119,7 @@ def picture(figure, folder, level):
             f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
 
 
-def trouble(selection, problems, state=""):
+def trouble(selection: Selection, problems: list[Any], state: str = "") -> str:
     """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
     for case in selection.cases:
@@ -131,14 +134,14 @@ def trouble(selection, problems, state=""):
                   f'<div class="trouble"><ul>{"".join(items)}</ul></div>', state)
 
 
-def moment(stamp):
+def moment(stamp: str) -> str:
     try:
         return datetime.strptime(stamp, "%Y-%m-%dT%H:%M:%SZ").strftime("%Y-%m-%d %H:%M:%S UTC")
     except ValueError:
         return stamp
 
 
-def provenance(selection):
+def provenance(selection: Selection) -> str:
     whole = [c.attributes for c in selection.cases if c.is_complete]
     rows = []
     for name, attribute in FACTS:
@@ -156,7 +159,7 @@ def provenance(selection):
     return f"<details><summary>Provenance</summary><dl>{cells}</dl></details>"
 
 
-def job(selection):
+def job(selection: Selection) -> str:
     if not selection.sweep.job_text:
         return ""
     lines = escape(selection.sweep.job_text).splitlines()
@@ -166,12 +169,12 @@ def job(selection):
     return f"<details><summary>{title}</summary><pre>{text}</pre></details>"
 
 
-def read(name):
+def read(name: str) -> str:
     """A file of this folder that becomes part of the page."""
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def scripts():
+def scripts() -> str:
     """uPlot with its licence, and the scripts of the page."""
     uplot = read("uplot/uPlot.iife.min.js").partition("*/")[2]  # without the comment with its address
     licence = read("uplot/LICENSE").replace("*/", "")
@@ -179,13 +182,14 @@ def scripts():
     return f"<script>/* uPlot {read('uplot/VERSION').strip()}\n{licence}*/{uplot}</script><script>{own}</script>"
 
 
-def anchor(title):
+def anchor(title: str) -> str:
     return "topic-" + "-".join(title.lower().split())
 
 
-def parts(selection, figures, folder, problems, moving):
+def parts(selection: Selection, figures: list[Figure], folder: Path, problems: list[Any],
+          moving: str) -> list[tuple[str, str, str, list[Any]]]:
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
-    made = []
+    made: list[Any] = []
     if moving:
         shown = [c.id for c in player.cases_of(selection)]
         notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown))
@@ -208,7 +212,7 @@ def parts(selection, figures, folder, problems, moving):
     return made
 
 
-def contents(made):
+def contents(made: list[tuple[str, str, str, list[Any]]]) -> str:
     """Links to all parts of the page in its order; the links of a topic are folded."""
     items = ""
     for name, title, _, within in made:

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The last periods of long series over time."""
+from __future__ import annotations
+
+from typing import Any
+
+from ..case import Case
+
 LONG = 12  # periods per run, from which on the last ones are drawn in addition
 LAST = 5   # periods that are drawn
 
 
-def frequencies_Hz(node):
+def frequencies_Hz(node: Any) -> list[float]:
     """All frequencies within the description of a modulation."""
     if isinstance(node, list):
         return [f for item in node for f in frequencies_Hz(item)]
@@ -14,13 +20,13 @@ def frequencies_Hz(node):
     return own + [f for v in node.values() for f in frequencies_Hz(v)]
 
 
-def period_ms(case):
+def period_ms(case: Case) -> float | None:
     """The longest period of the modulation; None for plain STM."""
     found = frequencies_Hz(case.setting("load", "modulation", default={}))
     return 1e3 / min(found) if found else None
 
 
-def last_span_ms(cases):
+def last_span_ms(cases: list[Case]) -> tuple[float, float] | None:
     """Start and end of the last periods of the cases; None if a run has few periods or no modulation."""
     periods = [period for case in cases if (period := period_ms(case))]
     end = max(1e3 * case.over_time["time"][-1] for case in cases)

@@ -4,18 +4,22 @@
 Each time is a small picture within the page. Its grey levels are sign(u) sqrt(|u| / largest |u|), so that the page
 can show values and choose the colours.
 """
+from __future__ import annotations
+
 import base64
 import html
 import io
 import json
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib
 import numpy as np
 from PIL import Image
 
 from .. import wake
+from ..case import Case
 from . import fig_surface, layout, load, style, warnings_of
 from .words import counted, number
 
@@ -35,29 +39,30 @@ class Detail:
     lossless: bool = True
 
 
-def cases_of(selection):
+def cases_of(selection: load.Selection) -> list[Case]:
     """All cases with a recorded surface, those of the figures first and references last."""
     return [c for c in layout.with_references(selection) if len(load.surface_times(c))]
 
 
-def first_shown(selection, cases):
+def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
     """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
-    def rank(case):
+    def rank(case: Case) -> float:
         value = case.value("eta_period_1", math.nan)
         return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
     best = max(cases, key=rank)
     own = selection.reference_of(best)
     others = [c for c in cases if c is not best]
     other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
-    return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [selection.by_id[c]]]
+    return [cases.index(selection.by_id[i]) for i in dict.fromkeys([other.id, best.id])]
 
 
-def shot_of(case, index):
-    t, x, y, u = load.surface(case, index)
+def shot_of(case: Case, index: int) -> fig_surface.Snapshot:
+    t, x, y, u = case.snapshot(index)
     return fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
 
 
-def cut(shot, limits, widest_px):
+def cut(shot: fig_surface.Snapshot, limits: tuple[float, float, float, float], widest_px: int) -> tuple[list[float],
+        np.ndarray]:
     """The part of a snapshot within the limits, at a resolution for the page: extent and u(x, y)."""
     x = np.flatnonzero((shot.x_mm >= limits[0]) & (shot.x_mm <= limits[1]))
     y = np.flatnonzero((shot.y_mm >= limits[2]) & (shot.y_mm <= limits[3]))
@@ -68,7 +73,7 @@ def cut(shot, limits, widest_px):
     return [round(float(v), 4) for v in extent], u[::step, ::step]
 
 
-def picture(u_um, peak, lossless):
+def picture(u_um: np.ndarray, peak: float, lossless: bool) -> str:
     """A grey WebP picture as base64 text; its rows run from the largest y to the smallest."""
     level = np.nan_to_num(u_um / peak) if peak else np.zeros_like(u_um)
     level = np.round(127.5 + 127.5 * np.sign(level) * np.sqrt(np.abs(level))).astype(np.uint8)
@@ -78,7 +83,8 @@ def picture(u_um, peak, lossless):
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def case_data(selection, case, limits, detail):
+def case_data(selection: load.Selection, case: Case, limits: tuple[float, float, float, float], detail: Detail) -> dict[str,
+              Any]:
     """The pictures of a case, its path and the positions of its focus, in mm, ms and um."""
     shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
     parts = [cut(s, limits, detail.widest_px) for s in shots]
@@ -91,14 +97,14 @@ def case_data(selection, case, limits, detail):
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
             "offsets": [rounded(o) for o in wake.offsets_mm(case)],
-            "path": [rounded(p) for p in layout.evenly(path, 300)] if np.ptp(path, axis=0).max() > 0 else []}
+            "path": [rounded(p) for p in layout.evenly(list(path), 300)] if np.ptp(path, axis=0).max() > 0 else []}
 
 
-def rounded(place):
+def rounded(place: np.ndarray) -> list[float]:
     return [round(float(v), 3) for v in place]
 
 
-def common_view(cases):
+def common_view(cases: list[Case]) -> tuple[float, float, tuple[float, float, float, float]]:
     """End of the colour scale of the wake, largest displacement, and the part of the surface that all cases show,
     from the last times of at most 40 cases."""
     shots = []
@@ -110,7 +116,7 @@ def common_view(cases):
     return end, max(float(np.nanmax(np.abs(s.u_um))) for s in shots), fig_surface.window(shots, end)
 
 
-def detail_that_fits(selection, cases, limits):
+def detail_that_fits(selection: load.Selection, cases: list[Case], limits: tuple[float, float, float, float]) -> Detail:
     """The best detail whose pictures are expected to fit on the page, estimated from a few cases."""
     counts = [len(load.surface_times(c)) for c in cases]
     choices = [Detail(MOMENTS), Detail(MOMENTS, lossless=False), Detail(30, lossless=False),
@@ -126,12 +132,12 @@ def detail_that_fits(selection, cases, limits):
     return choices[-1]
 
 
-def colours():
+def colours() -> list[list[int]]:
     table = matplotlib.colormaps[style.DIVERGING](np.linspace(0.0, 1.0, 129))
     return (255 * table[:, :3]).round().astype(int).tolist()
 
 
-def slow_down_options(times):
+def slow_down_options(times: list[float]) -> str:
     """The slow-downs, of which that near PLAYED_s per run is selected."""
     run_s = 1e-3 * (max(times) - min(times)) or 1.0
     chosen = min(SLOW_DOWNS, key=lambda s: abs(math.log(s * run_s / PLAYED_s)))
@@ -139,7 +145,7 @@ def slow_down_options(times):
                    for s in SLOW_DOWNS)
 
 
-def controls(data, last):
+def controls(data: dict[str, Any], last: int) -> str:
     wake_um, peak_um = (number(data[key], 3) for key in ("wake", "peak"))
     times = [t for case in data["cases"] for t in case["times"]]
     return (
@@ -156,7 +162,7 @@ def controls(data, last):
         '<button type="button" class="whole">Whole surface</button></div>')
 
 
-def caption(cases, data, detail):
+def caption(cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
     kept = max(len(load.surface_times(c)) for c in cases)
     text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
             "focal disc. Dotted line: path of the focus. Choose "
@@ -172,7 +178,7 @@ def caption(cases, data, detail):
     return text
 
 
-def player(selection):
+def player(selection: load.Selection) -> str:
     """HTML of the player; '' if no case has a recorded surface."""
     cases = cases_of(selection)
     if not cases:
@@ -181,7 +187,7 @@ def player(selection):
     detail = detail_that_fits(selection, cases, limits)
     stored = [case_data(selection, c, limits, detail) for c in cases]
     view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
-    data = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
+    data: dict[str, Any] = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
             "palette": colours()}
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1

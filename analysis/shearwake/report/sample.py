@@ -1,27 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The statistics of a job with [uncertain], which `shearwake reduce` wrote."""
+from __future__ import annotations
+
 import math
+from typing import Any
 
 from ..tables import read_statistics
 from . import layout
+from .load import Selection
 from .words import counted, number
 
 RESULT = ("eta_period_1", "eta_at_1")  # the column of the summary: the first that has values
 
 
-def swept(selection):
+def swept(selection: Selection) -> Any:
     """The swept keys that are not uncertain."""
     return [key for key in selection.sweep.swept_keys if key not in selection.sweep.uncertain["keys"]]
 
 
-def place(selection, row):
+def place(selection: Selection, row: Any) -> Any:
     """The swept values of a row or of the settings of a case, as in the CSV."""
-    def cell(value):
+    def cell(value: Any) -> Any:
         return value if isinstance(value, str) else f"{value:.9g}"
     return tuple(cell(row[key]) if key in row else "" for key in swept(selection))
 
 
-def label(selection, where, without=""):
+def label(selection: Selection, where: Any, without: Any = "") -> str:
     """'AM frequency 200 Hz, focus FWHM 3 mm' for the swept values `where`."""
     parts = []
     for key, value in zip(swept(selection), where):
@@ -30,28 +34,28 @@ def label(selection, where, without=""):
     return ", ".join(parts)
 
 
-def amount(value):
+def amount(value: Any) -> Any:
     try:
         return float(value)
     except ValueError:
         return value
 
 
-def by_place(selection, rows, column):
+def by_place(selection: Selection, rows: Any, column: str) -> Any:
     """{swept values: {statistic: row}} of a column."""
-    found = {}
+    found: dict[Any, dict[str, Any]] = {}
     for row in rows:
         if row["column"] == column and not math.isnan(row["value"]):
             found.setdefault(place(selection, row), {})[row["statistic"]] = row
     return found
 
 
-def doubt(row):
+def doubt(row: Any) -> Any:
     """The note of a statistic about its sample, as the continuation of a sentence; '' if the sample suffices."""
     return f" ({row['note']})" if row["note"] else ""
 
 
-def sentence(selection):
+def sentence(selection: Selection) -> str:
     """The result in a sentence, for the top of the page."""
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
     column = next((c for c in RESULT if by_place(selection, rows, c)), None)

@@ -115,7 +115,7 @@ def spread(places: Any, gap: float) -> np.ndarray:
     return moved
 
 
-def label_right(axes: Axes, labels: list[tuple]) -> None:
+def label_right(axes: Axes, labels: list[Any]) -> None:
     """Writes each (y, text, colour) at the right edge near the height y, without overlaps and within the height of the
     axes if there is room."""
     if not labels:

@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Summarises the result of a sweep in one or two sentences."""
-import math
+from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from typing import Any
+
+from ..case import Case
 from . import layout, optima, sample, warnings_of
+from .load import Selection
 from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants,
                               relative_error, settings_that_differ, spread_of, valid, with_error)
 from .warnings_of import is_valid
@@ -12,18 +18,18 @@ EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of
 NAMED = 3     # largest number of cases with the same value that are named
 
 
-def where(selection, case):
+def where(selection: Selection, case: Case) -> str:
     keys = [k for k in [selection.x, *layout.group_keys(selection)] if k and k in case.settings]
     return ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys)
 
 
-def alike(case, cases, value):
+def alike(case: Case, cases: list[Case], value: Callable[..., Any]) -> list[Case]:
     """The cases with the same value as a case, itself first."""
     own = value(case)
     return [case, *(c for c in cases if c is not case and abs(value(c) - own) <= EQUAL * abs(own))]
 
 
-def places(selection, cases):
+def places(selection: Selection, cases: list[Case]) -> str:
     """Where the cases are: 'AM frequency 400 Hz and AM frequency 800 Hz'; only the first ones of many, and their number."""
     found = list(dict.fromkeys(where(selection, c) for c in cases))
     if len(found) > NAMED:
@@ -31,7 +37,7 @@ def places(selection, cases):
     return listed(found)
 
 
-def subject(selection, cases):
+def subject(selection: Selection, cases: list[Case]) -> str:
     """For example 'AM-STM at AM frequency 400 Hz'."""
     kind = cases[0].setting("load", "modulation", "kind", default="")
     place = places(selection, cases)
@@ -40,20 +46,20 @@ def subject(selection, cases):
     return f"{kind} at {place}" if place else kind
 
 
-def reference_for(selection, case):
+def reference_for(selection: Selection, case: Case) -> Case | None:
     """The reference of a case if the readings of both are valid, else None; None for a reference."""
     found = selection.reference_of(case)
     return found if found and found is not case and is_valid(case) and is_valid(found) else None
 
 
-def gain(selection, case):
+def gain(selection: Selection, case: Case) -> float:
     """eta relative to that of the reference of the case; NaN for a reference, or if one of them is not valid."""
     reference = reference_for(selection, case)
     below = reference.value("eta_period_1", math.nan) if reference else math.nan
     return case.value("eta_period_1", math.nan) / below if below else math.nan
 
 
-def comparison(value, reference, name):
+def comparison(value: float, reference: float, name: str) -> str:
     """For example '1.8 times the 0.28 of plain STM' or '13 % more than the 0.24 of plain STM'."""
     factor = value / reference
     if factor >= 1.5:
@@ -62,7 +68,7 @@ def comparison(value, reference, name):
     return f"{percent} than the {number(reference, 3)} of {name}"
 
 
-def caveats(selection, is_used=False):
+def caveats(selection: Selection, is_used: bool = False) -> str:
     """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
     valid, which are used in the tables of the optima."""
     missing = [c for c in selection.cases if not c.is_complete]
@@ -88,12 +94,12 @@ def caveats(selection, is_used=False):
     return text
 
 
-def range_of(selection, cases, column="eta_period_1"):
+def range_of(selection: Selection, cases: list[Case], column: str = "eta_period_1") -> str:
     low, high = (f(c.value(column, math.nan) for c in cases) for f in (min, max))
     return span(low, high)
 
 
-def only_numerical(selection, cases):
+def only_numerical(selection: Selection, cases: list[Case]) -> Any:
     """For a sweep over numerical parameters alone."""
     if len(cases) == 1:
         return f"The efficiency η (eta_period_1) is {with_error(selection, cases[0], 'eta_period_1')}." + estimate(selection, cases[0])
@@ -101,7 +107,7 @@ def only_numerical(selection, cases):
             f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(selection, cases[0]))
 
 
-def estimate(selection, case, column="eta_period_1"):
+def estimate(selection: Selection, case: Case, column: str = "eta_period_1") -> str:
     """States the numerical error of a column and, if that of a ratio is unknown, of eta."""
     relative = relative_error(selection, case, column)[0]
     if is_measurement(selection):
@@ -115,18 +121,18 @@ def estimate(selection, case, column="eta_period_1"):
     return estimate(selection, case)[:-1] + f"; that of {quantity(column)} is not estimated."
 
 
-def quantity(column):
+def quantity(column: str) -> str:
     return "the ratio" if "over_reference" in column else "η"
 
 
-def without_best(selection, cases):
+def without_best(selection: Selection, cases: list[Case]) -> Any:
     """For a sweep in which no case may be called the best."""
     noun = "complete case" if all(map(is_valid, layout.ordinary(selection))) else "valid case"
     return (f"The efficiency η (eta_period_1) of {counted(len(cases), noun)} is {range_of(selection, cases)}; no case "
             "is called the best until all are complete.")
 
 
-def indistinct(selection, equal, cases, column):
+def indistinct(selection: Selection, equal: list[Case], cases: list[Case], column: str) -> str:
     """Relates the differences between cases to those between engines and to the numerical error of a column. `equal`: the
     best cases, which have the same value."""
     best, variants = equal[0], numerical_variants(selection, equal[0], column)
@@ -145,11 +151,11 @@ def indistinct(selection, equal, cases, column):
             f"{number(100 * relative, 2)} % of {quantity(column)} each{estimated_at(selection, best, column)}.")
 
 
-def further(cases):
+def further(cases: list[Case]) -> str:
     return f"{counted(len(cases), 'further case')} {'differs' if len(cases) == 1 else 'differ'}"
 
 
-def efficiency(selection):
+def efficiency(selection: Selection) -> str:
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
     if not known(selection, "eta_period_1"):
         return "No case has an efficiency η over complete periods (eta_period_1)."
@@ -174,7 +180,7 @@ def efficiency(selection):
     return text + relate + notes
 
 
-def highest(selection, cases):
+def highest(selection: Selection, cases: list[Case]) -> str:
     """The case with the largest efficiency, of cases without valid references."""
     best = max(cases, key=lambda c: c.value("eta_period_1", math.nan))
     value = with_error(selection, best, "eta_period_1")
@@ -189,17 +195,18 @@ def highest(selection, cases):
             + indistinct(selection, equal, cases, "eta_period_1"))
 
 
-def of_the_valid(selection, cases):
+def of_the_valid(selection: Selection, cases: list[Case]) -> str:
     """' of the 9 valid cases', or '' if these are all cases."""
     return "" if len(cases) == len(layout.ordinary(selection)) else f" of the {counted(len(cases), 'valid case')}"
 
 
-def against_reference(selection, equal, compared):
+def against_reference(selection: Selection, equal: list[Case], compared: list[Case]) -> str:
     """The best of the compared cases, which have the same values, and the reference."""
     best, who = equal[0], subject(selection, equal)
     several = who != subject(selection, [best])
     value = best.value("eta_period_1", math.nan)
-    reference = selection.reference_of(best).value("eta_period_1", math.nan)
+    of_best = selection.reference_of(best)
+    reference = of_best.value("eta_period_1", math.nan) if of_best else math.nan
     name = layout.reference_name(layout.all_references(selection))
     versus = (f"{'the' if several else 'its'} efficiency η (eta_period_1) {'of each ' if several else ''}is {with_error(selection, best, 'eta_period_1')}, "
               f"{comparison(value, reference, name)}.")
@@ -219,7 +226,7 @@ def against_reference(selection, equal, compared):
     return f"{who} {'focus' if several else 'focuses'} best{among}: {versus}"
 
 
-def strength(selection):
+def strength(selection: Selection) -> str:
     """The strength at the focus relative to the reference; '' if no reading is valid."""
     ratio = {}
     for case in valid(selection, "focal_rms_um"):
@@ -241,12 +248,12 @@ def strength(selection):
             f"{number(high, 2)} ({places(selection, at_high)}) times that of {name}.")
 
 
-def span(low, high):
-    low, high = number(low, 3), number(high, 3)
-    return low if low == high else f"{low} to {high}"
+def span(low: float, high: float) -> str:
+    ends = number(low, 3), number(high, 3)
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
 
 
-def fired(selection):
+def fired(selection: Selection) -> str:
     """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
     cases = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
     spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1", math.nan))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1", math.nan))]
@@ -259,7 +266,7 @@ def fired(selection):
     return f"{'; '.join(parts)}. " if parts else ""
 
 
-def spikes_text(selection, found):
+def spikes_text(selection: Selection, found: list[tuple[Case, int]]) -> str:
     """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
     if len(found) > 3:
         ends = sorted({f(n for _, n in found) for f in (min, max)})
@@ -267,12 +274,12 @@ def spikes_text(selection, found):
     return listed(spikes_at(selection, [case], count) for case, count in found)
 
 
-def spikes_at(selection, cases, count):
+def spikes_at(selection: Selection, cases: list[Case], count: int) -> str:
     place = places(selection, cases)
     return counted(count, "spike") + (f" at {place}" if place else "")
 
 
-def summary(selection):
+def summary(selection: Selection) -> str:
     if not layout.ordinary(selection):
         return "No case is complete yet, so there is nothing to draw."
     if selection.sweep.uncertain:

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The sortable table of the page, with the main columns of the table of `shearwake reduce`."""
+from __future__ import annotations
+
 import html
 import math
 
 from .. import wake
+from ..case import Case
 from . import layout
+from .figure import Figure
+from .load import Selection
 from .words import counted, number, value_text
 
 
-def measures(selection):
+def measures(selection: Selection) -> list[str]:
     """The columns that the table of measures (src/measures/measure_table.cpp) lists for the page; columns of
     shapes only if the focus draws a shape, not a straight line, and ratios only if there are references."""
     shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(selection))
@@ -17,20 +22,20 @@ def measures(selection):
             and (references or not c.over_reference_of)]
 
 
-def numeric_cell(amount):
+def numeric_cell(amount: float) -> str:
     if amount is None or math.isnan(amount):
         return '<td class="n empty">–</td>'
     return f'<td class="n" data-v="{amount:.9g}" title="{amount:.9g}">{number(amount)}</td>'
 
 
-def setting_cell(case, key):
+def setting_cell(case: Case, key: str) -> str:
     setting = case.settings.get(key)
     if isinstance(setting, str):
         return f'<td title="{html.escape(setting)}">{html.escape(value_text(key, setting))}</td>'
     return numeric_cell(math.nan if setting is None else float(setting))
 
 
-def head(columns):
+def head(columns: list[str]) -> str:
     cells = ""
     for column in columns:
         kind = "" if column in ("id", "reference", "valid", "status") else ' class="n"'
@@ -39,14 +44,14 @@ def head(columns):
     return f"<thead><tr>{cells}</tr></thead>"
 
 
-def id_cell(case):
+def id_cell(case: Case) -> str:
     """The id with a box that shows or hides the lines of the case, linked to the case file."""
     name = html.escape(case.id)
     return (f'<td><label><input type="checkbox" checked aria-label="show {name} in the figures"></label> '
             f'<a href="../cases/{name}.h5"><code>{name}</code></a></td>')
 
 
-def filtered(figures):
+def filtered(figures: list[Figure]) -> str:
     """States which figures hide the lines of cases that are not selected: those with one line per case."""
     links = [f'<a href="#{html.escape(f.name)}">{html.escape(f.title)}</a>' for f in figures
              if any(line.get("case") for chart in f.charts for line in chart["lines"])]
@@ -56,7 +61,7 @@ def filtered(figures):
             f"case: {'; '.join(links)}. All other figures and the player do not change.")
 
 
-def tools(selection, figures):
+def tools(selection: Selection, figures: list[Figure]) -> str:
     """The filter above the table, its effect on the figures, and the links to the data."""
     name = html.escape(selection.sweep.name)
     return ('<div class="tools"><label>Filter <input id="filter" type="search" '
@@ -69,7 +74,7 @@ def tools(selection, figures):
             f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
 
 
-def row(case, kinds, keys, shown, followers, mark):
+def row(case: Case, kinds: list[str], keys: list[str], shown: list[str], followers: list[str], mark: str) -> str:
     """The cells of a case; `kinds` is the column that marks references, or empty without references."""
     cells = [id_cell(case), *(f'<td>{"yes" if case.is_reference else ""}</td>' for _ in kinds)]
     cells += [setting_cell(case, k) for k in keys]
@@ -82,13 +87,14 @@ def row(case, kinds, keys, shown, followers, mark):
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
 
-def table(selection, figures):
+def table(selection: Selection, figures: list[Figure]) -> str:
     """The table and, below it, the notes to which its last column refers."""
     keys = layout.axes(selection)
     followers = [k for k in selection.sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
     shown = measures(selection)
     kinds = ["reference"] if any(c.is_reference for c in selection.cases) else []
-    notes, rows = {}, []
+    notes: dict[str, int] = {}
+    rows = []
     for case in selection.cases:
         mark = ""
         if case.note:

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges pairs of slices such that a millimetre has the same length along both axes and in all panels."""
+from __future__ import annotations
+
+from typing import Any
+
 import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
 
 from . import layout, style
 
@@ -9,7 +14,7 @@ LEFT_in, RIGHT_in, BETWEEN_in, BELOW_in, BAR_in = 0.66, 0.2, 0.72, 0.46, 0.62
 LINE_in = 0.165
 
 
-def scale_of(rows):
+def scale_of(rows: list[tuple[str, list[Any]]]) -> tuple[float, bool]:
     """Inches per mm, and whether the slices of a pair are next to each other."""
     pairs = [pair for _, pair in rows]
     highest = max(height for pair in pairs for _, _, height in pair)
@@ -20,7 +25,7 @@ def scale_of(rows):
     return min(below, HIGH_in / highest), False
 
 
-def lines_of(rows, scale, beside):
+def lines_of(rows: list[tuple[str, list[Any]]], scale: float, beside: bool) -> list[list[tuple[float, float, float, str]]]:
     """The lines of panels from top to bottom: lists of (left edge, width and height in inches, title)."""
     lines = []
     for label, pair in rows:
@@ -34,7 +39,7 @@ def lines_of(rows, scale, beside):
     return lines
 
 
-def arrange(rows):
+def arrange(rows: list[tuple[str, list[Any]]]) -> tuple[Any, list[tuple[Axes, Axes]], Axes]:
     """Axes of equal scale for pairs of slices, and the axes of a common colour bar. Rows: (label, two slices as (title,
     width in mm, height in mm)). Returns the figure, a pair of axes per row, and the axes of the bar."""
     scale, beside = scale_of(rows)

@@ -4,11 +4,15 @@
 DIR/report/figures.json maps the name of a group of figures to a hash of everything that the group depends on, and
 to what its drawing returned. The pictures lie next to it.
 """
+from __future__ import annotations
+
 import hashlib
 import json
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -16,20 +20,21 @@ import numpy as np
 from . import medium_files
 from .chart import Chart, chart_data
 from .figure import Figure
+from .load import Selection
 
 NAME = "figures.json"
 MEDIUM_FILES = ("medium.map", "solver.pstd.study")
 HERE = Path(__file__).resolve().parent
 
 
-def code_hash():
+def code_hash() -> str:
     """Of all modules of the report and of the package, and of the version of matplotlib."""
     parts = [matplotlib.__version__.encode()]
     parts += [path.read_bytes() for path in sorted([*HERE.glob("*.py"), *HERE.parent.glob("*.py")])]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
-def stamp(path):
+def stamp(path: Any) -> list[int | str] | None:
     """Size and time of the last change of a file, None without one. A case that is computed again is a new file."""
     try:
         found = path.stat()
@@ -38,7 +43,7 @@ def stamp(path):
         return None
 
 
-def facts(selection):
+def facts(selection: Selection) -> list[Any]:
     """Everything that figures read from a selection, apart from the contents of the case files."""
     sweep = selection.sweep
     return [sweep.name, sweep.title, sweep.swept_keys, selection.x, sweep.series_keys, sweep.columns, selection.label_keys,
@@ -48,7 +53,7 @@ def facts(selection):
              for c in selection.cases if c.is_complete]]
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """Values of the JSON file: figures as dictionaries, charts with few digits, numpy values as numbers and lists."""
     if isinstance(value, Figure):
         return vars(value)
@@ -64,18 +69,19 @@ def plain(value):
 class Drawn:
     """The figures of the previous report, and those of the new one in the folder `part`."""
 
-    def __init__(self, folder, part):
-        self.folder, self.part, self.code, self.new, self.reused = folder, part, code_hash(), {}, 0
+    def __init__(self, folder: Path, part: Path) -> None:
+        self.folder, self.part, self.code, self.reused = folder, part, code_hash(), 0
+        self.new: dict[str, Any] = {}
         try:
             self.old = json.loads((folder / NAME).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             self.old = {}
 
-    def key(self, name, selection):
+    def key(self, name: str, selection: Selection) -> str:
         text = json.dumps([self.code, name, facts(selection)], default=str, sort_keys=True)
         return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
 
-    def draw(self, name, draw, selection, *arguments):
+    def draw(self, name: str, draw: Callable[..., Any], selection: Selection, *arguments: Path) -> list[Figure] | str:
         """The result of draw(selection, *arguments): figures with charts as JSON objects, or a text. If nothing has
         changed it is that of the previous report."""
         key, before = self.key(name, selection), self.old.get(name, {})
@@ -91,7 +97,7 @@ class Drawn:
         result = self.new[name]["result"]
         return result if isinstance(result, str) else [Figure(**figure) for figure in result]
 
-    def take(self, files):
+    def take(self, files: list[str]) -> bool:
         """Copies the pictures of the previous report. Returns whether all of them exist."""
         if not all((self.folder / name).is_file() for name in files):
             return False
@@ -102,5 +108,5 @@ class Drawn:
                 shutil.copyfile(self.folder / name, self.part / name)
         return True
 
-    def save(self):
+    def save(self) -> None:
         (self.part / NAME).write_text(json.dumps(self.new), encoding="utf-8")

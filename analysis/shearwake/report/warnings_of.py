@@ -3,10 +3,15 @@
 
 `kinds(selection)` lists the warnings of its cases, `of_figure(selection, name, ids)` those of the cases that a figure shows.
 """
+from __future__ import annotations
+
 import re
 from dataclasses import dataclass
+from typing import Any
 
+from ..case import Case
 from . import layout, topics
+from .load import Selection
 
 OF_DRIVE = ("drive",)  # shows the prescribed load alone
 OF_MEDIA = ("medium",)  # shows the medium alone
@@ -26,25 +31,25 @@ class Kind:
     cases: list
 
     @property
-    def is_error(self):
+    def is_error(self) -> bool:
         return self.severity == "error"
 
-    def name(self):
+    def name(self) -> str:
         """A short name: the key of the job that the warning is about."""
         key = self.key or f"warning {self.number}"
         return f"not valid: {key}" if self.is_error else key
 
 
-def starts_with(name, beginnings):
+def starts_with(name: str, beginnings: tuple[Any, ...]) -> bool:
     return any(name.startswith(b) for b in beginnings)
 
 
-def is_of_receptors(name):
+def is_of_receptors(name: str) -> bool:
     """Whether a figure belongs to the last topic, which has all figures that belong to no other."""
     return name != "player" and not any(starts_with(name, beginnings) for _, beginnings in topics.TOPICS[:-1])
 
 
-def concerns(case, key, name):
+def concerns(case: Case, key: str, name: str) -> bool:
     """Whether a warning about this key of a case concerns the figure of this name."""
     if key.startswith("afferents."):
         return is_of_receptors(name)
@@ -59,16 +64,16 @@ def concerns(case, key, name):
     return True
 
 
-def errors(case, name):
+def errors(case: Case, name: str) -> list[dict[str, str]]:
     """The warnings of a case which state that what a figure shows is not valid."""
     return [w for w in case.warnings if w["severity"] == "error" and concerns(case, w["key"], name)]
 
 
-def is_valid(case, name=OF_READINGS):
+def is_valid(case: Case, name: str = OF_READINGS) -> bool:
     return not errors(case, name)
 
 
-def holds(selection, case, column, name=OF_READINGS):
+def holds(selection: Selection, case: Case, column: str, name: str = OF_READINGS) -> bool:
     """Whether the value of a column is valid: that of the case and, for a ratio, that of its reference."""
     if not is_valid(case, name):
         return False
@@ -76,17 +81,17 @@ def holds(selection, case, column, name=OF_READINGS):
     return reference is None or is_valid(reference, name)
 
 
-def label(selection, case, name):
+def label(selection: Selection, case: Case, name: str) -> str:
     """The label of a case in a figure; states if what the figure shows of it is not valid."""
     return layout.case_label(selection, case) + ("" if is_valid(case, name) else " (not valid)")
 
 
-def template(warning):
+def template(warning: dict[str, str]) -> tuple[str, str, str]:
     """Equal for warnings that differ only in their numbers."""
     return warning["severity"], warning["key"], NUMBER.sub("#", warning["message"])
 
 
-def merged(messages):
+def merged(messages: list[str]) -> str:
     """Messages that differ only in their numbers as one message with the range of each number: 'at 4 to 5 ms'."""
     pieces = NUMBER.split(messages[0])
     text = pieces[0]
@@ -96,9 +101,9 @@ def merged(messages):
     return text if len(messages) == 1 else text.replace("the readings of this case are", "the readings are")
 
 
-def kinds_of(cases, name=None):
+def kinds_of(cases: list[Case], name: str | None = None) -> list[Kind]:
     """The kinds of warnings of some cases that concern a figure, those of invalid readings first."""
-    found = {}
+    found: dict[Any, list[tuple[Case, str]]] = {}
     for case in cases:
         for warning in case.warnings:
             if name is None or concerns(case, warning["key"], name):
@@ -109,12 +114,12 @@ def kinds_of(cases, name=None):
             for n, ((severity, key, _), entries) in enumerate(ordered)]
 
 
-def kinds(selection):
+def kinds(selection: Selection) -> list[Kind]:
     """All kinds of warnings of the complete cases, references included, in the order of the list of the page."""
     return kinds_of([c for c in selection.cases if c.is_complete])
 
 
-def of_figure(selection, name, ids=None):
+def of_figure(selection: Selection, name: str, ids: list[str] | None = None) -> list[Kind]:
     """The kinds of warnings that concern the figure `name`, with those cases that it shows (None: all complete cases)."""
     made = []
     for kind in kinds(selection):
@@ -124,7 +129,7 @@ def of_figure(selection, name, ids=None):
     return made
 
 
-def reasons(cases, name=OF_READINGS):
+def reasons(cases: list[Case], name: str = OF_READINGS) -> str:
     """Why the readings of some cases are not valid, for a sentence that states that they are not: the last sentence of
     each message, which contains what was computed."""
     found = []
