@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from ..case import Case
 from ..errors import NotAnOutputFolder
 from ..plan import first_line
 from . import compare_fields, compare_words
