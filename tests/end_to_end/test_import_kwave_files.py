@@ -362,6 +362,19 @@ class Errors(FilesTest):
         self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999
         self.assertNotIn("k-Wave itself", said)
 
+    def test_ranges_of_octave_that_are_endless_are_refused(self):
+        kind = [("base", "f8"), ("limit", "f8"), ("increment", "f8")]
+        for limits in ((0.0, 1e12, 1.0), (0.0, 1.0, 0.0), (0.0, numpy.inf, 1e-5)):
+            with h5py.File(self.folder / "range.h5", "w") as file:
+                item = file.create_group("kgrid/t_array")
+                item.attrs["OCTAVE_NEW_FORMAT"] = numpy.uint8(1)
+                item["type"] = numpy.bytes_("range")
+                item["value"] = numpy.array(limits, dtype=kind)
+                for name in ("medium", "source"):
+                    file.create_group(name)
+            with self.subTest(limits=limits):
+                self.refused("range.h5", "is not one of at most 1e+07 numbers")
+
     def test_input_of_the_acoustic_code_is_named(self):
         with h5py.File(self.folder / "acoustic.h5", "w") as file:
             for name, value in {"Nx": 8, "Ny": 8, "Nz": 8, "dt": 1e-7, "c0": 1500.0, "rho0": 1000.0, "pml_x_size": 2}.items():

@@ -13,6 +13,7 @@ EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p
             "source": "'u_mask', u_mask, 'uz', uz", "sensor": "'mask', mask"}
 # Datasets of the input of kspaceFirstOrder-OMP and -CUDA.
 ACOUSTIC = ("c0", "rho0", "c_ref", "rho0_sgx", "pml_x_size", "p_source_flag", "p0_source_flag", "sensor_mask_type")
+MOST_IN_RANGE = 1e7  # numbers of a range, which takes 24 bytes in a file
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
@@ -71,7 +72,11 @@ def of_octave(group, level):
         return characters(value[()])
     if "range" in kind:
         base, limit, step = (float(value[()][name]) for name in ("base", "limit", "increment"))
-        return base + step * np.arange(int(np.floor((limit - base) / step * (1 + 1e-15))) + 1)
+        count = (limit - base) / step * (1 + 1e-15) if step else np.nan
+        if not count < MOST_IN_RANGE:  # also for NaN
+            raise BadInput(f"a range of Octave from {base:g} to {limit:g} in steps of {step:g} is not one of at most {MOST_IN_RANGE:g} "
+                           "numbers")
+        return base + step * np.arange(int(np.floor(count)) + 1)
     return of_array(np.asarray(value[()]).T)
 
 
