@@ -70,7 +70,7 @@ class Functions(ProgramTest):
                 numpy.testing.assert_allclose(values.reshape(expected.shape), expected, rtol=0.0, err_msg=name,
                                               atol=scale * (ROUNDED if expected.dtype == "f4" else tolerance))
                 compared += 1
-        self.assertGreater(compared, 5)
+        self.assertGreaterEqual(compared, 5)  # of each group of the reference
 
     def result(self, case, group="binary", **options):
         found, keywords = study(case)

@@ -66,9 +66,13 @@ private:
 
 /// What is often asked of an array, for example for each case of a sweep.
 struct KnownArray {
-    explicit KnownArray(const ArrayFootprint& of) : array(of) {
+    explicit KnownArray(const ArrayFootprint& of) : array(of) {}
+    /// Straight below the middle. The reader asks for the width of an array before it limits the
+    /// samples of the pattern.
+    const Patch& pattern() {
         const Vec2 focus = array.center_m;
-        pattern = ArrayField(array, 0.0).pattern(focus, {&focus, 1});
+        if (!patch) patch = ArrayField(array, 0.0).pattern(focus, {&focus, 1});
+        return *patch;
     }
     double fwhm_m() {
         if (!width_m)
@@ -76,10 +80,12 @@ struct KnownArray {
                 2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) * half_width_m(array, {0.0, 1.0}));
         return *width_m;
     }
-    double bandwidth_rad_m(double fraction) { return spectrum.bandwidth_rad_m(pattern, fraction); }
+    double bandwidth_rad_m(double fraction) {
+        return spectrum.bandwidth_rad_m(pattern(), fraction);
+    }
 
     ArrayFootprint array;
-    Patch pattern; // straight below the middle
+    std::optional<Patch> patch;
     std::optional<double> width_m;
     Spectrum spectrum;
 };
@@ -115,21 +121,21 @@ double pressure(const Footprint& footprint, double x_m, double y_m) {
 }
 
 double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
-    return std::visit(overloaded{
-                          [&](const GaussianFootprint& g) {
-                              const double s2 = sigma_m(g) * sigma_m(g);
-                              const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
-                              return two_pi * s2 * std::exp(-0.5 * k2 * s2);
-                          },
-                          [&](const ArrayFootprint& array) {
-                              return std::abs(transform(known(array).pattern, kx_rad_m, ky_rad_m));
-                          },
-                          [&](const LensFootprint& lens) {
-                              return std::abs(
-                                  transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
-                          },
-                      },
-                      footprint);
+    return std::visit(
+        overloaded{
+            [&](const GaussianFootprint& g) {
+                const double s2 = sigma_m(g) * sigma_m(g);
+                const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
+                return two_pi * s2 * std::exp(-0.5 * k2 * s2);
+            },
+            [&](const ArrayFootprint& array) {
+                return std::abs(transform(known(array).pattern(), kx_rad_m, ky_rad_m));
+            },
+            [&](const LensFootprint& lens) {
+                return std::abs(transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
+            },
+        },
+        footprint);
 }
 
 double fwhm_m(const Footprint& footprint) {
