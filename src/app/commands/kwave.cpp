@@ -8,8 +8,7 @@ void add_kwave(CLI::App& app, Action& action) {
     auto [command, arguments] = add_command<kwave::Arguments>(
         app, action, "kwave",
         "run the elastic input file of k-Wave (pstdElastic3D with 'SaveToDisk') and write the "
-        "output "
-        "file of its compiled programs; exit code 1 for every error, as they have",
+        "output file of its compiled programs; exit code 1 for every error, as they have",
         kwave::run);
     command
         .add_option("-i", arguments.input,
