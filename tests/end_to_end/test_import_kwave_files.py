@@ -154,6 +154,12 @@ class Errors(FilesTest):
     def refused(self, name, *words, expect=3):
         self.says(self.imported(name, expect=expect), *words)
 
+    def test_arrays_that_grow_by_decompression_are_refused(self):
+        structures = study()
+        structures["medium"]["density"] = numpy.zeros((230, 200, 200))  # 74 MB, of which 70 kB are stored
+        scipy.io.savemat(self.folder / "small.mat", structures, do_compression=True)
+        self.refused("small.mat", "kB for more than 64 MB", "save them without compression")
+
     def test_files_that_are_not_studies_are_explained(self):
         (self.folder / "text.mat").write_text("no study", encoding="utf-8")
         self.refused("text.mat", "is neither an HDF5 file nor a .mat file but a text file", '"no study"')

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
+import struct
+import zlib
+
 import h5py
 import numpy as np
-from ..inputs import BadLink, open_self_contained
+from ..inputs import ALLOWED_B, MOST_COMPRESSION, BadLink, open_self_contained
 
 from .structures import BadInput, Structure, Unreadable, kind_of, text_of
 from .variables import NAMES, chosen_variables
@@ -197,6 +200,34 @@ def variables_of(path):
     return [name for name in names if name not in ("", "None") and not name.startswith("__")]
 
 
+COMPRESSED = 15  # the type of a variable
+
+
+def refuse_claims(path):
+    """Raises BadInput if a compressed variable of the .mat file contains more than ALLOWED_B and MOST_COMPRESSION times what it
+    stores. Damaged files are left to SciPy."""
+    with open(path, "rb") as file:
+        order = ">" if file.read(128)[126:] == b"MI" else "<"
+        while len(tag := file.read(8)) == 8:
+            kind, stored = struct.unpack(order + "II", tag)
+            if kind != COMPRESSED:
+                file.seek(stored, 1)
+                continue
+            most, found, unpacked = max(ALLOWED_B, MOST_COMPRESSION * stored), 0, zlib.decompressobj()
+            end = file.tell() + stored
+            while file.tell() < end and (rest := file.read(min(1 << 16, end - file.tell()))):
+                while rest and found <= most:
+                    try:
+                        found += len(unpacked.decompress(rest, 1 << 22))
+                    except zlib.error:
+                        return
+                    rest = unpacked.unconsumed_tail
+            if found > most:
+                raise BadInput(f"a variable of {path} stores {stored / 1e3:.3g} kB for more than {most / 1e6:.0f} MB; at most "
+                               f"{ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read: if its arrays are "
+                               "meant to be uniform, save them without compression (-v7.3 -nocompression, or -v6)")
+
+
 def read_mat(path):
     try:
         import scipy.io
@@ -204,6 +235,7 @@ def read_mat(path):
         raise BadInput(f"{path} is not an HDF5 file; .mat files of versions before 7.3 require SciPy (Debian: "
                        "python3-scipy). In MATLAB, save(file, '-v7.3', ...) writes HDF5") from problem
     try:
+        refuse_claims(path)
         chosen, notes = chosen_variables(path, variables_of(path))
         found = scipy.io.loadmat(path, variable_names=list(chosen.values()))
     except (OSError, BadInput):

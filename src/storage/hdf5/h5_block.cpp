@@ -182,7 +182,9 @@ NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view u
         throw UsageError(fmt::format(
             "the dataset \"{}\" contains {} numbers ({:.0f} MB), but stores only {:.3g} kB; at "
             "most "
-            "{:.0f} MB, or {} times what is stored, are read",
+            "{:.0f} MB, or {} times what is stored, are read: store it without compression if it "
+            "is "
+            "meant",
             path, count, static_cast<double>(count) * 8e-6, static_cast<double>(stored_B) * 1e-3,
             static_cast<double>(always_allowed_B) * 1e-6, most_compression));
     block.values.resize(count);
