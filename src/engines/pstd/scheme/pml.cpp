@@ -2,6 +2,7 @@
 #include "engines/pstd/scheme/pml.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace shearwake::pstd {
@@ -66,26 +67,56 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
     for (std::ptrdiff_t z = 0; z < nz; ++z)
         rest += in_layer(slabs.grid, options, 2, z) ? 0 : 1;
     const bool whole_rows = rest < nz && rest < 32;
-    std::vector<int> kept(static_cast<std::size_t>(nz));
-    for (std::ptrdiff_t x = 0; x < slabs.x_count(); ++x) {
-        for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y) {
-            const bool in_x = in_layer(slabs.grid, options, 0, slabs.x_start() + x),
-                       in_y = in_layer(slabs.grid, options, 1, y);
+    // What the nodes of a row keep follows from whether its x and its y are in a layer; only rows
+    // with asked nodes differ.
+    std::array<std::vector<int>, 4> rows;
+    for (const bool in_x : {false, true}) {
+        for (const bool in_y : {false, true}) {
             const int between = in_x && in_y ? all : in_x ? 0 : in_y ? 1 : nothing;
+            std::vector<int>& row = rows[in_x + 2 * in_y];
             for (std::ptrdiff_t z = 0; z < nz; ++z) {
                 const bool in_z = whole_rows || in_layer(slabs.grid, options, 2, z);
-                kept[static_cast<std::size_t>(z)] = !in_z ? between : in_x || in_y ? all : 2;
+                row.push_back(!in_z ? between : in_x || in_y ? all : 2);
             }
-            for (; next != asked.end() && (*next)[0] == slabs.x_start() + x && (*next)[1] == y;
-                 ++next)
-                kept[static_cast<std::size_t>((*next)[2])] = all;
-            for (auto from = kept.begin(); from != kept.end();) {
-                const auto to = std::find_if(from, kept.end(), [&](int k) { return k != *from; });
-                if (*from != nothing) add(from - kept.begin(), to - kept.begin(), *from, parts);
-                from = to;
-            }
-            starts_.push_back(runs_.size());
         }
+    }
+    const auto runs_of = [&](const std::vector<int>& row) {
+        std::vector<SplitRun> found;
+        for (auto from = row.begin(); from != row.end();) {
+            const auto to = std::find_if(from, row.end(), [&](int k) { return k != *from; });
+            if (*from != nothing)
+                found.push_back({from - row.begin(), to - row.begin(), 0, 0, *from});
+            from = to;
+        }
+        return found;
+    };
+    std::array<std::vector<SplitRun>, 4> runs;
+    std::transform(rows.begin(), rows.end(), runs.begin(), runs_of);
+    const std::ptrdiff_t count = slabs.x_count() * slabs.ny();
+    const auto kind_of = [&](std::ptrdiff_t row) -> std::size_t {
+        return in_layer(slabs.grid, options, 0, slabs.x_start() + row / slabs.ny()) +
+               2 * in_layer(slabs.grid, options, 1, row % slabs.ny());
+    };
+    std::size_t total = 0;
+    for (std::ptrdiff_t row = 0; row < count; ++row)
+        total += runs[kind_of(row)].size();
+    runs_.reserve(total);
+    starts_.reserve(static_cast<std::size_t>(count) + 1);
+    for (std::ptrdiff_t row = 0; row < count; ++row) {
+        const auto is_here = [&] {
+            return next != asked.end() && (*next)[0] == slabs.x_start() + row / slabs.ny() &&
+                   (*next)[1] == row % slabs.ny();
+        };
+        std::vector<SplitRun> own;
+        if (is_here()) {
+            std::vector<int> kept = rows[kind_of(row)];
+            for (; is_here(); ++next)
+                kept[static_cast<std::size_t>((*next)[2])] = all;
+            own = runs_of(kept);
+        }
+        for (const SplitRun& run : own.empty() ? runs[kind_of(row)] : own)
+            add(run.begin, run.end, run.face, parts);
+        starts_.push_back(runs_.size());
     }
 }
 
