@@ -7,9 +7,11 @@
 #include "problem/load/array_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -40,27 +42,50 @@ double half_width_m(const ArrayFootprint& array, Vec2 along) {
 }
 
 /// Magnitudes of the transform of a patch at ascending wavenumbers k, the largest of three
-/// directions. Those that are asked for are kept.
+/// directions. Along each of them it is the transform of sums over lines. Those that are asked for
+/// are kept.
 class Spectrum {
 public:
-    double bandwidth_rad_m(const Patch& patch, double fraction) {
-        const double band = patch.band_rad_m();
-        const double least = fraction * std::abs(transform(patch, 0.0, 0.0));
+    explicit Spectrum(const Patch& patch)
+        : spacing_m_(patch.spacing_m), band_rad_m_(patch.band_rad_m()) {
+        const auto side = static_cast<std::size_t>(patch.side);
+        for (auto& sums : sums_)
+            sums.resize(2 * side);
+        for (std::size_t i = 0; i < side; ++i)
+            for (std::size_t j = 0; j < side; ++j) {
+                const double value = patch.values[i * side + j];
+                sums_[0][i] += value;
+                sums_[1][j] += value;
+                sums_[2][i + j] += value;
+            }
+    }
+    double bandwidth_rad_m(double fraction) {
+        const double total = std::accumulate(sums_[0].begin(), sums_[0].end(), 0.0);
+        const double least = fraction * std::abs(total);
         for (int i = steps; i > 0; --i)
-            if (size(patch, i) >= least) return band * i / steps;
-        return band / steps;
+            if (size(i) >= least) return band_rad_m_ * i / steps;
+        return band_rad_m_ / steps;
     }
 
 private:
     static constexpr int steps = 400;
-    double size(const Patch& patch, int i) {
+    double size(int i) {
         double& size = sizes_[static_cast<std::size_t>(i)];
         if (size >= 0.0) return size;
-        const double k = patch.band_rad_m() * i / steps, slanted = k * std::sqrt(0.5);
-        for (const Vec2 at : {Vec2{k, 0.0}, Vec2{0.0, k}, Vec2{slanted, slanted}})
-            size = std::max(size, std::abs(transform(patch, at.x, at.y)));
+        const double along = band_rad_m_ * i / steps * spacing_m_;
+        for (const std::size_t direction : {0, 1, 2}) {
+            const Complex turn = std::polar(1.0, direction < 2 ? along : along * std::sqrt(0.5));
+            Complex sum = 0.0, phase = 1.0;
+            for (const double value : sums_[direction]) {
+                sum += value * phase;
+                phase *= turn;
+            }
+            size = std::max(size, std::abs(sum));
+        }
         return size;
     }
+    double spacing_m_, band_rad_m_;
+    std::array<std::vector<double>, 3> sums_; // over y, over x, over lines of equal i + j
     std::vector<double> sizes_ = std::vector<double>(steps + 1, -1.0);
 };
 
@@ -81,13 +106,14 @@ struct KnownArray {
         return *width_m;
     }
     double bandwidth_rad_m(double fraction) {
-        return spectrum.bandwidth_rad_m(pattern(), fraction);
+        if (!spectrum) spectrum.emplace(pattern());
+        return spectrum->bandwidth_rad_m(fraction);
     }
 
     ArrayFootprint array;
     std::optional<Patch> patch;
     std::optional<double> width_m;
-    Spectrum spectrum;
+    std::optional<Spectrum> spectrum;
 };
 
 /// The last arrays of this thread. They are computed in some ms each, more than all else that
@@ -141,7 +167,10 @@ double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
 double fwhm_m(const Footprint& footprint) {
     return std::visit(overloaded{
                           [](const GaussianFootprint& g) { return g.fwhm_m; },
-                          [](const ArrayFootprint& array) { return known(array).fwhm_m(); },
+                          [](ArrayFootprint array) { // does not depend on where it is faded out
+                              array.reach_m = 0.0;
+                              return known(array).fwhm_m();
+                          },
                           [](const LensFootprint& lens) { return design_of(lens)->width_m; },
                       },
                       footprint);
@@ -164,7 +193,7 @@ double bandwidth_rad_m(const Footprint& footprint, double fraction) {
             },
             [&](const ArrayFootprint& array) { return known(array).bandwidth_rad_m(fraction); },
             [&](const LensFootprint& lens) {
-                return Spectrum().bandwidth_rad_m(design_of(lens)->pattern, fraction);
+                return Spectrum(design_of(lens)->pattern).bandwidth_rad_m(fraction);
             },
         },
         footprint);
