@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Input files of import-kwave, made from the runs of k-Wave's pstdElastic3D in tests/data/pstd."""
+import contextlib
+import io
+import os
+import unittest.mock
+
 import h5py
 import numpy
 
 from program import ROOT
+from shearwake.kwave.main import main
 
 DATA = ROOT / "tests" / "data" / "pstd"
 POINTS = (48, 40, 32)
@@ -34,6 +40,21 @@ def save(path, structures):
                 for number, word in enumerate(value):
                     put(words, f"{name}.{field}.{number}", word)
                     cells[number, 0] = words[f"{name}.{field}.{number}"].ref
+
+
+def import_kwave(folder, *words):
+    """Calls import-kwave in this process, since its start takes longer than the import of a small file. Returns the exit code and
+    the output."""
+    said, before = io.StringIO(), os.getcwd()
+    os.chdir(folder)
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), \
+                unittest.mock.patch("sys.argv", ["import-kwave", *words]):
+            return main(), said.getvalue()
+    except SystemExit as end:
+        return end.code, said.getvalue()
+    finally:
+        os.chdir(before)
 
 
 def reference(run):

@@ -8,7 +8,7 @@ import h5py
 import numpy
 import pytest
 
-from kwave import FIELDS, POINTS, reference, save, structures_of
+from kwave import FIELDS, POINTS, import_kwave, reference, save, structures_of
 from program import PATIENCE_s, ROOT, ProgramTest, case_files, environment
 
 
@@ -19,11 +19,9 @@ class ImportTest(ProgramTest):
 
     def imported(self, structures, *words, expect=0):
         save(self.folder / "study.mat", structures)
-        done = subprocess.run([ROOT / "scripts" / "import-kwave", "study.mat", *words], cwd=self.folder,
-                              env=environment(), capture_output=True, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
-        self.assertNotIn("Traceback", done.stderr)
-        return done.stdout + done.stderr
+        code, said = import_kwave(self.folder, "study.mat", *words)
+        self.assertEqual(code, expect, said)
+        return said
 
     def worst(self, of, fields=tuple(FIELDS[:6])):
         """The largest difference of the sensor traces from those of k-Wave, relative to their largest value."""

@@ -8,7 +8,7 @@ import h5py
 import numpy
 import scipy.io
 
-from kwave import save
+from kwave import import_kwave, save
 from program import ROOT, ProgramTest, environment
 
 POINTS = (10, 9, 8)
@@ -63,11 +63,9 @@ def octave_value(group, name, value):
 
 class FilesTest(ProgramTest):
     def imported(self, name, expect=0):
-        done = subprocess.run([ROOT / "scripts" / "import-kwave", name, "--out", "study"], cwd=self.folder,
-                              env=environment(), capture_output=True, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
-        self.assertNotIn("Traceback", done.stdout + done.stderr)
-        return done.stdout + done.stderr
+        code, said = import_kwave(self.folder, name, "--out", "study")
+        self.assertEqual(code, expect, said)
+        return said
 
 
 class Files(FilesTest):

@@ -2,7 +2,6 @@
 """import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
 import os
 import re
-import subprocess
 import types
 import unittest
 
@@ -10,8 +9,7 @@ import h5py
 import numpy
 import scipy.io
 
-from kwave import save
-from program import ROOT, environment
+from kwave import import_kwave, save
 from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
 
 from shearwake.kwave import checks
@@ -133,8 +131,9 @@ class Notes(FilesTest):
         self.refused("study.toml", "study.toml is a job, not a k-Wave simulation")
 
     def import_to(self, name):
-        return subprocess.run([ROOT / "scripts" / "import-kwave", "study.mat", "--out", name], cwd=self.folder,
-                              env=environment(), capture_output=True, encoding="utf-8", check=True).stdout
+        code, said = import_kwave(self.folder, "study.mat", "--out", name)
+        self.assertEqual(code, 0, said)
+        return said
 
     def test_the_extension_of_the_output_is_not_repeated(self):
         self.saved({})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The package is completely typed, pip installs it without network, and importing it imports no large package."""
+"""pip installs the package without network, and importing it imports no large package."""
 import shutil
 import subprocess
 import sys
@@ -17,10 +17,6 @@ class Package(InFolder):
                               timeout=program.PATIENCE_s)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
-
-    @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
-    def test_all_types_are_stated_and_consistent(self):
-        self.command("mypy", "--config-file", "pyproject.toml", "--cache-dir", self.folder / "types", cwd=ANALYSIS)
 
     def test_pip_installs_it_without_network(self):
         shutil.copytree(ANALYSIS, "analysis", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
