@@ -44,6 +44,7 @@ class Adaptive(ProgramTest):
         self.shearwake("reduce", out)
         return table(out), (out / "tables" / "small.adaptive.csv").read_bytes()
 
+    @pytest.mark.long
     def test_a_refined_curve_stays_within_its_tolerance_of_a_fine_grid(self):
         self.write_job(CURVE)
         said = self.shearwake("plan", "job.toml").said

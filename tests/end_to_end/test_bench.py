@@ -29,6 +29,7 @@ class Bench(ProgramTest):
     def planned(self, *words):
         return json.loads(self.shearwake("plan", *words, "--json").stdout)
 
+    @pytest.mark.long
     def test_spectral_prints_the_share_of_each_phase(self):
         for ranks, contrast in ((1, 16), (3, 4)):
             with self.subTest(ranks=ranks, contrast=contrast):

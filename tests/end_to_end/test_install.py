@@ -7,6 +7,8 @@ import subprocess
 import sys
 import unittest
 
+import pytest
+
 from kwave import reference, save, structures_of
 from program import PATIENCE_s, PROGRAM, ProgramTest, case_files, environment
 
@@ -29,6 +31,7 @@ class Installed(ProgramTest):
         self.assertEqual(done.returncode, 0, f"{words}:\n{done.stdout}{done.stderr}")
         return done.stdout
 
+    @pytest.mark.long
     def test_the_main_job_runs_and_is_reported(self):
         job = self.prefix / "share" / "shearwake" / "jobs" / "quickstart.toml"
         self.command("mpirun", "-n", "2", "shearwake", "run", job,

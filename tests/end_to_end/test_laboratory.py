@@ -241,6 +241,7 @@ class Fit(LaboratoryTest):
                 self.assertLess(estimate["standard_error"], 0.2 * value)
         self.assertEqual([(one["law"], one["suffices"]) for one in found["simpler_laws"]], [("Kelvin-Voigt", False)])
 
+    @pytest.mark.long
     def test_a_fractional_law_is_not_needed_for_a_kelvin_voigt_layer(self):
         job, case = self.scanned(LINE)
         found = self.fractional_fit(job, self.with_noise(case, 20.0), "")

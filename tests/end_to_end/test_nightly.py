@@ -134,6 +134,7 @@ class Nightly(ProgramTest):
                                                                         encoding="utf-8")
         self.night()
 
+    @pytest.mark.long
     def test_the_history_survives_a_killed_night(self):
         self.first_baseline()
         self.night()

@@ -263,6 +263,7 @@ class Optimise(ProgramTest):
         self.assertEqual(self.verify("moved").returncode, 0)
         self.assertTrue(1 / 1.2 - 1e-9 <= row["optimum_size_1"] <= 1.2 + 1e-9)
 
+    @pytest.mark.long
     def test_an_optimum_is_computed_in_other_tissues(self):
         self.job(PLAIN, ONE, ("starts = 4", "starts = 4\nrobust_to = 0.2"))
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)

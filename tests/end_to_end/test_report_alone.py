@@ -3,10 +3,13 @@
 import shutil
 import unittest
 
+import pytest
+
 from program import UNRECORDED, ProgramTest
 
 
 class ReportAlone(ProgramTest):
+    @pytest.mark.long
     def test_case_files_suffice_for_the_page(self):
         self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")

@@ -4,6 +4,8 @@ import concurrent.futures
 import random
 import unittest
 
+import pytest
+
 from program import JOB, SWEEP, ProgramTest, changed, processor_s
 
 COMMANDS = ["check", "plan", "run", "status", "reduce", "report", "show", "bench"]
@@ -151,6 +153,7 @@ class CommandLine(ProgramTest):
             with self.subTest(command):
                 self.says(self.shearwake(command, "--help").stdout, "Usage")
 
+    @pytest.mark.long
     def test_programs_that_start_at_once_do_not_disturb_each_other(self):
         # With a common session folder of Open MPI, one of 40 failed.
         with concurrent.futures.ThreadPoolExecutor(8) as starts:

@@ -104,6 +104,7 @@ class Warnings(ProgramTest):
                          and "accuracy" in w["message"]]
             self.assertRegex(message, "exceeds the accuracy of .*remove this key, or use a shorter step")
 
+    @pytest.mark.long
     def test_plan_and_run_agree_on_the_time_step(self):
         make_map(self)
         for engine, medium, more in (("spectral", "layer", []), ("pstd", "layer", []), ("pstd", "body", [BODY]),

@@ -24,6 +24,7 @@ MANY = LONG.replace("1000, 12]", "1000, 800]")
 
 
 class Stops(FaultTest):
+    @pytest.mark.long
     def test_a_stop_file_stops_runs_until_it_is_removed(self):
         self.write_job(SOME)
         process = self.start("run", "job.toml", ranks=2)

@@ -10,6 +10,7 @@ import unittest
 
 import h5py
 import numpy
+import pytest
 
 from program import ProgramTest, changed, command, environment, without_reference
 
@@ -200,6 +201,7 @@ class Texts(ProgramTest):
         self.write_job(changed(('name = "small"', 'name = "-rf"')))
         self.shearwake("check", "job.toml", expect=3)
 
+    @pytest.mark.long
     def test_formulas_in_titles_are_drawn_as_they_are(self):
         title = r"$\frac{$ <b>&amp; | =1+1 `x`"
         self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f"title = '{title}'"),

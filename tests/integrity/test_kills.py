@@ -121,6 +121,7 @@ class PartialFiles(ProgramTest):
         part, = (self.out / "cases").glob("*.part")
         return part
 
+    @pytest.mark.long
     def test_a_damaged_partial_file_is_started_from_scratch(self):
         self.write_job(self.JOB)
         whole = self.folder / "whole"

@@ -110,6 +110,7 @@ class Surroundings(ProgramTest):
             self.skipTest("no locale with decimal commas can be generated")
         return env
 
+    @pytest.mark.long
     def test_decimal_commas_change_nothing(self):
         env = self.with_decimal_commas()
         self.write_job(UNRECORDED)

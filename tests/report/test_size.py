@@ -22,6 +22,7 @@ class Size(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.root = temporary.name
 
+    @pytest.mark.long
     def test_20_cases_with_frames_of_noise_fit_in_3_MB(self):
         folder, random = Folder(self.root), np.random.default_rng(1)
         x, y = 1e-3 * np.arange(-60, 60), 1e-3 * np.arange(-45, 45)

@@ -99,6 +99,7 @@ class NewEngine(unittest.TestCase):
                               encoding="utf-8", check=False)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    @pytest.mark.long
     def test_what_refers_to_the_registrations_compiles(self):
         commands = json.loads((BUILD / "compile_commands.json").read_text(encoding="utf-8"))
         options = next(entry for entry in commands if "/src/engines/registry/" in entry["file"])
