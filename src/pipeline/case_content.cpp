@@ -142,6 +142,36 @@ VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
          {"drawn_y", {"point"}, y, "m", "y of the drawn shape", ""}}};
 }
 
+VariableGroup sensation_group(const Case& c, const measures::SensationMap& map) {
+    const Domain& d = c.domain;
+    return {"sensation",
+            {{"x",
+              {"x"},
+              storage::coordinate(map.rows, [&](auto i) { return d.x_m(map.x0 + i); }),
+              "m",
+              "x",
+              ""},
+             {"y",
+              {"y"},
+              storage::coordinate(map.columns, [&](auto j) { return d.y_m(map.y0 + j); }),
+              "m",
+              "y",
+              ""},
+             {"level",
+              {"x", "y"},
+              map.level_dB,
+              "dB",
+              "level of the acceleration above the threshold of perception",
+              ""},
+             {"band", {"x", "y"}, map.band_Hz, "Hz", "third octave that decides the level", ""},
+             {"level_of_sum",
+              {"x", "y"},
+              map.sum_dB,
+              "dB",
+              "level of the sum of the power of all third octaves",
+              ""}}};
+}
+
 } // namespace
 
 std::vector<VariableGroup> case_content(const Case& c,
@@ -277,6 +307,9 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
     on_root(team, [&] {
         results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
                                       recorder.mean_u2());
+        add_columns(measures::sensation_columns(c, recorder.sensation()), results.groups.front());
+        if (!recorder.sensation().level_dB.empty())
+            results.groups.push_back(sensation_group(c, recorder.sensation()));
         add_columns(energy_columns(recorder.solver()), results.groups.front());
         add_columns(afferents.columns, results.groups.front());
         for (VariableGroup& group : afferents.groups)

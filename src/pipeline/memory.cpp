@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
+#include "measures/sensation.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
 #include "pipeline/afferent_result.hpp"
@@ -127,6 +128,11 @@ double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors,
         numbers += plane;
         groups += 1.0;
     }
+    if (computes_sensation(c)) {
+        const measures::Region region = measures::measured_region(c.domain, c.measure);
+        numbers += 3.0 * static_cast<double>((region.x1 - region.x0) * (region.y1 - region.y0));
+        groups += 1.0;
+    }
     if (c.afferents) groups += 3.0;
     if (!c.record.volumes_s.empty()) groups += 1.0;
     return empty_file_B + groups * of_group_B + numbers * sizeof(double) + engine_B +
@@ -142,6 +148,8 @@ std::vector<engines::Array> arrays_of_recorder(const Case& c, int ranks) {
     double planes = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) planes += plane / ranks; // transposed for the file
     std::vector<engines::Array> arrays = {{"planes of the recorder", planes}};
+    if (const double sensation_B = measures::sensation_memory_B(c, ranks); sensation_B > 0.0)
+        arrays.push_back({"lines of the level of sensation", sensation_B});
     if (!c.vibrometer) return arrays;
     // Displacements on each rank, velocities on rank 0.
     const double rate_Hz = std::max(c.vibrometer->rate_Hz, 1.0 / c.time.interval_s);

@@ -15,9 +15,10 @@ SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, storage::CaseF
                                  std::function<void()> tick)
     : team_(team), tick_(std::move(tick)), sums_(c, team),
       traces_(c, team, "trace", c.record.traces_m), pins_(c, team, "pin", pins_of(c)),
-      stresses_(c, team), scan_(c, team), mean_(c, team), instant_(c, team) {
+      stresses_(c, team), scan_(c, team), mean_(c, team), instant_(c, team), sensation_(c, team) {
     if (writer) parts_.push_back(&kept_.emplace(c, *writer));
-    parts_.insert(parts_.end(), {&sums_, &traces_, &pins_, &stresses_, &scan_, &mean_, &instant_});
+    parts_.insert(parts_.end(),
+                  {&sums_, &traces_, &pins_, &stresses_, &scan_, &mean_, &instant_, &sensation_});
 }
 
 void SurfaceRecorder::begin(const engines::Slab& slab) {

@@ -54,6 +54,8 @@ public:
     /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
     /// rank 0 only; empty elsewhere, and when no window fits.
     const std::vector<double>& mean_u2() const { return mean_.all(); }
+    /// The level of sensation. On rank 0 only; empty elsewhere, and where it is not computed.
+    const measures::SensationMap& sensation() const { return sensation_.map(); }
     /// The notes of the engine; empty if there are none.
     const engines::SolverReport& solver() const { return solver_; }
 
@@ -66,6 +68,7 @@ private:
     ScanSeries scan_;
     MeanEnergy mean_;
     InstantSurface instant_;
+    SensationLevels sensation_;
     std::optional<KeptFields> kept_;
     std::vector<Recording*> parts_; // all of these
     engines::SolverReport solver_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
 
+#include "base/csv.hpp"
 #include "base/text.hpp"
 #include "config/document/presets.hpp"
 #include "config/sections/read_afferents.hpp"
@@ -186,6 +187,9 @@ MeasureOptions read_measure(Reader& reader, const Measured& of) {
     read_fields(reader, measure);
     check_depths(reader, measure.depths_m, of.medium);
     measure.region_m = read_region(reader, of);
+    const bool is_default = time.regime == Regime::periodic;
+    if (const bool on = reader.find_flag("sensation").value_or(is_default); on != is_default)
+        measure.sensation = on ? Sensation::on : Sensation::off;
     for (const Vec2& edges_Hz : reader.find_points("bands_Hz").value_or(std::vector<Vec2>{})) {
         if (!(edges_Hz.x >= 0.0 && edges_Hz.y > edges_Hz.x))
             reader.error(
@@ -214,6 +218,75 @@ MeasureOptions read_measure(Reader& reader, const Measured& of) {
     }
     return measure;
 }
+
+namespace {
+
+/// Centre and threshold of each third octave. Throws CsvError.
+std::vector<Vec2> threshold_in(std::string_view csv) {
+    constexpr double most_off = 0.03; // of nominal from exact centres, up to 1.6 %
+    CsvReader rows(csv, CsvText::relaxed);
+    if (!rows.next() ||
+        rows.cells() != std::vector<std::string>{"frequency_Hz", "acceleration_m_s2"})
+        throw CsvError(std::max<std::size_t>(rows.line(), 1),
+                       "must be the header frequency_Hz,acceleration_m_s2");
+    std::vector<Vec2> bands;
+    std::optional<double> last;
+    while (rows.next()) {
+        const auto number = [&](std::size_t cell) {
+            const auto value =
+                rows.cells().size() == 2 ? finite_number_in(rows.cells()[cell]) : std::nullopt;
+            if (!value || !(*value > 0.0))
+                throw CsvError(rows.line(), fmt::format("must be two numbers above 0, but is "
+                                                        "\"{}\"",
+                                                        excerpt(rows.text())));
+            return *value;
+        };
+        const Vec2 band{number(0), number(1)};
+        const double tenth = std::round(10.0 * std::log10(band.x));
+        if (std::abs(band.x / std::pow(10.0, 0.1 * tenth) - 1.0) > most_off)
+            throw CsvError(rows.line(),
+                           fmt::format("{:g} Hz is not the centre of a third octave, such as 100, "
+                                       "125 and 160 Hz",
+                                       band.x));
+        if (last && tenth != *last + 1.0)
+            throw CsvError(rows.line(), fmt::format("{:g} Hz does not follow {:g} Hz: third "
+                                                    "octaves must ascend without gaps",
+                                                    band.x, bands.back().x));
+        last = tenth;
+        bands.push_back(band);
+    }
+    if (bands.empty()) throw CsvError(rows.line(), "must be followed by at least one third octave");
+    return bands;
+}
+
+std::optional<SensationOptions> read_sensation(Reader& reader, const Case& c,
+                                               const TextLoader& load_text) {
+    if (reader.empty()) return std::nullopt;
+    SensationOptions options;
+    if (const auto file = reader.find_word("threshold"); file && !load_text)
+        reader.error("threshold", "files cannot be read here");
+    else if (file)
+        try {
+            options.threshold = threshold_in(load_text(*file));
+        } catch (const CsvError& error) {
+            reader.error("threshold",
+                         fmt::format("\"{}\", line {}: {}", *file, error.line, error.what()));
+        }
+    if (const auto line_m = reader.find_points("line_mm")) {
+        options.line_m = *line_m;
+        if (line_m->size() != 2 || (*line_m)[0] == (*line_m)[1])
+            reader.error("line_mm", "must be two different points [[x, y], [x, y]]");
+        else if (c.domain.nx > 0 && !(c.domain.holds((*line_m)[0]) && c.domain.holds((*line_m)[1])))
+            reader.error("line_mm", "must lie inside the domain");
+    }
+    if (!computes_sensation(c))
+        for (const char* key : {"threshold", "line_mm"})
+            if (reader.has(key)) reader.error(key, "applies only with measure.sensation = true");
+    reader.finish();
+    return options;
+}
+
+} // namespace
 
 /// In a fixed order and without duplicates, so that equal sets of fields give equal cases.
 std::vector<VolumeField> read_volume_fields(Reader& reader) {
@@ -283,9 +356,9 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
 }
 
 std::span<const std::string_view> case_tables() {
-    static constexpr std::array<std::string_view, 9> tables = {"medium", "load",      "domain",
-                                                               "time",   "solver",    "measure",
-                                                               "record", "afferents", "vibrometer"};
+    static constexpr std::array<std::string_view, 10> tables = {
+        "medium",  "load",   "domain",    "time",       "solver",
+        "measure", "record", "afferents", "vibrometer", "sensation"};
     return tables;
 }
 
@@ -300,7 +373,8 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
            record = root.optional_table("record"), afferents = root.optional_table("afferents"),
-           vibrometer = root.optional_table("vibrometer");
+           vibrometer = root.optional_table("vibrometer"),
+           sensation = root.optional_table("sensation");
     Scene scene;
     scene.medium = read_medium(medium, files.load_map);
     scene.load = read_load(load, scene.medium, other_kinds, files);
@@ -317,6 +391,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.record = read_record(record, c.domain, c.time, c.measure);
     check_receptor_depths(afferents, c);
     c.vibrometer = read_vibrometer(vibrometer, c, files.load_text);
+    c.sensation = read_sensation(sensation, c, files.load_text);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }
 

@@ -48,7 +48,34 @@ void row_sums(const double* values, std::ptrdiff_t count, RowSums8& sums) {
     }
 }
 
-constexpr RowSumKernels table = {row_sums};
+void add_lines(const double* frames, std::ptrdiff_t count, const double* factors,
+               std::ptrdiff_t lines, double* sums) {
+    static_assert(line_frames == 4);
+    const double *u0 = frames, *u1 = u0 + count, *u2 = u1 + count, *u3 = u2 + count;
+    for (std::ptrdiff_t k = 0; k < lines; ++k, factors += line_frames, sums += count) {
+        const Vector f0 = kept(all_lanes(factors[0])), f1 = kept(all_lanes(factors[1])),
+                     f2 = kept(all_lanes(factors[2])), f3 = kept(all_lanes(factors[3]));
+        std::ptrdiff_t j = 0;
+        for (; j + width <= count; j += width) {
+            Vector sum = load(sums + j);
+            sum += f0 * load(u0 + j);
+            sum += f1 * load(u1 + j);
+            sum += f2 * load(u2 + j);
+            sum += f3 * load(u3 + j);
+            store(sum, sums + j);
+        }
+        for (; j < count; ++j) {
+            double sum = sums[j];
+            sum += factors[0] * u0[j];
+            sum += factors[1] * u1[j];
+            sum += factors[2] * u2[j];
+            sum += factors[3] * u3[j];
+            sums[j] = sum;
+        }
+    }
+}
+
+constexpr RowSumKernels table = {row_sums, add_lines};
 
 } // namespace
 } // namespace shearwake::measures

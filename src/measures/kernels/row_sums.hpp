@@ -3,6 +3,8 @@
 
 #include "base/block.hpp"
 
+#include <cstddef>
+
 namespace shearwake::measures {
 
 /// Sums over the values of a row in eight partial sums: value i contributes to lane i % 8.
@@ -11,9 +13,17 @@ struct RowSums8 {
     Block peak;             // the largest |u|
 };
 
+/// Number of frames that add_lines() adds together.
+constexpr std::size_t line_frames = 4;
+
 struct RowSumKernels {
     /// Overwrites `sums` with those of `count` values.
     void (*row_sums)(const double* values, std::ptrdiff_t count, RowSums8& sums);
+    /// Adds to row k of `sums` (lines x count) the sum over four rows of `frames` (4 x count) times
+    /// their factors (lines x 4), one frame after the other, so that a value does not depend on
+    /// which frames are added together.
+    void (*add_lines)(const double* frames, std::ptrdiff_t count, const double* factors,
+                      std::ptrdiff_t lines, double* sums);
 };
 
 } // namespace shearwake::measures

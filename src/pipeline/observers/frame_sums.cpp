@@ -133,4 +133,42 @@ void MeanEnergy::restore(const StateReader& state) {
     if (!weights_.empty()) state.get("mean_u2", surface_rows(case_.domain, slab_), rows_.data());
 }
 
+SensationLevels::SensationLevels(const Case& c, const Comm& team) : case_(c), team_(team) {
+    const auto& depths_m = c.measure.depths_m;
+    surface_ = static_cast<std::size_t>(std::ranges::find(depths_m, 0.0) - depths_m.begin());
+}
+
+void SensationLevels::begin(const engines::Slab& slab) {
+    together(team_, [&] { sums_.emplace(case_, slab.x_start, slab.x_count); });
+}
+
+void SensationLevels::frame(const engines::Frame& frame) {
+    if (frame.depth == surface_) sums_->add(frame.number, frame.u_z_m);
+}
+
+DistributedRows SensationLevels::rows() const {
+    return {sums_->all_rows(), sums_->first_row(), sums_->row_count(), sums_->row_length()};
+}
+
+void SensationLevels::save(StateWriter& state) {
+    sums_->flush();
+    if (sums_->row_length() > 0) state.put("sensation", rows(), sums_->sums().data());
+}
+
+void SensationLevels::restore(const StateReader& state) {
+    if (sums_->row_length() > 0) state.get("sensation", rows(), sums_->sums().data());
+}
+
+void SensationLevels::finish() {
+    measures::SensationMap mine;
+    together(team_, [&] { mine = sums_->levels(); });
+    map_ = {.x0 = mine.x0, .y0 = mine.y0, .rows = sums_->all_rows()};
+    map_.level_dB = team_.gather(mine.level_dB);
+    map_.band_Hz = team_.gather(mine.band_Hz);
+    map_.sum_dB = team_.gather(mine.sum_dB);
+    map_.columns =
+        map_.level_dB.empty() ? 0 : static_cast<std::ptrdiff_t>(map_.level_dB.size()) / map_.rows;
+    sums_.reset();
+}
+
 } // namespace shearwake::pipeline

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "measures/sensation.hpp"
 #include "measures/summary.hpp"
 #include "pipeline/observers/recording.hpp"
+
+#include <optional>
 
 namespace shearwake::pipeline {
 
@@ -47,6 +50,29 @@ private:
     std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits
     std::vector<double> rows_;    // of this rank so far
     std::vector<double> all_;
+};
+
+/// The level of sensation in the measured region, if the case computes it.
+class SensationLevels : public Recording {
+public:
+    SensationLevels(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    /// The complete map. On rank 0 only; empty elsewhere, and where there is no level.
+    const measures::SensationMap& map() const { return map_; }
+
+private:
+    DistributedRows rows() const;
+
+    const Case& case_;
+    const Comm& team_;
+    std::size_t surface_ = 0; // index of the depth 0
+    std::optional<measures::SensationSums> sums_;
+    measures::SensationMap map_;
 };
 
 } // namespace shearwake::pipeline

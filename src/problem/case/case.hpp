@@ -170,6 +170,12 @@ constexpr auto names_of(std::type_identity<PeriodWeight>) {
     return std::array{"whole-periods", "sliding"};
 }
 
+/// Whether the level of sensation is computed: in the periodic regime, always or never.
+enum class Sensation { by_regime, on, off };
+constexpr auto names_of(std::type_identity<Sensation>) {
+    return std::array{"by-regime", "on", "off"};
+}
+
 /// Position and time of the measurements.
 struct MeasureOptions {
     double at_s = 0.0; // the instant, and the end of the window of the `_period_` columns
@@ -180,6 +186,7 @@ struct MeasureOptions {
     std::vector<FrequencyBand>
         bands;                  // each gives a column with its share of the energy at the centre
     std::vector<Vec2> region_m; // corners of the measured polygon; none: all inside the sponge
+    Sensation sensation = Sensation::by_regime;
     bool operator==(const MeasureOptions&) const = default;
 };
 
@@ -244,6 +251,41 @@ void walk_fields(Walk& walk, Options& o) {
               .fallback = "[0, 0]",
               .meaning = "centre of a rectangle given by `region_mm`"});
     walk(o.region_m, {.text = "region_{}_m", .in_text = !o.region_m.empty()});
+    walk.key({.key = "sensation",
+              .type = "boolean",
+              .fallback = "true in the periodic regime, otherwise false",
+              .meaning = "compute the level of the motion of the skin above the threshold of "
+                         "perception: the `felt_` columns, and a map in the case file"});
+    walk(o.sensation, {.text = "sensation", .in_text = o.sensation != Sensation::by_regime});
+}
+
+/// How the level of sensation is computed (measures/sensation.hpp).
+struct SensationOptions {
+    /// Centre [Hz] and threshold [m/s^2 rms] of consecutive third octaves; none: the built-in
+    /// table.
+    std::vector<Vec2> threshold;
+    std::vector<Vec2>
+        line_m; // start and end of the line on which maxima are counted; none: default
+    bool operator==(const SensationOptions&) const = default;
+};
+
+template <class Walk, Is<SensationOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk.key({.key = "threshold",
+              .type = "file",
+              .fallback = "the hand, [Morioka and Griffin 2006](../explanation/user-studies.md)",
+              .meaning = "CSV file with the header `frequency_Hz,acceleration_m_s2`: one line for "
+                         "each third octave without gaps, with its nominal centre and the rms "
+                         "acceleration at the threshold; its path is relative to the job file"});
+    walk(o.threshold, {.text = "threshold_{}", .in_text = !o.threshold.empty()});
+    walk(o.line_m, {.key = "line_mm",
+                    .text = "line_{}_m",
+                    .given = Given::by_hand,
+                    .in_text = !o.line_m.empty(),
+                    .fallback = "from one focus to the other, one FWHM longer at both ends, if two "
+                                "or more foci rest",
+                    .meaning = "start and end `[[x, y], [x, y]]` of the line on which the maxima "
+                               "of the level are counted"});
 }
 
 /// Data that are stored in addition to the measures.
@@ -303,6 +345,7 @@ struct Case {
     SolverOptions solver;
     std::optional<AfferentOptions> afferents; // none: no afferents are simulated
     std::optional<VibrometerOptions> vibrometer = std::nullopt;
+    std::optional<SensationOptions> sensation = std::nullopt; // none: the defaults
     bool operator==(const Case&) const = default;
 
     /// The medium and the load. In a grid study, the measures alone refer to them.
@@ -341,6 +384,13 @@ void walk_fields(Walk& walk, C& c) {
         });
     walk.maybe("afferents", c.afferents);
     walk.maybe("vibrometer", c.vibrometer);
+    walk.maybe("sensation", c.sensation);
+}
+
+/// Whether the level of sensation is computed.
+inline bool computes_sensation(const Case& c) {
+    return c.measure.sensation == Sensation::on ||
+           (c.measure.sensation == Sensation::by_regime && c.time.regime == Regime::periodic);
 }
 
 /// The depths of the receptors at which a case requests the stress, ascending; empty if it does

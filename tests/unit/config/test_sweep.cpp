@@ -173,7 +173,7 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
         {"\"job.name\" = [\"a\"]",
          "job.toml:28:1: error: sweep: \"job.name\" is not a key of a case; the key is given "
          "in full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", "
-         "\"measure\", \"record\", \"afferents\" or \"vibrometer\""},
+         "\"measure\", \"record\", \"afferents\", \"vibrometer\" or \"sensation\""},
         {"\"load.peak_Pa\" = { linspace = [1, 2] }",
          "job.toml:28:31: error: load.peak_Pa: linspace requires three numbers, [first, last, "
          "count]"},

@@ -113,9 +113,10 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<14, PstdOptions>();
     check_members<5, Domain>();
     check_members<3, TimeAxis>();
-    check_members<7, MeasureOptions>();
+    check_members<8, MeasureOptions>();
+    check_members<2, SensationOptions>();
     check_members<5, RecordOptions>();
-    check_members<8, Case>();
+    check_members<9, Case>();
     check_members<14, VibrometerOptions>();
     check_members<4, Medium>();
     check_members<6, Layer>();

@@ -223,6 +223,7 @@ std::vector<Case> samples() {
     first.afferents = AfferentOptions{.places = AfferentList{{{{1e-3, 0.0}, AfferentClass::RA, 3}}},
                                       .input = CarrierInput{}};
     first.vibrometer = VibrometerOptions{.points_m = {{1e-3, 0.0}}};
+    first.sensation = SensationOptions{.threshold = {{100.0, 0.02}}, .line_m = {{}, {1e-3, 0.0}}};
     Case second = first;
     second.scene().load.footprint = GaussianFootprint{0.003};
     second.scene().load.carrier = AveragedCarrier{};
