@@ -46,6 +46,18 @@ SpikeTimes times_of(const std::vector<Spikes>& spikes, std::span<const Afferent>
     return times_s;
 }
 
+/// The largest number of spikes in a window, divided by its duration.
+double peak_rate_Hz(std::vector<double> times_s) {
+    std::ranges::sort(times_s);
+    std::size_t most = 0;
+    for (std::size_t first = 0, end = 0; first < times_s.size(); ++first) {
+        while (end < times_s.size() && times_s[end] < times_s[first] + peak_window_s)
+            ++end;
+        most = std::max(most, end - first);
+    }
+    return static_cast<double>(most) / peak_window_s;
+}
+
 /// The counted time, up to the end of a stimulus.
 CountedTime limited(CountedTime counted, std::size_t samples, double rate_Hz) {
     counted.to_s = std::min(counted.to_s, static_cast<double>(samples) / rate_Hz);
@@ -81,13 +93,14 @@ SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, doub
 
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
                                            const SpikeTimes& times_s, double duration_s,
-                                           double frequency_Hz,
+                                           double frequency_Hz, double near_mm,
                                            const std::function<double(Vec2)>& distance_mm) {
     std::vector<ClassResponse> responses;
     for (const AfferentClass kind : all_classes) {
         ClassResponse r{.kind = kind};
         double squares = 0.0, in_phase = 0.0, pairs = 0.0, first_s = not_a_number;
-        double together = 0.0, of_spikes = 0.0;
+        double together = 0.0, of_spikes = 0.0, near = 0.0;
+        std::vector<double> all_s;
         for (std::size_t i = 0; i < afferents.size(); ++i) {
             if (afferents[i].kind != kind) continue;
             ++r.afferents;
@@ -96,7 +109,10 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
             ++r.active;
             r.spikes += train.size();
             const auto n = static_cast<double>(train.size());
-            squares += n * std::pow(distance_mm(afferents[i].at_mm), 2);
+            const double from_path_mm = distance_mm(afferents[i].at_mm);
+            squares += n * std::pow(from_path_mm, 2);
+            if (from_path_mm <= near_mm) near += n;
+            all_s.insert(all_s.end(), train.begin(), train.end());
             first_s = std::isnan(first_s) ? train.front() : std::min(first_s, train.front());
             r.most_spikes = std::max(r.most_spikes, train.size());
             if (train.size() < 2 || !(frequency_Hz > 0.0)) continue;
@@ -111,6 +127,10 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
         const auto n = static_cast<double>(r.spikes);
         r.mean_rate_Hz =
             r.active > 0 ? n / duration_s / static_cast<double>(r.active) : not_a_number;
+        r.total_rate_Hz = n / duration_s;
+        r.peak_rate_Hz =
+            duration_s >= peak_window_s ? peak_rate_Hz(std::move(all_s)) : not_a_number;
+        r.near_share = r.spikes > 0 ? near / n : not_a_number;
         r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : not_a_number;
         r.vector_strength = of_spikes > 0.0 ? together / of_spikes : not_a_number;
         r.locking = pairs > 0.0 ? std::sqrt(std::max(in_phase, 0.0) / pairs) : not_a_number;

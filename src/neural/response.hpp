@@ -45,7 +45,10 @@ struct ClassResponse {
     std::size_t afferents = 0, active = 0, spikes = 0; // active: with at least one spike
     std::size_t most_spikes = 0;                       // maximum of one afferent
     double mean_rate_Hz = 0.0;                         // mean over the active afferents
-    double spread_mm = 0.0; // root mean square distance of the spikes' receptors from the path
+    double total_rate_Hz = 0.0; // spikes per second of all afferents of the class
+    double peak_rate_Hz = 0.0;  // the same in the 50 ms with most spikes
+    double near_share = 0.0;    // fraction of the spikes whose receptors are near the path
+    double spread_mm = 0.0;     // root mean square distance of the spikes' receptors from the path
     double vector_strength = 0.0; // mean over the afferents, weighted by their spikes
     double locking = 0.0;         // vector strength without the contribution of chance
     double first_spike_ms = 0.0;  // first spike of the class
@@ -59,7 +62,8 @@ inline constexpr std::size_t fewest_for_locking = 5;
 /// One entry per class that occurs among the afferents, in the order of classes. Undefined values
 /// are NaN: rates, spread and first spike without spikes; locking without a modulation
 /// (`frequency_Hz` is 0) or without an afferent with 5 spikes; vector strength without an afferent
-/// with 2 spikes. The vector strength of n spikes is R = |sum_k exp(2 pi i f t_k)| / n; its
+/// with 2 spikes; the peak rate of less than 50 ms. `near_mm` is the distance up to which receptors
+/// are near the path. The vector strength of n spikes is R = |sum_k exp(2 pi i f t_k)| / n; its
 /// expectation for random spikes is sqrt(pi/(4n)), which is 0.4 for five spikes. Locking removes
 /// this bias: it is the square root of (n R^2 - 1)/(n - 1), the mean over pairs of spikes (Vinck et
 /// al. 2010, NeuroImage 51, eq. 14), averaged over the pairs of each afferent; 0 if the mean is
@@ -67,7 +71,10 @@ inline constexpr std::size_t fewest_for_locking = 5;
 /// distant receptors does not reduce it. Not collective.
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
                                            const SpikeTimes& times_s, double duration_s,
-                                           double frequency_Hz,
+                                           double frequency_Hz, double near_mm,
                                            const std::function<double(Vec2)>& distance_mm);
+
+/// The window of the peak rate.
+inline constexpr double peak_window_s = 0.05;
 
 } // namespace shearwake::neural

@@ -274,6 +274,11 @@ std::vector<measures::Column> columns_of(const ReceptorMotion& motion,
         };
         add("{class}_spikes_1", static_cast<double>(r.spikes), "");
         add("{class}_active_1", static_cast<double>(r.active), "");
+        add("{class}_total_rate_Hz", r.total_rate_Hz, "");
+        add("{class}_peak_rate_Hz", r.peak_rate_Hz,
+            fmt::format("the response lasts {:.4g} ms, less than 50 ms", 1e3 * duration_s));
+        add("{class}_near_path_1", motion.near_m > 0.0 ? r.near_share : not_a_number,
+            motion.near_m > 0.0 ? silent : "there is no focal radius");
         add("{class}_rate_Hz", r.mean_rate_Hz, silent);
         add("{class}_spread_mm", r.spread_mm, silent);
         add("{class}_vector_strength_1", r.vector_strength,
@@ -305,6 +310,7 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
                                const Scene& scene) {
     const Case& c = planned.physics;
     ReceptorMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
+                          .near_m = c.measure.focal_radius_m,
                           .modulation_Hz =
                               modulation_frequency_Hz(c.scene().load.modulation).value_or(0.0),
                           .name = planned.id};
@@ -373,8 +379,9 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
             nearest_m = std::min(nearest_m, norm(at_m - place_m));
         return 1e3 * nearest_m;
     };
-    result.classes = neural::class_responses(scene.afferents, times_s, duration_s,
-                                             motion.modulation_Hz, from_path_mm);
+    result.classes =
+        neural::class_responses(scene.afferents, times_s, duration_s, motion.modulation_Hz,
+                                1e3 * motion.near_m, from_path_mm);
     result.columns = columns_of(motion, result.classes, duration_s);
     result.groups = {afferents_group(motion, scene, times_s), pins_group(motion, options, scene),
                      hand_group(scene)};

@@ -32,6 +32,7 @@ struct ReceptorMotion {
     std::vector<std::vector<double>> compression_Pa; // for the input "stress": one row per afferent
     neural::Repetitions repetitions; // of these motions and stresses, in the periodic regime
     std::vector<Vec2> path_m;        // positions of the focus on the patch, for the spread
+    double near_m = 0.0;             // distance up to which receptors are near the path
     double modulation_Hz = 0.0;      // 0: none
     std::string name;                // the key of the noise: a case's id
 };

@@ -227,12 +227,23 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     return table;
 }
 
+/// The names of the columns of a measure: those of the table if the name has {words} in braces.
+std::vector<std::string> columns_of(const measures::Measure& measure, const Table& table) {
+    const std::string name = measure.name;
+    if (name.find('{') == std::string::npos) return {name};
+    std::vector<std::string> names;
+    for (const std::string& column : table.columns)
+        if (measures::find_measure(column) == &measure) names.push_back(column);
+    return names;
+}
+
 /// Writes the statistics of a sample, and its sensitivity indices if the design has them.
 void write_uncertain(const storage::PlanIndex& plan, const Table& table,
                      const std::filesystem::path& folder, ReducedTables& written) {
     std::vector<std::string> columns;
     for (const measures::Measure& measure : measures::all_measures())
-        if (measure.shown != measures::Shown::csv) columns.emplace_back(measure.name);
+        if (measure.shown != measures::Shown::csv)
+            std::ranges::copy(columns_of(measure, table), std::back_inserter(columns));
     const UncertainTables tables = uncertain_tables(plan, table, columns);
     written.statistics = folder / (plan.name + ".statistics.csv");
     storage::write_file(written.statistics, csv(tables.statistics));
@@ -303,10 +314,11 @@ ReducedTables reduce(const ReduceInput& input) {
     std::vector<std::string> columns = {"id", "reference"};
     columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
     for (const measures::Measure& measure : measures::all_measures())
-        if (measure.shown == measures::Shown::headlines) {
-            columns.emplace_back(measure.name);
-            columns.push_back(error_column(measure.name)); // omitted unless the table has it
-        }
+        if (measure.shown == measures::Shown::headlines)
+            for (const std::string& name : columns_of(measure, table)) {
+                columns.push_back(name);
+                columns.push_back(error_column(name)); // omitted unless the table has it
+            }
     columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     storage::write_file(written.markdown,
                         "# " + markdown_text(plan.title) + "\n\n" + markdown(table, columns));

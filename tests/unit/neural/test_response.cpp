@@ -131,7 +131,7 @@ TEST_CASE("summarises a class by active afferents, rate, spread, locking and fir
                                              {{}, AfferentClass::RA, 0}};
     SpikeTimes times_s = {{0.012, 0.022, 0.032, 0.042, 0.052}, {0.0153}, {}, {}};
     const auto of =
-        class_responses(afferents, times_s, 0.5, 100.0, [](Vec2 at) { return norm(at); });
+        class_responses(afferents, times_s, 0.5, 100.0, 3.5, [](Vec2 at) { return norm(at); });
     REQUIRE(of.size() == 2);
     CHECK(of[0].kind == AfferentClass::RA);
     CHECK(of[0].spikes == 0);
@@ -141,6 +141,11 @@ TEST_CASE("summarises a class by active afferents, rate, spread, locking and fir
     CHECK(PC.active == 2);
     CHECK(PC.spikes == 6);
     CHECK(PC.mean_rate_Hz == Approx(6.0 / 0.5 / 2.0));
+    CHECK(PC.total_rate_Hz == Approx(6.0 / 0.5));
+    CHECK(PC.peak_rate_Hz == Approx(6.0 / 0.05)); // from 12 ms until before 62 ms
+    CHECK(PC.near_share == Approx(5.0 / 6.0));    // 3 mm and 4 mm from the path
+    CHECK(of[0].total_rate_Hz == 0.0);
+    CHECK(std::isnan(of[0].near_share));
     CHECK(PC.spread_mm == Approx(std::sqrt((5.0 * 9.0 + 16.0) / 6.0)));
     CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; a single spike is not used
     CHECK(PC.vector_strength == Approx(1.0).epsilon(1e-12));
@@ -148,16 +153,20 @@ TEST_CASE("summarises a class by active afferents, rate, spread, locking and fir
     CHECK(PC.most_spikes == 5);
     // At four times the frequency the phases cancel: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
     times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
-    CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1].locking <
-          1e-12);
+    CHECK(
+        class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; })[1].locking <
+        1e-12);
     // Two spikes a quarter of a period apart, in addition to those eight: |1 + i| = sqrt 2,
     // weighted by spikes.
     times_s[1] = {0.010, 0.0125};
-    CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1]
+    CHECK(class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; })[1]
               .vector_strength == Approx(std::sqrt(2.0) / 10.0));
     times_s[1].pop_back();
+    const auto brief =
+        class_responses(afferents, times_s, 0.04, 100.0, 1.0, [](Vec2) { return 0.0; });
+    CHECK(std::isnan(brief[1].peak_rate_Hz)); // less than 50 ms
     CHECK(std::isnan(
-        class_responses(afferents, times_s, 0.5, 0.0, [](Vec2) { return 0.0; })[1].locking));
+        class_responses(afferents, times_s, 0.5, 0.0, 1.0, [](Vec2) { return 0.0; })[1].locking));
 }
 
 TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
@@ -176,7 +185,7 @@ TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
                 times_s[i].push_back(1e-2 * (static_cast<double>(times_s[i].size()) + phase + own));
         }
     }
-    const auto of = class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; });
+    const auto of = class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; });
     // The mean over 2000 n (n - 1) pairs or more has an error of 0.007, or five times this with
     // near certainty; the plain vector strength of five random spikes is 0.4.
     CHECK(of[0].locking * of[0].locking == Approx(R * R).margin(0.035));
@@ -189,7 +198,7 @@ TEST_CASE("locking weights the fibres by their pairs of spikes", "[neural]") {
         times_s[0].push_back(1e-2 * k); // one phase of 100 Hz: n R^2 - 1 = 9
     for (int k = 0; k < 5; ++k)
         times_s[1].push_back(1e-2 * (k + 0.2 * k)); // five phases: n R^2 - 1 = -1
-    const auto of = class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; });
+    const auto of = class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; });
     CHECK(of[0].locking == Approx(std::sqrt((90.0 * 1.0 + 20.0 * -0.25) / 110.0)).epsilon(1e-9));
 }
 
