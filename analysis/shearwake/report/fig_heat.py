@@ -36,6 +36,7 @@ MEASURES = [
      "focal rms / {reference} (1)"),
     ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
     ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
+    ("felt_path_dB", "Level of sensation on the drawn shape", "level above threshold (dB)"),
     ("peak_frequency_Hz", "Dominant frequency {place}", "frequency (Hz)"),
     ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}",
      "frequency of du/dt (Hz)"),
@@ -58,6 +59,12 @@ def band_measures(selection: Selection) -> Any:
     for name in found:
         low, high = name.split("_")[1:3]
         yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}", "fraction of the energy (1)")
+
+
+def receptor_measures(selection: Selection) -> Any:
+    """The responses of each class of afferents."""
+    for kind in layout.receptor_classes(selection):
+        yield (f"{kind}_total_rate_Hz", f"Response of all {kind} afferents", "spikes per second (Hz)")
 
 
 def plane(selection: Selection) -> tuple[str, str, list[Any]] | None:
@@ -249,4 +256,5 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
         measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
     else:
         measures += band_measures(selection)
+    measures += receptor_measures(selection)
     return [f for m in measures if (f := heat_figure(selection, folder, m, plan))]

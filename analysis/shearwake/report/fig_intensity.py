@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time-averaged intensity of the surface with the shape that the focus draws."""
+"""Time-averaged intensity and level of sensation of the surface, with the shape that the focus draws."""
 from __future__ import annotations
 
 import math
@@ -31,6 +31,10 @@ def window(found: list[Any], shots: list[fig_surface.Snapshot], end: float) -> t
 
 
 def figures(selection: load.Selection, folder: Path) -> list[Figure]:
+    return [*intensity(selection, folder), *sensation(selection, folder)]
+
+
+def intensity(selection: load.Selection, folder: Path) -> list[Figure]:
     cells, columns = fig_surface.cells(selection)
     with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
     found = [f for f in with_map if f]
@@ -67,3 +71,43 @@ def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity seen from above", maps=hover.maps_of(figure),
                    cases=[case.id for case, _ in found])]
+
+
+RANGE_dB = 40.0  # largest range of the colour scale below its end
+
+
+def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
+    """The level above the threshold of perception with the line where it is 0 dB."""
+    cells, columns = fig_surface.cells(selection)
+    found = [(c, m) if c and (m := load.levels(c)) else None for c in cells]
+    shown = [f for f in found if f and np.any(np.isfinite(f[1][2]))]
+    if not shown:
+        return []
+    shots = [f and fig_surface.Snapshot(f[0], f[0].over_time["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1], f[1][2]) for f in found]
+    end = max(np.nanmax(m[2]) for _, m in shown)
+    low = max(min(np.nanmin(m[2]) for _, m in shown), end - RANGE_dB)
+    edges = np.array([fig_surface.extent(s) for s in shots if s])
+    limits = (edges[:, 0].min(), edges[:, 1].max(), edges[:, 2].min(), edges[:, 3].max())
+    figure, made, bar_axes = fig_surface.arrange(selection, shots, columns, limits)
+    for axes, shot in zip(made, shots):
+        if not shot:
+            continue
+        image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=low, vmax=end, extent=fig_surface.extent(shot))
+        if np.nanmin(shot.u_um) < 0.0 < np.nanmax(shot.u_um):
+            axes.contour(shot.x_mm, shot.y_mm, shot.u_um.T, levels=[0.0], colors=["white"], linewidths=1.4)
+        mean = load.mean_square(shot.case)
+        draw_lines(axes, mean[3] if mean else [])
+        fig_surface.frame(axes, limits)
+        fig_surface.attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits, "level", "dB")
+        peak, band = number(shot.case.value("felt_peak_dB", math.nan), 3), number(shot.case.value("felt_band_Hz", math.nan), 3)
+        if peak and warnings_of.is_valid(shot.case):
+            fig_surface.note(axes, f"{peak} dB at {band} Hz", "white")
+    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label="level above threshold (dB)", extend="min")
+    bar.outline.set_linewidth(0.5)
+    bar_axes.grid(False)
+    style.save(figure, folder / "sensation.png")
+    text = ("Level of the acceleration of the skin above the threshold of perception, the largest of all third octaves, in the "
+            "measured region. Solid line: 0 dB, the limit of what can be felt. Dashed lines or crosses: the shape that the focus draws. "
+            "Numbers: the largest level and the third octave that decides it.")
+    return [Figure("sensation", "Level of sensation", text, "Level of sensation seen from above", maps=hover.maps_of(figure),
+                   cases=[case.id for case, _ in shown])]

@@ -45,6 +45,12 @@ SHARPNESS: dict[str, Any] = {
     "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
+FELT: dict[str, Any] = {
+    "name": "felt", "title": "Level of sensation against {x}",
+    "period": "felt_path_dB", "instant": None, "label": "level (dB)",
+    "caption": "The mean over the drawn shape of the level of the acceleration above the threshold of perception. The skin feels "
+               "nothing below 0 dB, and differences of about 2 dB are just noticeable."}
+
 
 def draw_column(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str,
                 figure: str) -> None:
@@ -158,5 +164,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
              displacement_figure(selection, folder)]
     if not all(map(wake.runs_straight_on, layout.ordinary(selection))):
         made.append(curves_module.measure_figure(selection, folder, SHARPNESS))
+    if curves_module.has_any(selection, FELT["period"]):
+        made.append(curves_module.measure_figure(selection, folder, FELT))
     made += [curves_module.measure_figure(selection, folder, m) for m in MEASURES[1:]]
     return [f for f in made if f]

@@ -134,6 +134,15 @@ def mean_square(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[np
         return None
 
 
+def levels(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """The level of sensation in the measured region: x_m, y_m, level_dB(x, y); None if it was not computed."""
+    try:
+        found = case.arrays("sensation")
+        return found["x"], found["y"], found["level"]
+    except UNREADABLE:
+        return None
+
+
 def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) -> Selection:
     """All cases of an output folder, of which those with a damaged file have the status "damaged". `report` receives a text about
     the progress. Raises NotAnOutputFolder, also if the folder has no table."""

@@ -12,7 +12,9 @@ TOPICS = [
     ("The best modulation", ("optimise_",)),
     ("Uncertainty and sensitivity", ("uncertain_",)),
     ("Adaptive axes", ("adaptive",)),
+    ("Level of sensation", ("sensation", "felt", "heat_felt", "multiples_felt")),
     ("Snapshots and profiles", ("surface", "profiles", "intensity")),
+    ("Receptors", ("heat_RA", "heat_PC", "heat_SA1")),
     ("Efficiency and strength", ("gain", "strength", "displacement", "heat_eta", "heat_focal", "multiples_eta",
                                  "multiples_focal", "eta")),
     ("Spread of the vibration", ("ipr_abs", "participation", "ipr", "sharpness", "heat_", "multiples_")),
@@ -41,5 +43,6 @@ def topics(figures: list[Figure]) -> list[tuple[str, list[Figure]]]:
     """The remaining figures as pairs (title, figures), in the order of TOPICS."""
     first = headlines(figures)
     rest = [f for f in figures if f not in first]
-    grouped = [(title, [f for f in rest if topic_of(f) == title]) for title, _ in TOPICS]
+    titles = reversed(dict.fromkeys(title for title, _ in reversed(TOPICS)))
+    grouped = [(title, [f for f in rest if topic_of(f) == title]) for title in titles]
     return [(title, members) for title, members in grouped if members]
