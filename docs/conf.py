@@ -81,10 +81,12 @@ def _thumbnails(gallery):
 def _add_generated(app, page, source):
     """Adds the keys of a job, the help of each command below its heading, the members of the JSON documents, thumbnails to the
     gallery, and the demonstration to the first page."""
-    if page in ("reference/keys", "reference/commands", "reference/json-output"):
+    if page in ("reference/keys", "reference/presets", "reference/commands", "reference/json-output"):
         app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
     if page == "reference/keys":
         source[0] = _printed("keys")
+    elif page == "reference/presets":
+        source[0] += f"\n```toml\n{_printed('presets')}```\n"
     elif page == "reference/commands":
         source[0] = re.sub(r"^## `(\w+)`\n", lambda heading: heading[0] + _help(heading[1]), source[0],
                            flags=re.MULTILINE)

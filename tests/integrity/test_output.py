@@ -72,7 +72,7 @@ class Output(ProgramTest):
 
     def test_presets_have_values_and_sources(self):
         said = self.shearwake("presets").said
-        for name in ("thesis-tissue", "ecoflex", "forearm", "three-layer-skin", "cortical-bone", "array-16x16", "array-249"):
+        for name in ("thesis-tissue", "ecoflex", "forearm", "palm", "fingertip", "three-layer-skin", "cortical-bone", "array-16x16", "array-249"):
             self.assertIn(f"\n# {name}\n# ", said)
         self.says(said, "viscosity_Pa_s = 5.03", "PMID 20888282", "pitch_mm = 10.47")
 

@@ -63,6 +63,38 @@ c_p_m_s = 1500.0
 c_s_m_s = 2.8035691537752375
 viscosity_Pa_s = 5.03
 )"},
+    Preset{"palm",
+           "Palm above its bones. Chosen for this program: c_s of the thesis, 5 m/s, which is not "
+           "measured on a palm; viscosity 2 Pa s, between those of the presets thesis-tissue and "
+           "forearm; 10 mm of soft tissue on rigid bones, since the thickness varies between "
+           "places and people (Spartacus 2021, doi 10.1371/journal.pone.0261008); rho and c_p of "
+           "soft tissue.",
+           R"(
+base = "rigid"
+[[layer]]
+name = "palm"
+thickness_mm = 10.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 2.0
+)"},
+    Preset{"fingertip",
+           "Pulp of a fingertip above the distal phalanx. Chosen for this program: c_s of the "
+           "dermis of the preset three-layer-skin (Feng 2022: 40 kPa, so 3.65 m/s); viscosity 2 "
+           "Pa s as in the preset palm; 4 mm of soft tissue on rigid bone, of which skin is about "
+           "3 mm (Wu 2006, thesis, MIT); rho and c_p of soft tissue. The pulp is flat and has no "
+           "edges.",
+           R"(
+base = "rigid"
+[[layer]]
+name = "fingertip"
+thickness_mm = 4.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 3.6469165057620936
+viscosity_Pa_s = 2.0
+)"},
     Preset{"three-layer-skin",
            "Skin of three layers, Feng 2022: E = 4 MPa, 40 kPa, 15 kPa, so mu = 1.33 "
            "MPa, 13.3 kPa, 5 kPa; epidermis 0.1 mm, dermis 2 mm, then fat. Chosen for "

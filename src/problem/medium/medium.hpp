@@ -150,7 +150,7 @@ void walk_fields(Walk& walk, M& medium) {
               .type = "word",
               .fallback = "none",
               .meaning = "name of a complete medium, instead of layers: `thesis-tissue`, "
-                         "`ecoflex`, `forearm`, `three-layer-skin`"});
+                         "`ecoflex`, `forearm`, `palm`, `fingertip`, `three-layer-skin`"});
     walk(medium.base,
          {.key = "base",
           .given = Given::required,

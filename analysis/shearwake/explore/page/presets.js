@@ -1,7 +1,7 @@
 "use strict";
 // The media that the program has names for, as layers that can be edited, and the limits of its keys: both from its schema.
 const LABELS = {"thesis-tissue": "Tissue of the thesis", "forearm": "Forearm", "three-layer-skin": "Skin of three layers",
-  "ecoflex": "Ecoflex phantom"};
+  "ecoflex": "Ecoflex phantom", "palm": "Palm", "fingertip": "Fingertip"};
 const PRESETS = Object.fromEntries(Object.entries(CONFIGURATION.presets).map(([name, {base, layer}]) => [name, {label: LABELS[name] ?? name,
   base, layers: layer.map(({loss, ...rest}) => loss ? {...rest, tau_us: loss.tau_us, exponent: loss.exponent} : rest)}]));
 

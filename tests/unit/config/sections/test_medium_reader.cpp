@@ -93,10 +93,11 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
          "job.toml:12:47: error: medium.layer[1].loss.strenth is unknown; did you mean strength?"},
         {"viscosity_Pa_s", "preset = \"ecoflx\"\nviscosity_Pa_s",
          "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
-         "\"ecoflex\" or \"forearm\", but is \"ecoflx\"; did you mean \"ecoflex\"?"},
+         "\"ecoflex\", \"forearm\", \"palm\" or \"fingertip\", but is \"ecoflx\"; did you mean "
+         "\"ecoflex\"?"},
         {"viscosity_Pa_s", "preset = \"three-layer-skin\"\nviscosity_Pa_s",
          "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
-         "\"ecoflex\" or \"forearm\", but is \"three-layer-skin\""},
+         "\"ecoflex\", \"forearm\", \"palm\" or \"fingertip\", but is \"three-layer-skin\""},
         {"base = \"rigid\"", "base = \"rigid\"\npreset = \"ecoflex\"",
          "job.toml:6:10: error: medium.preset defines all layers, but medium.layer is also given; "
          "use the preset in a layer, or remove the layers"},
@@ -162,7 +163,8 @@ TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[co
     CHECK(
         diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
         Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
-              "\"forearm\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"});
+              "\"forearm\", \"palm\", \"fingertip\" or \"three-layer-skin\", but is \"forarm\"; "
+              "did you mean \"forearm\"?"});
     // Keys that a preset supplies are not reported as missing, and other errors are found.
     const Texts found = diagnostics_of(
         replaced(with_medium("[medium]\npreset = \"soup\"\n"), "spacing_mm = ", "spacing_mm = -"));
