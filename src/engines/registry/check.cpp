@@ -32,6 +32,10 @@ constexpr double thin_layer_m = 1e-3;
 constexpr double most_samples = 4000.0;
 /// Largest number of periods of the highest frequency of a load.
 constexpr double most_periods = 1e6;
+/// Frames per period of the highest frequency of a load, and in a run, from which on an output
+/// interval was probably given in ms.
+constexpr double most_frames_per_period = 1000.0;
+constexpr std::ptrdiff_t many_frames = 20000;
 /// The share of a wave's energy that a sponge may give back, and the sponge's width that does it,
 /// in wavelengths (case/edge_absorption).
 constexpr double tolerated_return = 0.01;
@@ -115,6 +119,12 @@ void check_sampling(const Case& c, Notes& notes) {
                   "the load contains frequencies up to {:.4g} Hz, but frames every {:.4g} us "
                   "represent it only up to {:.4g} Hz, so frames alias; use {:.3g} us",
                   fastest_Hz, 1e6 * interval_s, 0.5 / interval_s, 1e6 * 0.5 / fastest_Hz);
+    else if (fastest_Hz > 0.0 && fastest_Hz * interval_s * most_frames_per_period < 1.0 &&
+             c.time.frames > many_frames)
+        notes.add(Severity::warning, "time.output_interval_us",
+                  "the load contains frequencies up to {:.4g} Hz, but the {} frames every {:.4g} "
+                  "us are {:.3g} per period of it, and 10 suffice; the interval is in us",
+                  fastest_Hz, c.time.frames, 1e6 * interval_s, 1.0 / (fastest_Hz * interval_s));
     const auto frequency_Hz = modulation_frequency_Hz(modulation);
     if (frequency_Hz && *frequency_Hz * interval_s > 0.25)
         notes.add(Severity::warning, "time.output_interval_us",

@@ -5,6 +5,7 @@
 #include "problem/load/motion/course.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 
@@ -14,8 +15,13 @@ namespace {
 /// Strain above which the linear model is doubtful. The largest principal strain below a pressure p
 /// on an incompressible half-space is about .155 p/mu (Hertz: the shear stress is .31 p).
 constexpr double tolerated_strain = 0.05, strain_per_pressure = 0.155;
-/// Devices in air reach a radiation pressure of some kPa; such a sound pressure is common.
-constexpr double sound_pressure_Pa = 5e3;
+/// Devices in air reach a radiation pressure of at most some kPa; such a sound pressure is common.
+constexpr double sound_pressure_Pa = 3e3;
+/// Radiation pressures below this that hardly strain the tissue are probably in kPa. Studies may
+/// use 1 Pa as a unit.
+constexpr double least_pressure_Pa = 1.0, felt_strain = 1e-5;
+/// Shear moduli from this on are those of tendons, cartilage and bone; skin has 1 kPa to 1 MPa.
+constexpr double stiff_Pa = 1e7;
 /// rho c^2 of air [Pa]: a sound wave of the amplitude p presses with p^2/(rho c^2) on skin.
 constexpr double air_modulus_Pa = 1.204 * 343.2 * 343.2;
 
@@ -28,7 +34,17 @@ void check_pressure(const Case& c, Notes& notes) {
         softest_Pa = std::min(softest_Pa, layer.density_kg_m3 * layer.c_s_m_s * layer.c_s_m_s);
         top_m += layer.thickness_m;
     }
+    if (softest_Pa > stiff_Pa)
+        notes.add(Severity::warning, "medium.layer",
+                  "below the focus, the shear modulus rho c_s^2 is at least {:.2g} Pa, that of "
+                  "cartilage or bone; skin has 1 kPa to 1 MPa and c_s of 1 to 30 m/s",
+                  softest_Pa);
     const double strain = strain_per_pressure * peak_Pa / softest_Pa;
+    if (peak_Pa < least_pressure_Pa && strain < felt_strain)
+        notes.add(Severity::warning, "load.peak_Pa",
+                  "a radiation pressure of {:.3g} Pa is far below those of devices in air, 50 to "
+                  "some 1000 Pa; peak_Pa is in Pa",
+                  peak_Pa);
     if (!(strain > tolerated_strain || peak_Pa > sound_pressure_Pa)) return;
     notes.add(
         Severity::warning, "load.peak_Pa",
@@ -42,6 +58,16 @@ void check_pressure(const Case& c, Notes& notes) {
 
 /// Lengths that were probably given in m instead of mm are this much smaller than the focus.
 constexpr double tiny_share = 0.05;
+/// Paths of up to 300 mm are too with a focus of 3 mm. Swings may be small.
+constexpr double tiny_path_share = 0.1;
+/// A run that is a smaller part of a pass along the path: the speed was probably given in another
+/// unit, such as a frequency in kHz.
+constexpr double least_share_of_path = 0.02;
+/// Shear waves of a Kelvin-Voigt layer are overdamped above mu/(2 pi viscosity). Tissue has some
+/// 100 Hz. Below this, viscosities that are larger than those of tissue are probably in mPa s.
+constexpr double least_damping_Hz = 10.0, large_viscosity_Pa_s = 50.0;
+/// Layers from aerogels to stone.
+constexpr double least_density_kg_m3 = 50.0, greatest_density_kg_m3 = 4000.0;
 
 /// The largest distance of a point of a path from its start.
 double reach_of_path_m(const Curve& path) {
@@ -53,27 +79,73 @@ double reach_of_path_m(const Curve& path) {
     return reach_m;
 }
 
+/// Layers whose density or viscosity was probably given in g/cm^3 or mPa s.
+void check_layers(const Case& c, Notes& notes) {
+    const std::vector<Layer>& layers = c.scene().medium.layers;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const Layer& layer = layers[i];
+        if (layer.density_kg_m3 < least_density_kg_m3 ||
+            layer.density_kg_m3 > greatest_density_kg_m3)
+            notes.add(Severity::warning, "medium.layer",
+                      "layer {} has a density of {:.3g} kg/m^3, but that of tissue is about 1000 "
+                      "kg/m^3",
+                      i + 1, layer.density_kg_m3);
+        const auto* loss = std::get_if<KelvinVoigt>(&layer.loss);
+        if (!loss || !(loss->viscosity_Pa_s > large_viscosity_Pa_s)) continue;
+        const double damping_Hz = static_shear_modulus(layer) / (two_pi * loss->viscosity_Pa_s);
+        if (damping_Hz < least_damping_Hz)
+            notes.add(Severity::warning, "medium.layer",
+                      "the viscosity of layer {}, {:.3g} Pa s, exceeds the shear modulus above "
+                      "{:.2g} Hz, so that hardly any wave travels; tissue has .1 to 20 Pa s",
+                      i + 1, loss->viscosity_Pa_s, damping_Hz);
+    }
+}
+
+/// Coordinates that are not zero, but far below the spacing: typed in m.
+void check_coordinates(const Case& c, Notes& notes) {
+    const auto check_points = [&](const char* key, const std::vector<Vec2>& points_m) {
+        const double tiny_m = tiny_share * c.domain.spacing_m, rounding_m = 1e-9;
+        for (const Vec2 point_m : points_m)
+            if (norm(point_m) > rounding_m && norm(point_m) < tiny_m)
+                return notes.add(Severity::warning, key,
+                                 "[{:.3g}, {:.3g}] mm is closer to the centre than {:.0f} % of the "
+                                 "spacing of {:.3g} mm; coordinates are in mm",
+                                 milli(point_m.x), milli(point_m.y), 100.0 * tiny_share,
+                                 milli(c.domain.spacing_m));
+    };
+    check_points("record.traces_mm", c.record.traces_m);
+    if (c.afferents) check_points("afferents.pins_mm", c.afferents->pins_m);
+    for (const Mover& mover : c.scene().load.modulation.trajectory.parts)
+        if (const auto* hold = std::get_if<Hold>(&mover))
+            check_points("load.modulation.position_mm", {hold->at_m});
+    check_points("load.modulation.foci_mm", c.scene().load.modulation.foci_m);
+}
+
 /// Lengths far below the focus, and times below an output interval: typed in m or s.
 void check_units(const Case& c, Notes& notes) {
     const Scene& scene = c.scene();
     const double width_m = fwhm_m(scene.load.footprint), interval_s = c.time.interval_s;
-    double thickness_m = 0.0;
-    for (const Layer& layer : scene.medium.layers)
+    double thickness_m = 0.0, fastest_m_s = 0.0;
+    for (const Layer& layer : scene.medium.layers) {
         thickness_m += layer.thickness_m;
+        fastest_m_s = std::max(fastest_m_s, layer.c_s_m_s);
+    }
+    const double end_s = c.time.duration_s(), wave_m = fastest_m_s * end_s;
+    const bool is_transient = c.time.regime == Regime::transient;
+    if (is_transient && wave_m < tiny_share * width_m)
+        notes.add(Severity::warning, "time.duration_ms",
+                  "within {:.3g} ms, shear waves travel {:.3g} mm, but the focus is {:.3g} mm wide "
+                  "(FWHM): the tissue hardly moves; duration_ms is in ms",
+                  milli(end_s), milli(wave_m), milli(width_m));
     if (scene.medium.base == Base::rigid && thickness_m < tiny_share * width_m)
         notes.add(
             Severity::warning, "medium.layer",
             "the layers are {:.3g} mm thick in total, but the focus is {:.3g} mm wide (FWHM): "
             "the base below them determines the motion; thickness_mm is in mm",
             milli(thickness_m), milli(width_m));
-    for (std::size_t i = 0; i < scene.medium.layers.size(); ++i)
-        if (const Layer& layer = scene.medium.layers[i]; layer.density_kg_m3 < 50.0)
-            notes.add(Severity::warning, "medium.layer",
-                      "layer {} has a density of {:.3g} kg/m^3, but that of tissue is about 1000 "
-                      "kg/m^3",
-                      i + 1, layer.density_kg_m3);
-    const auto check_length = [&](const char* key, double length_m, const char* what) {
-        if (length_m > 0.0 && length_m < tiny_share * width_m)
+    const auto check_length = [&](const char* key, double length_m, double share,
+                                  const char* what) {
+        if (length_m > 0.0 && length_m < share * width_m)
             notes.add(
                 Severity::warning, key,
                 "{} is {:.3g} mm, but the focus is {:.3g} mm wide (FWHM): it is practically at "
@@ -89,11 +161,17 @@ void check_units(const Case& c, Notes& notes) {
     };
     for (const Mover& mover : scene.load.modulation.trajectory.parts) {
         if (const auto* travel = std::get_if<Travel>(&mover)) {
-            check_length("load.modulation.path", reach_of_path_m(travel->path),
+            check_length("load.modulation.path", reach_of_path_m(travel->path), tiny_path_share,
                          "the size of the path");
+            const double pass_s = cycle_s(*travel);
+            if (is_transient && std::isfinite(pass_s) && end_s < least_share_of_path * pass_s)
+                notes.add(Severity::warning, "load.modulation",
+                          "a pass along the path lasts {:.4g} ms, but the run {:.4g} ms, which is "
+                          "{:.2g} % of it; speeds are in m/s, frequencies in Hz, times in ms",
+                          milli(pass_s), milli(end_s), 100.0 * end_s / pass_s);
             check_time("load.modulation.corner_dwell_ms", travel->corners.dwell_s);
         } else if (const auto* swing = std::get_if<Swing>(&mover)) {
-            check_length("load.modulation.lm_amplitude_mm", norm(swing->amplitude_m),
+            check_length("load.modulation.lm_amplitude_mm", norm(swing->amplitude_m), tiny_share,
                          "the amplitude of the motion");
         }
     }
@@ -131,6 +209,8 @@ void check_pointer(const Case& c, Notes& notes) {
 std::vector<Remark> check_plausibility(const Case& c) {
     Notes notes;
     check_pressure(c, notes);
+    check_layers(c, notes);
+    check_coordinates(c, notes);
     check_units(c, notes);
     check_pointer(c, notes);
     return notes.remarks;

@@ -86,8 +86,12 @@ TEST_CASE("a modulation with fewer than four frames per period gives a warning",
 TEST_CASE("a pressure that strains the tissue or that is a sound pressure gives a warning",
           "[check]") {
     Case c = good_case(); // mu = 25 kPa
-    c.scene().load.peak_Pa = 4500.0;
-    CHECK(check(c).empty()); // 2.8 %
+    c.scene().load.peak_Pa = 3000.0;
+    CHECK(check(c).empty());         // 1.9 %
+    c.scene().load.peak_Pa = 4500.0; // as p^2/(rho c^2), 143 Pa
+    CHECK(has(only_remark(c).message, "p^2/(rho c^2) = 143 Pa"));
+    c.scene().load.peak_Pa = 0.1; // kPa
+    CHECK(has(only_remark(c).message, "0.1 Pa is far below those of devices in air"));
     c.scene().load.peak_Pa = 9000.0;
     CHECK(only_remark(c).key == "load.peak_Pa");
     // .155 9000/25000, and 9000^2/(1.204 343.2^2).
@@ -129,6 +133,49 @@ TEST_CASE("lengths in m and times in s instead of mm and ms give a warning", "[c
                                                     ConstantSpeed{0.1}, AtEnd::repeat}}};
     CHECK(only_remark(c).key == "load.modulation.path");
     CHECK(has(only_remark(c).message, "the size of the path is 0.05 mm"));
+}
+
+TEST_CASE("properties of layers in other units than those of the keys give a warning", "[check]") {
+    Case c = good_case();
+    Layer& layer = c.scene().medium.layers[0];
+    layer.density_kg_m3 = 8000.0;
+    CHECK(has(only_remark(c).message, "density of 8e+03 kg/m^3"));
+    layer.density_kg_m3 = 1000.0;
+    layer.loss = KelvinVoigt{1000.0}; // mPa s: 25 kPa/(2 pi 1000 Pa s) = 4 Hz
+    CHECK(has(only_remark(c).message, "exceeds the shear modulus above 4 Hz"));
+    layer.loss = KelvinVoigt{1.0};
+    layer.c_s_m_s = 500.0; // mm/s, 250 MPa
+    c.domain.edges = DomainEdges::open;
+    CHECK(has(only_remark(c).message, "at least 2.5e+08 Pa, that of cartilage or bone"));
+}
+
+TEST_CASE("coordinates, speeds, durations and intervals in other units give a warning", "[check]") {
+    Case c = good_case(); // spacing of .75 mm
+    c.record.traces_m = {{1e-5, 0.0}};
+    CHECK(only_remark(c).key == "record.traces_mm");
+    CHECK(has(only_remark(c).message, "[0.01, 0] mm is closer to the centre than 5 %"));
+    c.record.traces_m = {{1e-16, 0.0}}; // rounding
+    CHECK(check(c).empty());
+    c.scene().load.modulation.foci_m = {{-2e-5, 0.0}, {2e-5, 0.0}};
+    CHECK(only_remark(c).key == "load.modulation.foci_mm");
+    c = good_case();
+    c.scene().load.modulation.trajectory = {{Hold{{0.0, 3e-5}}}};
+    CHECK(only_remark(c).key == "load.modulation.position_mm");
+    c = good_case();
+    travel(c).motion = ConstantSpeed{0.007}; // 28 mm in 4 s
+    CHECK(has(only_remark(c).message, "a pass along the path lasts 4000 ms, but the run 4 ms"));
+    c = good_case();
+    std::get<Line>(travel(c).path.shape) = {{-0.0001, 0.0}, {0.0001, 0.0}}; // 200 mm in m
+    travel(c).at_end = AtEnd::repeat;
+    CHECK(has(only_remark(c).message, "the size of the path is 0.2 mm"));
+    c = good_case();
+    c.time = {.frames = 2, .interval_s = 1e-5}; // waves travel .1 mm
+    c.measure = {.at_s = 2e-5, .focal_radius_m = 0.003};
+    c.scene().load.modulation = {"AM", {{Hold{}}}, {}};
+    CHECK(only_remark(c).key == "time.duration_ms");
+    c = good_case();
+    c.time = {.frames = 80000, .interval_s = 5e-8};
+    CHECK(only_remark(c).key == "time.output_interval_us");
 }
 
 TEST_CASE("pins along the path of a moving focus give a warning", "[check]") {
