@@ -18,6 +18,8 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <sys/stat.h>
@@ -64,6 +66,41 @@ bool has_launcher() {
     constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMIX_NAMESPACE", "PMI_RANK"};
     return std::ranges::any_of(variables,
                                [](const char* name) { return std::getenv(name) != nullptr; });
+}
+
+/// How to start a separate run inside of another MPI program. All variables have to go: Open MPI
+/// refuses a nested mpirun, and a part of them makes MPI_Init fail.
+constexpr const char* remedy =
+    "Start each run without the variables of the other program: env -u OMPI_COMM_WORLD_SIZE $(env "
+    "| sed -nE 's/^((OMPI|PMIX|PMI)_[^=]*)=.*/-u \\1/p') shearwake ..., as shearwake.Job does in "
+    "Python";
+
+std::string content_of(const std::string& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Whether a process that is itself the rank that this process would become uses MPI, such as a
+/// driver with mpi4py, and has started this one. MPI_Init would then fail or block. False where
+/// there is no /proc.
+bool is_inside_of_rank() {
+    std::vector<std::string> own; // what makes this process a rank, as in /proc/PID/environ
+    for (const char* name : {"PMIX_NAMESPACE", "PMIX_RANK", "PMI_FD", "PMI_RANK"})
+        if (const char* value = std::getenv(name))
+            own.push_back(std::string(1, '\0') + name + '=' + value + '\0');
+    for (std::string pid = std::to_string(::getppid()); !own.empty();) {
+        const std::string folder = "/proc/" + pid + "/";
+        const std::string variables = '\0' + content_of(folder + "environ");
+        if (!std::ranges::all_of(
+                own, [&](const auto& text) { return variables.find(text) != std::string::npos; }))
+            return false;
+        if (content_of(folder + "maps").find("/libmpi") != std::string::npos) return true;
+        const std::string status = content_of(folder + "status"), before = "PPid:\t";
+        const auto at = status.find(before);
+        if (at == std::string::npos) return false;
+        pid = std::to_string(std::atol(status.c_str() + at + before.size()));
+    }
+    return false;
 }
 
 /// Calls MPI_Init after selecting components of Open MPI. Values set by the user have priority.
@@ -144,12 +181,9 @@ void require_one_run(const Comm& world, int argc, char** argv) {
     if (world.max(other_arguments || other_folder ? 1 : 0) != 0)
         throw UsageError(fmt::format(
             "the {} ranks of this MPI program have different {}: separate runs have joined one "
-            "world, since they were started inside of another MPI program. Start each of them by "
-            "mpirun -n 1, or without the variables of the other program: env -u "
-            "OMPI_COMM_WORLD_SIZE -u PMIX_NAMESPACE -u PMIX_RANK -u PMI_RANK -u PMI_SIZE "
-            "shearwake ...",
-            world.size(),
-            world.max(other_arguments ? 1 : 0) != 0 ? "arguments" : "working folders"));
+            "world, since they were started inside of another MPI program. {}",
+            world.size(), world.max(other_arguments ? 1 : 0) != 0 ? "arguments" : "working folders",
+            remedy));
 }
 
 /// Warns of srun without PMI, which starts independent copies of the program.
@@ -170,6 +204,12 @@ void warn_of_lone_tasks(const Comm& world, int argc, char** argv) {
 
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
     secure_streams();
+    if (is_inside_of_rank()) {
+        fmt::print(stderr,
+                   "a rank of another MPI program has started this run, which cannot join it. {}\n",
+                   remedy);
+        return static_cast<int>(ExitCode::usage);
+    }
     if (initialise_mpi(argc, argv) != MPI_SUCCESS) {
         fmt::print(stderr, "shearwake: MPI cannot be initialised\n");
         return static_cast<int>(ExitCode::environment);

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Failing cases, damaged files, and disks that are full or not writable."""
 import contextlib
+import ctypes
 import os
 import signal
 import subprocess
+import sys
 import unittest
 from unittest import mock
 
@@ -41,6 +43,34 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(code, 2, said)
         self.says(said, "have different working folders")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
+
+    def test_remedy_of_the_message_starts_separate_runs(self):
+        self.write_job()
+        for name, change in (("a", "job.toml"), ("b", "other.toml")):
+            (self.folder / change).write_text((self.folder / "job.toml").read_text().replace('name = "', f'name = "{name}'))
+        split = "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then j=job; else j=other; fi; exec {} check $j.toml"
+        code, said = self.joined("-n", "2", "sh", "-c", split.format(PROGRAM))
+        self.assertEqual(code, 2, said)
+        remedy = said[said.index("env -u"):said.index(" shearwake ...")]
+        code, said = self.joined("-n", "2", "sh", "-c", split.format(f"{remedy} {PROGRAM}"))
+        self.assertEqual(code, 0, said)
+        self.says(said, "job.toml: ", "other.toml: ")
+
+    def test_run_that_a_rank_with_mpi_starts_ends_at_once(self):
+        self.write_job()
+        driver = ("import ctypes, subprocess, sys\n"
+                  "mpi = ctypes.CDLL('libmpi.so.40', ctypes.RTLD_GLOBAL)\n"
+                  "mpi.MPI_Init(None, None)\n"
+                  "done = subprocess.run(sys.argv[1:], capture_output=True, text=True)\n"
+                  "print(done.returncode, done.stderr)\n"
+                  "mpi.MPI_Finalize()\n")
+        try:
+            ctypes.CDLL("libmpi.so.40")
+        except OSError:
+            self.skipTest("the library of Open MPI 4 has another name")
+        code, said = self.joined("-n", "2", sys.executable, "-c", driver, str(PROGRAM), "check", "job.toml")
+        self.assertEqual(code, 0, said)
+        self.assertEqual(said.count("2 a rank of another MPI program has started this run"), 2, said)
 
     def test_tasks_of_slurm_without_mpi_are_warned_of(self):
         self.write_job(without_reference())
