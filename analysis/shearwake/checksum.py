@@ -21,6 +21,9 @@ MEMBER = re.compile(r',"checksum":"([0-9a-f]{16})"\}(\s*)$')
 PIECE = 1 << 20
 
 
+OPENED = 'another program has opened it for writing and changed it; open case files for reading only: h5py.File(path, "r")'
+
+
 class Damaged(ValueError):
     """The content of the file does not match its checksum."""
 
@@ -32,21 +35,23 @@ def verify_case(path: str | os.PathLike[str]) -> None:
         file.seek(max(0, size - LINE_LENGTH))
         found = LINE.fullmatch(file.read())
         before = size - LINE_LENGTH
+        is_opened = found is None
         if found is None:  # HDF5 removes the line when a program opens the file for writing
             found, before = recorded_line(path), size
         if found is None:
-            raise Damaged("the checksum at its end is missing: it is truncated, or another program has opened it for writing")
+            raise Damaged(f"the checksum at its end is missing: it is truncated, or {OPENED}")
         covered = int(found[2])
         file.seek(min(covered, before))
         if covered > before or file.read(before - covered) not in (b"", b"\n"):
-            raise Damaged(f"it has {before} bytes, but its checksum covers {covered} bytes")
+            changed = f": {'it is truncated' if covered > before else OPENED}" if is_opened or covered > before else ""
+            raise Damaged(f"it has {before} bytes, but its checksum covers {covered} bytes{changed}")
         file.seek(0)
         hash_now, left = xxhash.xxh3_128(), covered
         while left > 0 and (piece := file.read(min(PIECE, left))):
             hash_now.update(piece)
             left -= len(piece)
     if hash_now.hexdigest().encode() != found[1]:
-        raise Damaged("its bytes do not match its checksum")
+        raise Damaged(f"its bytes do not match its checksum{f': {OPENED}' if is_opened else ''}")
 
 
 def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:

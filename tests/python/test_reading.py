@@ -261,6 +261,24 @@ class Reading(InFolder):
         with self.assertRaises(shearwake.Damaged):
             sweep.cases[0].verify()
 
+    def test_damage_names_programs_that_opened_a_file_for_writing(self):
+        shutil.copytree("out/small", "out/written")
+        sweep = shearwake.open("out/written")
+        for case, change in zip(sweep.cases, ("nothing", "value", "attribute")):
+            with h5py.File(case.path, "r+") as file:
+                if change == "value":
+                    file["eta_at_1"][()] *= 1.01
+                elif change == "attribute":
+                    file.attrs["remark"] = "x" * 5000
+            if change == "nothing":
+                case.verify()
+                continue
+            with self.assertRaisesRegex(shearwake.Damaged, "another program has opened it for writing and changed it"):
+                case.verify()
+        case.path.write_bytes(case.path.read_bytes()[:1000])
+        with self.assertRaisesRegex(shearwake.Damaged, "covers .* bytes: it is truncated"):
+            case.verify()
+
     def test_a_case_that_was_found_to_be_damaged_has_no_values(self):
         shutil.copytree("out/small", "out/flipped")
         sweep = shearwake.open("out/flipped")
