@@ -2,6 +2,7 @@
 """One case of a sweep. Every part of its file is read when it is first needed."""
 from __future__ import annotations
 
+import contextlib
 import difflib
 import functools
 import html
@@ -62,7 +63,10 @@ class Case:
 
     def __repr__(self) -> str:
         settings = ", ".join(f"{key} = {value}" for key, value in self.settings.items())
-        return f"<shearwake.Case {self.id}{' (reference)' if self.is_reference else ''}: {settings or 'nothing swept'}>"
+        state = "" if self.status == "complete" else f", {self.status}"
+        with contextlib.suppress(NotRecorded, OSError, ValueError):
+            state = state or ("" if self.is_valid else ", not valid")
+        return f"<shearwake.Case {self.id}{' (reference)' if self.is_reference else ''}: {settings or 'nothing swept'}{state}>"
 
     # ---- what plan and table state
 

@@ -153,7 +153,7 @@ class Reading(InFolder):
 
     def test_readings_that_are_not_valid_are_marked_and_warned_of(self):
         # Waves of 5 m/s return to the focus from the edges of the smaller domain, not from those of the larger one.
-        text = job(("name = \"small\"", "name = \"judged\""), ("extent_mm = [64.0, 48.0]", "extent_mm = [64.0, 120.0]"),
+        text = job(("name = \"small\"", "name = \"judged\""), ("title = ", "# title = "), ("extent_mm = [64.0, 48.0]", "extent_mm = [64.0, 120.0]"),
                    (program.SWEEP, '"domain.extent_mm" = [[36.0, 24.0], [120.0, 120.0]]'),
                    ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.extent_mm"'))
         with pytest.warns(shearwake.NotValid, match="of judged are not valid: "):
@@ -165,6 +165,7 @@ class Reading(InFolder):
         self.assertEqual(sweep.table["valid"].tolist(), [case.is_valid for case in sweep.every_case])
         csv = pd.read_csv("out/judged/tables/judged.csv").set_index("id")
         self.assertEqual((csv["valid"] == "yes").tolist(), sweep.table["valid"].tolist())
+        self.assertEqual(Path("out/judged/tables/judged.md").read_text(encoding="utf-8").splitlines()[0], "# judged")
         with pytest.warns(shearwake.NotValid, match="of 2 cases of judged are not valid"):
             data = sweep.dataset("peak_um")
         np.testing.assert_array_equal(data["valid"].values, [case.is_valid for case in sweep.cases])
@@ -175,6 +176,7 @@ class Reading(InFolder):
         self.assertEqual(sorted(alone["valid"].values.tolist()), [0.0, 1.0])
         invalid = next(case for case in sweep.cases if not case.is_valid)
         self.assertTrue(invalid.plot.surface().get_title(loc="left").endswith("(not valid)"))
+        self.assertEqual([repr(case).endswith(", not valid>") for case in sweep.cases], [not case.is_valid for case in sweep.cases])
 
     def test_a_ratio_is_valid_if_the_case_and_its_reference_are(self):
         shutil.copytree("out/small", "out/wrong-reference")
