@@ -6,9 +6,61 @@
 #include "engines/spectral/stepping/time_step.hpp"
 #include "problem/medium/body.hpp"
 
+#include <algorithm>
+#include <array>
 #include <fmt/format.h>
+#include <limits>
 
 namespace shearwake::spectral {
+
+namespace {
+
+/// Error in % of the waves that an elastic sphere scatters, by its stiffness and the spacings per
+/// radius: docs/explanation/engine-spectral.md, "Errors at bodies".
+constexpr std::array per_radius = {1.0, 2.0, 4.0, 5.0, 7.5, 10.0};
+struct MeasuredErrors {
+    double up_to; // stiffness relative to the layer
+    std::array<double, per_radius.size()> percent;
+};
+constexpr std::array measured = {
+    MeasuredErrors{0.2, {21, 8.1, 2.9, 1.9, 0.9, 0.6}},
+    MeasuredErrors{20.0, {7.2, 2.7, 1.9, 1.3, 0.7, 0.6}},
+    MeasuredErrors{100.0, {15, 7.5, 2.2, 1.8, 0.9, 0.8}},
+    MeasuredErrors{std::numeric_limits<double>::infinity(), {25, 16, 8.2, 6.3, 4.0, 2.6}}};
+constexpr double good_percent = 5.0;
+
+/// `c` contains the bodies that are treated as rigid.
+std::vector<Remark> resolution_remarks(const Case& c) {
+    std::vector<Remark> remarks;
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+        const Body& body = c.scene().medium.bodies[i];
+        const double contrast = stiffness_contrast(body, c.scene().medium);
+        const double width_m = lateral_thickness_m(body),
+                     radius = 0.5 * width_m / c.domain.spacing_m;
+        if (body.rigid || contrast == 0.0 || contrast == 1.0 || radius < per_radius.front())
+            continue; // check_variation
+        const auto& percent = std::ranges::find_if(measured, [=](const MeasuredErrors& m) {
+                                  return contrast <= m.up_to;
+                              })->percent;
+        std::size_t own = 0, good = 0;
+        while (own + 1 < per_radius.size() && per_radius[own + 1] <= radius)
+            ++own;
+        while (percent[good] > good_percent)
+            ++good;
+        if (own >= good) continue;
+        remarks.push_back(
+            {Severity::warning, fmt::format("medium.body[{}].shape", i + 1),
+             fmt::format("it is {:.2g} grid spacings wide along the surface, {:.2g} times as stiff "
+                         "as its layer, and elastic: the waves that a body scatters are then in "
+                         "error by about {:.2g} % at a width of {:.2g} spacings and {:.2g} % at "
+                         "{:.2g}; use domain.spacing_mm = {:.3g}",
+                         2.0 * radius, contrast, percent[own], 2.0 * per_radius[own], percent[good],
+                         2.0 * per_radius[good], 0.5e3 * width_m / per_radius[good])});
+    }
+    return remarks;
+}
+
+} // namespace
 
 std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     std::vector<Remark> refused = engines::refused_losses(c);
@@ -21,6 +73,8 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
     for (Remark& warning : receptors_near_bodies(with_rigid_bodies(c)))
+        refused.push_back(std::move(warning));
+    for (Remark& warning : resolution_remarks(with_rigid_bodies(c)))
         refused.push_back(std::move(warning));
     for (Remark& warning : engines::warnings_of(
              variation_choices(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver))))

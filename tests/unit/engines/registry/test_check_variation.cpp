@@ -96,6 +96,29 @@ TEST_CASE("a body that the grid does not resolve is reported with numbers", "[ch
     CHECK(remarks_on(c).empty());
 }
 
+TEST_CASE("the error of a body that the grid hardly resolves depends on its stiffness",
+          "[check_variation]") {
+    Case c = good_case();
+    Body& body = c.scene().medium.bodies[0];
+    body.shape = Ellipsoid{{3e-3, 3e-3, 3e-3}}; // 4 spacings per radius
+    body.c_s_m_s = 5.0 * std::sqrt(10.0);
+    CHECK(remarks_on(c).empty());
+    body.c_s_m_s = 5.0 * std::sqrt(400.0);
+    body.c_p_m_s = 1500.0;
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "medium.body[1].shape");
+    CHECK(has(only_remark(c).message,
+              "error by about 8.2 % at a width of 8 spacings and 4 % at 15; use "
+              "domain.spacing_mm = 0.4"));
+    body.c_s_m_s = 5.0 * std::sqrt(2000.0); // rigid
+    CHECK(remarks_on(c).empty());
+    body.shape = Ellipsoid{{1.2e-3, 2e-3, 2e-3}};
+    body.c_s_m_s = 5.0 * std::sqrt(10.0);
+    CHECK(has(only_remark(c).message,
+              "error by about 7.2 % at a width of 2 spacings and 2.7 % at 4; "
+              "use domain.spacing_mm = 0.6"));
+}
+
 TEST_CASE("the engine pstd needs more points across a body than spectral", "[check_variation]") {
     Case c = good_case();
     c.scene().medium.bodies[0].shape = Ellipsoid{{1.5e-3, 2e-3, 2e-3}}; // 3 mm: 4 points
