@@ -51,12 +51,11 @@ struct VolumePlane {
     View2<const double> values; // x_count rows of ny values, in the field's SI unit
 };
 
-/// Time series recorded by the sensors of a grid study, one sample per step.
-struct SensorSeries {
-    std::string field;
-    bool velocity = false;      // m/s; otherwise Pa
-    std::ptrdiff_t samples = 0; // per node
-    std::vector<double> values; // [node][sample]
+/// A result of the sensor of a grid study, with one sample per step.
+struct SensorRecord {
+    std::string name, units;
+    enum class Of { points_and_samples, points, grid } of = Of::points;
+    std::vector<double> values; // [point][sample], [point], or [x][y][z] of the complete grid
 };
 
 /// Energies of one period in the steady state.
@@ -80,7 +79,7 @@ struct SolverReport {
     // Work of the load, and the kinetic and elastic energy half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
     std::optional<PeriodEnergy> period_energy = std::nullopt; // in the periodic regime
-    std::vector<SensorSeries> sensors = {};                   // of a grid study; on rank 0 only
+    std::vector<SensorRecord> sensors = {};                   // of a grid study; on rank 0 only
     std::vector<Remark> warnings = {}; // those of the notes that reduce the accuracy
 };
 

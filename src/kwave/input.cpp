@@ -408,6 +408,16 @@ void Reader::read_material() {
         staggered.mu_Pa[i] = [=](Node n) { return material->mu_sg[i](n); };
         staggered.eta_Pa_s[i] = [=](Node n) { return material->eta_sg[i](n); };
     }
+    if (m.mu.values.size() > 1)
+        for (std::ptrdiff_t x = m.x0; x < m.x0 + slabs_.x_count(); ++x)
+            for (std::ptrdiff_t y = 0; y < slabs_.ny(); ++y)
+                for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z)
+                    for (const Node next :
+                         {Node{x + 1, y, z}, Node{x, y + 1, z}, Node{x, y, z + 1}})
+                        if (next[0] < slabs_.nx() && next[1] < slabs_.ny() &&
+                            next[2] < slabs_.nz() &&
+                            (m.mu({x, y, z}) == 0.0) != (m.mu(next) == 0.0))
+                            input_.fluid_faces += 1.0;
     // The step is certainly unstable above the limit of a node with the largest of its densities.
     StepLimits& limits = input_.limits;
     limits.alone_s = limits.density_kg_m3 = std::numeric_limits<double>::infinity();
@@ -521,8 +531,8 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
 void Reader::read_sensor() {
     if (flag("sensor_mask_type", 1) == 0) {
         for (const std::ptrdiff_t index : indices("sensor_mask_index"))
-            input_.nodes.push_back(node_of(index));
-        if (input_.nodes.empty()) throw UsageError("sensor_mask_index contains no nodes");
+            input_.sensor.nodes.push_back(node_of(index));
+        if (input_.sensor.nodes.empty()) throw UsageError("sensor_mask_index contains no nodes");
         return;
     }
     const std::string name = "sensor_mask_corners";
@@ -555,7 +565,7 @@ void Reader::read_sensor() {
         for (std::ptrdiff_t z = cuboid.first[2]; z <= cuboid.last[2]; ++z)
             for (std::ptrdiff_t y = cuboid.first[1]; y <= cuboid.last[1]; ++y)
                 for (std::ptrdiff_t x = cuboid.first[0]; x <= cuboid.last[0]; ++x)
-                    input_.nodes.push_back({x, y, z});
+                    input_.sensor.nodes.push_back({x, y, z});
     }
 }
 
@@ -586,8 +596,7 @@ Input input_of_study(const std::filesystem::path& path) {
             throw UsageError(fmt::format("{}: the study {}", path.string(), remark.message));
     input.setup = pstd::study_setup(*study);
     input.steps = study->steps;
-    for (const auto& node : study->sensors)
-        input.nodes.push_back(node);
+    input.sensor = study->sensor;
     for (const NodeSource& source : study->sources)
         input.source_values += 2 * source.series.size();
     input.description = "grid study " + study->content_hash;

@@ -30,15 +30,16 @@ struct StepLimits {
 struct Input {
     pstd::Setup setup;
     std::ptrdiff_t steps = 0;
-    /// The sensor: all nodes in the order of the output, those of cuboids one after another, each
-    /// with x fastest. No cuboids: a list of nodes.
-    std::vector<pstd::Node> nodes;
+    /// The sensor: all points in the order of the output, those of cuboids one after another, each
+    /// with x fastest. No cuboids: a list of points.
+    SensorPoints sensor;
     std::vector<Cuboid> cuboids;
     /// Scalars that the output file repeats, and the description of the file.
     std::map<std::string, std::uint64_t> integers;
     std::map<std::string, double> numbers;
     std::string description;
     StepLimits limits;
+    double fluid_faces = 0.0;               // of this rank, between a fluid node and a solid one
     std::size_t source_values = 0;          // stored on every rank
     std::string step_name = "dt";           // the value that sets the time step, for messages
     std::shared_ptr<const StudyData> study; // to which `setup` refers; none for a file of k-Wave

@@ -5,7 +5,7 @@
 #include "engines/pstd/pstd_plan.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "kwave/input.hpp"
-#include "kwave/recorder.hpp"
+#include "kwave/output.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
@@ -14,6 +14,7 @@
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <ctime>
@@ -135,7 +136,7 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
         std::vector<std::uint64_t> values;
         write("sensor_mask_type", {1, 1, 1}, {input.cuboids.empty() ? 0u : 1u});
         if (input.cuboids.empty()) {
-            for (const pstd::Node& node : input.nodes)
+            for (const pstd::Node& node : input.sensor.nodes)
                 values.push_back(
                     static_cast<std::uint64_t>((node[2] * n[1] + node[1]) * n[0] + node[0] + 1));
             write("sensor_mask_index", {1, 1, values.size()}, values);
@@ -184,6 +185,14 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         throw UsageError(fmt::format("{}: -s is {}; it must be 1 to the {} steps of the run",
                                      arguments.input.string(), arguments.first_step, steps));
     check_step(*input, arguments.input.string(), world);
+    const bool of_points =
+        std::any_of(arguments.records.begin(), arguments.records.end(), [](const auto& record) {
+            return !record.ends_with("_all") && !record.ends_with("_final");
+        });
+    if (of_points && input->sensor.size() == 0)
+        throw UsageError(fmt::format("{}: the sensor has no points; only records of the entire "
+                                     "grid (--p_final, ...) are available",
+                                     arguments.input.string()));
 
     const double points = static_cast<double>(grid.points[0]) *
                           static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
@@ -201,9 +210,10 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         .coefficients = pstd::varying_coefficients(true, true, true, input->setup.absorption),
         .source_nodes = source_nodes};
     const engines::Resources planned{.arrays = pstd::arrays_of(plan, world.size())};
-    const double needed_B = planned.memory_per_rank_B() +
-                            Recorder::memory_B(*input, arguments.records,
-                                               steps - arguments.first_step + 1, world.size());
+    const double needed_B =
+        planned.memory_per_rank_B() +
+        pstd::Recorder::memory_B(input->sensor, grid, arguments.records,
+                                 steps - arguments.first_step + 1, world.size());
     if (const double available_B = pipeline::memory_per_rank_B(world); needed_B > available_B)
         throw UsageError(fmt::format("{}: the run needs {:.3g} GB per rank, but only {:.3g} GB are "
                                      "available; record fewer nodes or use more machines",
@@ -214,17 +224,21 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                              arguments.input.string(), grid.points[0], grid.points[1],
                              grid.points[2], steps, grid.dt_s, lossy ? "Kelvin-Voigt" : "lossless",
                              arguments.precision, world.size(), world.size() == 1 ? "" : "s"));
+    if (const double faces = world.sum(input->fluid_faces); faces > 0.0)
+        print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
+                                 "moduli next to them are those of the file",
+                                 faces));
     if (arguments.verbose > 0)
-        print(world, fmt::format("  {} sensor nodes, {} sources; records {}", input->nodes.size(),
+        print(world, fmt::format("  {} sensor nodes, {} sources; records {}", input->sensor.size(),
                                  input->setup.sources.size(), fmt::join(arguments.records, ", ")));
     if (arguments.verbose > 1)
         print(world, fmt::format("  about {:.3g} GB per rank", 1e-9 * needed_B));
 
     pstd::Stepper<Real> stepper(input->setup, world);
-    std::unique_ptr<Recorder> recorder;
+    std::unique_ptr<pstd::Recorder> recorder;
     together(world, [&] {
-        recorder = std::make_unique<Recorder>(*input, stepper.slabs(), arguments.records,
-                                              arguments.first_step, steps);
+        recorder = std::make_unique<pstd::Recorder>(input->sensor, stepper.slabs(),
+                                                    arguments.records, arguments.first_step, steps);
     });
     storage::CheckpointOwner owner{.case_id = "", .git_id = pipeline::program_git_id()};
     if (!arguments.checkpoint.empty()) {
@@ -264,7 +278,8 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
             if (!std::isfinite(world.sum(stepper.kinetic_J())))
                 throw UsageError(fmt::format(
                     "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
-                    "unstable",
+                    "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio "
+                    "stabilises",
                     arguments.input.string(), done, static_cast<double>(done) * grid.dt_s));
         if (!arguments.checkpoint.empty() && done < steps)
             stops = world.any(
@@ -291,6 +306,7 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         recorder->save(writer);
         writer.commit(owner, {});
     }
+    recorder->finish();
     const std::filesystem::path part = arguments.output.string() + ".part";
     const double memory_B = world.sum(pipeline::peak_memory_B());
     try {
@@ -302,7 +318,7 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                 file = h5::open_file(part, h5::Access::create);
                 output.file = file.raw();
             }
-            recorder->write(output, stepper, world);
+            write_records(output, *recorder, *input, stepper, world);
             if (!world.is_root()) return;
             write_facts(output, arguments, *input, steps, stepper.steps(), phases, world.size(),
                         memory_B);
@@ -328,7 +344,7 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
 
 ExitCode run(const Arguments& given, const Comm& world) {
     Arguments arguments = given;
-    if (arguments.records.empty()) arguments.records = {"p_raw"};
+    if (arguments.records.empty()) arguments.records = {"p"};
     for (auto* path : {&arguments.output, &arguments.checkpoint})
         if (!path->empty()) *path = std::filesystem::absolute(*path);
     Phases phases;

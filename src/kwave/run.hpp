@@ -11,10 +11,10 @@
 namespace shearwake::kwave {
 
 /// The options of the command `kwave`, which are those of k-Wave's compiled programs and
-/// u_split_field_raw, precision and output_precision.
+/// u_split_field_raw, I_raw, I_avg, precision and output_precision.
 struct Arguments {
     std::filesystem::path input, output;
-    std::set<std::string> records; // see Recorder; empty: p_raw
+    std::set<std::string> records; // see pstd::Recorder; empty: p
     long first_step = 1;           // that is recorded, from 1
     long steps = 0;                // 0: those of the input
     int threads = 0;               // 0: not specified

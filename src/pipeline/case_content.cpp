@@ -212,45 +212,54 @@ std::string columns_in_samples(const VariableGroup& root) {
 }
 
 VariableGroup sensor_group(const StudyData& study,
-                           const std::vector<engines::SensorSeries>& sensors) {
+                           const std::vector<engines::SensorRecord>& sensors) {
     VariableGroup group{.name = "sensor", .variables = {}};
     if (sensors.empty()) return group;
-    const auto count = [](std::ptrdiff_t n) { return static_cast<std::size_t>(n); };
-    std::vector<double> samples_s(count(sensors.front().samples)), numbers(study.sensors.size());
-    for (std::size_t n = 0; n < samples_s.size(); ++n)
-        samples_s[n] =
-            study.time_step_s * (static_cast<double>(n) + static_cast<double>(study.sensor_start));
+    using Of = engines::SensorRecord::Of;
+    const auto add = [&](std::string name, std::vector<std::string> dimensions,
+                         std::vector<double> values, std::string units, std::string long_name) {
+        group.variables.push_back({.name = std::move(name),
+                                   .dimensions = std::move(dimensions),
+                                   .values = std::move(values),
+                                   .units = std::move(units),
+                                   .long_name = std::move(long_name),
+                                   .note = ""});
+    };
+    std::vector<double> samples_s, numbers(study.sensor.size());
+    for (std::ptrdiff_t n = study.sensor_start; n <= study.steps; ++n)
+        samples_s.push_back(study.time_step_s * static_cast<double>(n));
     std::iota(numbers.begin(), numbers.end(), 0.0);
-    group.variables.push_back({.name = "time",
-                               .dimensions = {"time"},
-                               .values = samples_s,
-                               .units = "s",
-                               .long_name = "end of the step; velocities are half a step earlier",
-                               .note = ""});
-    group.variables.push_back({.name = "node",
-                               .dimensions = {"node"},
-                               .values = numbers,
-                               .units = "1",
-                               .long_name = "node of the sensor",
-                               .note = ""});
+    add("time", {"time"}, samples_s, "s", "end of the step; velocities are half a step earlier");
+    add("node", {"node"}, numbers, "1", "point of the sensor");
     for (const std::size_t axis : {0u, 1u, 2u}) {
-        std::vector<double> indices;
-        for (const auto& node : study.sensors)
-            indices.push_back(static_cast<double>(node[axis]));
-        group.variables.push_back({.name = std::string(1, "ijk"[axis]),
-                                   .dimensions = {"node"},
-                                   .values = std::move(indices),
-                                   .units = "1",
-                                   .long_name = "index along an axis, from 0",
-                                   .note = ""});
+        std::vector<double> indices(study.sensor.size(), 0.0);
+        for (std::size_t n = 0; n < study.sensor.nodes.size(); ++n)
+            indices[n / study.sensor.nodes_of_a_point] +=
+                static_cast<double>(study.sensor.nodes[n][axis]) *
+                (study.sensor.weights.empty() ? 1.0 : study.sensor.weights[n]);
+        add(std::string(1, "ijk"[axis]), {"node"}, std::move(indices), "1",
+            "index along an axis, from 0");
     }
-    for (const engines::SensorSeries& series : sensors)
-        group.variables.push_back({.name = series.field,
-                                   .dimensions = {"node", "time"},
-                                   .values = series.values,
-                                   .units = series.velocity ? "m/s" : "Pa",
-                                   .long_name = series.velocity ? "particle velocity" : "stress",
-                                   .note = ""});
+    if (std::any_of(sensors.begin(), sensors.end(),
+                    [](const auto& record) { return record.of == Of::grid; }))
+        for (const std::size_t axis : {0u, 1u, 2u}) {
+            std::vector<double> places_m;
+            for (std::ptrdiff_t n = 0; n < study.points[axis]; ++n)
+                places_m.push_back(static_cast<double>(n - study.points[axis] / 2) *
+                                   study.spacing_m[axis]);
+            const std::string name(1, "xyz"[axis]);
+            add(name, {name}, std::move(places_m), "m", "from the middle node of the grid");
+        }
+    for (const engines::SensorRecord& record : sensors)
+        add(record.name,
+            record.of == Of::grid     ? std::vector<std::string>{"x", "y", "z"}
+            : record.of == Of::points ? std::vector<std::string>{"node"}
+                                      : std::vector<std::string>{"node", "time"},
+            record.values, record.units,
+            record.units == "m/s"    ? "particle velocity"
+            : record.units == "W/m2" ? "intensity"
+            : record.name[0] == 'p'  ? "pressure"
+                                     : "stress");
     return group;
 }
 

@@ -34,7 +34,7 @@ std::string columns_in_samples(const VariableGroup& root);
 
 /// The recorded data of the sensor of a study, group /sensor of the file.
 VariableGroup sensor_group(const StudyData& study,
-                           const std::vector<engines::SensorSeries>& sensors);
+                           const std::vector<engines::SensorRecord>& sensors);
 
 /// When and on which resources the case was computed.
 struct RunFacts {

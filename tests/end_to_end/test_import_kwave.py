@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Imports and runs k-Wave simulations; the fields must equal those computed by k-Wave."""
+import os
 import shutil
 import subprocess
+import types
 import unittest
 
 import h5py
 import numpy
 import pytest
+import scipy.io
 
 from kwave import FIELDS, POINTS, import_kwave, reference, save, structures_of
-from program import PATIENCE_s, ROOT, ProgramTest, case_files, environment
+from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, case_files, environment
+from shearwake.kwave import pstd_elastic_3d
+from shearwake.kwave.record import KWAVE
 
 
 class ImportTest(ProgramTest):
@@ -93,6 +98,56 @@ class Imported(ImportTest):
         self.imported(structures)
         self.shearwake("run", "study.toml", ranks=2)
         self.assertLess(self.worst(of), 1e-12)
+
+
+class Records(ImportTest):
+    """The case file has what pstd_elastic_3d returns, which tests/end_to_end/test_kwave_functions.py compares with k-Wave."""
+
+    def results(self, **sensor):
+        """The structures of a study of six stresses in a lossy medium, and what the function returns."""
+        structures = scipy.io.loadmat(ROOT / "tests" / "data" / "kwave" / "stress_lossy_study.mat", simplify_cells=True)
+        structures = {name: structures[name] for name in ("kgrid", "medium", "source", "sensor", "options")}
+        options = structures["options"] = dict(zip(structures["options"][::2], structures["options"][1::2]))
+        structures["sensor"].update(sensor)
+        os.environ.update(environment(), SHEARWAKE=str(PROGRAM))
+        parts = [types.SimpleNamespace(**structures[name]) for name in ("kgrid", "source", "sensor", "medium")]
+        return structures, pstd_elastic_3d(*parts, quiet=True, pml_size=options["PMLSize"],
+                                           multi_axial_pml_ratio=options["MultiAxialPMLRatio"])
+
+    def equal(self, expected, tolerance):
+        with h5py.File(case_files(self.out)[0]) as file:
+            for name, values in expected.items():
+                numpy.testing.assert_allclose(file["sensor"][name][()], values, rtol=0, atol=tolerance * numpy.abs(values).max(), err_msg=name)
+            return {name: file["sensor"][name].attrs["units"] for name in expected}, file["sensor"]["x"][()] if "x" in file["sensor"] else None
+
+    def test_all_records_of_kwave(self):
+        structures, expected = self.results(record=KWAVE)
+        self.imported(structures)
+        self.shearwake("run", "study.toml", ranks=2)
+        units, x_m = self.equal(expected, 1e-12)  # other sums of a velocity at the nodes: rounding errors
+        self.assertEqual([units[name] for name in ("p_max_all", "ux_split_s", "Iy_avg")], [b"Pa", b"m/s", b"W/m2"])
+        numpy.testing.assert_allclose(x_m[[0, 15]], [-15e-3, 0.0])
+        with h5py.File(ROOT / "tests" / "data" / "kwave" / "stress_lossy_reference.h5") as file:
+            of_kwave = {name: values[0] if len(values) == 1 else values[()].T for name, values in file["binary"].items()
+                        if not name.startswith("sensor_") and not name.endswith("_final")}
+        self.assertEqual(len(of_kwave), 20)
+        self.equal(of_kwave, 1e-12)
+
+    def test_cartesian_points_on_several_ranks(self):
+        at_m = numpy.array([[0.5e-3, 0.0, 1.1e-3], [-2.7e-3, 3e-3, -1.3e-3], [4e-3, 5e-3, 0.0]]).T
+        structures, expected = self.results(mask=at_m, record=[name for name in KWAVE if name != "u_split_field"])
+        self.imported(structures)
+        self.shearwake("run", "study.toml", ranks=3)
+        self.equal(expected, 1e-12)
+        with h5py.File(case_files(self.out)[0]) as file:
+            numpy.testing.assert_allclose(file["sensor"]["i"][()], at_m[0] / 1e-3 + 15, atol=1e-12)
+
+    def test_mean_intensity_is_not_that_of_other_records(self):
+        """The intensity needs series of p and u that the output does not contain."""
+        _, expected = self.results(record=["I_avg", "p_max"])
+        self.assertEqual(sorted(expected), ["Ix_avg", "Iy_avg", "Iz_avg", "p_max"])
+        _, series = self.results(record=["I"])
+        numpy.testing.assert_allclose(expected["Ix_avg"], series["Ix"].mean(axis=1), rtol=1e-12)
 
 
 class Studies(ImportTest):

@@ -81,7 +81,7 @@ class Files(FilesTest):
             numpy.testing.assert_array_equal(source["nodes"][()], [[3, 4, 2], [4, 4, 2], [6, 4, 2]])
             numpy.testing.assert_array_equal(source["series"][()], numpy.arange(60.0).reshape(3, 20))
             numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[2, 3, 1], [3, 3, 1], [4, 3, 1]])
-            self.assertEqual(file["sensor"].attrs["fields"], b"uz sxx syy szz")
+            self.assertEqual(file["sensor"].attrs["fields"], b"uz sxx syy szz p")
             self.assertEqual(file["layer"].attrs["speed_m_s"], 20.0)
 
     def test_matlab_7_3(self):
@@ -258,19 +258,12 @@ class Errors(FilesTest):
         scipy.io.savemat(self.folder / "outside.mat", structures)
         self.refused("outside.mat", "is unstable: at this spacing and in this medium")
 
-    def test_records_that_are_not_computed_are_reported(self):
-        structures = study()
-        structures["sensor"]["record"] = cell(["p_max", "u", "u_final", "I_avg"])
-        scipy.io.savemat(self.folder / "study.mat", structures)
-        self.says(self.imported("study.mat"), "sensor.record 'p_max' is not computed: the time series of p is recorded",
-                  "sensor.record 'u_final' is not recorded", "sensor.record 'I_avg' is not computed")
-
     def test_places_of_sources_and_sensor_are_printed(self):
         structures = study()
         structures["sensor"]["record"] = cell(["p", "uz"])
         scipy.io.savemat(self.folder / "study.mat", structures)
         self.says(self.imported("study.mat"), "10 x 9 x 8 nodes, 20 steps of 10 us, 1 source, 3 sensor nodes",
-                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (uz, sxx, syy, szz): 3 nodes, x 3 to 5, y 4, z 2",
+                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (uz, sxx, syy, szz, p): 3 nodes, x 3 to 5, y 4, z 2",
                   "measured: u_z in the plane z 3 (measure.depths_mm = [5])")
         # A cube whose array was stored with reversed indices has the right shape, but another place.
         cube = study()
@@ -314,12 +307,22 @@ class Errors(FilesTest):
             numpy.testing.assert_array_equal(file["sensor/nodes"][[0, -1]], [[2, 2, 2], [11, 10, 2]])
 
     def test_cartesian_points_half_way_between_nodes_are_rounded_away_from_zero(self):
-        # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm.
-        at_mm = numpy.array([[0.5, -0.5, 0.0], [1.5, 2.5, 1.0], [-2.5, 0.4, -3.0]]).T
-        study_file = self.changed(sensor={"mask": 1e-3 * at_mm})
+        # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm. The first point is replaced by the last at its node.
+        at_mm = numpy.array([[0.6, -0.6, 0.2], [0.5, -0.5, 0.0], [1.5, 2.5, 1.0], [-2.5, 0.4, -3.0]]).T
+        study_file = self.changed(sensor={"mask": 1e-3 * at_mm}, options={"CartInterp": "nearest"})
         self.imported("study.mat")
         with h5py.File(study_file) as file:
             numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
+
+    def test_cartesian_points_are_weighted_means_of_eight_nodes(self):
+        at_mm = numpy.array([[0.25, 0.0, -1.0], [4.0, -4.0, 6.0]]).T
+        study_file = self.changed(sensor={"mask": 1e-3 * at_mm})
+        self.says(self.imported("study.mat"), "interpolated linearly", "2 points between 16 nodes")
+        with h5py.File(study_file) as file:
+            nodes, weights = file["sensor/nodes"][()].reshape(2, 8, 3), file["sensor/weights"][()]
+        numpy.testing.assert_allclose(numpy.einsum("pn,pna->pa", weights, nodes), [[5.25, 4.0, 3.5], [9.0, 0.0, 7.0]], atol=1e-12)
+        numpy.testing.assert_allclose(weights.sum(axis=1), 1.0)
+        self.assertTrue((nodes >= 0).all() and (nodes < [10, 9, 8]).all())
 
     def test_times_that_contradict_each_other_are_rejected(self):
         times = 1e-5 * numpy.arange(20)

@@ -29,6 +29,12 @@ class Notes(FilesTest):
         scipy.io.savemat(self.folder / "study.mat", {name: value for name, value in structures.items() if value is not None})
         return "study.mat"
 
+    def test_faces_between_fluid_and_solid_are_counted(self):
+        c_s = numpy.full((10, 9, 8), 5.0)
+        c_s[:, :, 3:6] = 0.0
+        self.saved({"medium": {"sound_speed_shear": c_s}})
+        self.says(self.imported("study.mat"), "180 faces between fluid and solid nodes", "at 90 of them")
+
     def test_equal_limits_of_the_step_are_stated_once(self):
         said = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
         self.says(said, "us are stable; reduce kgrid.dt")

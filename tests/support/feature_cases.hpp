@@ -88,7 +88,7 @@ inline Case study_case() {
             source.nodes.push_back({x, y, 14});
             source.weights.push_back(1e-3);
             source.rows.push_back(0);
-            study.sensors.push_back({x, y, 24});
+            study.sensor.nodes.push_back({x, y, 24});
         }
     for (std::ptrdiff_t n = 0; n < study.steps; ++n)
         source.series.push_back(std::sin(0.05 * static_cast<double>(n)));

@@ -28,12 +28,11 @@ def main():
             if "sensor" in parts and field in parts["sensor"]:
                 raise BadInput(f"sensor.{field} is not supported")
         options = parts.pop("options", None) or Structure({}, "options")
-        cart_interp = options.text("CartInterp", "linear")
         parts["options"] = Structure({name: value for name, value in options.values.items() if name not in ("UsekSpace", "UseSG")},
                                      "options")
         if options.number("UseSG", 1.0) == 0.0:
             raise BadInput("options.UseSG must be true: the grid is staggered")
-        found = solve(parts, notes, "F", cart_interp, chosen.ranks, None, chosen.precision, quiet=False)
+        found = solve(parts, notes, "F", chosen.ranks, None, chosen.precision, quiet=False)
     except (BadInput, ShearwakeError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

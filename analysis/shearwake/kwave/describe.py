@@ -3,7 +3,6 @@
 import numpy as np
 
 from .checks import supported_frequency_Hz
-from .record import FIELDS
 
 
 def counted(number, noun):
@@ -47,8 +46,8 @@ def lines_of(study, plane):
     lines = [*grid_lines(study)]
     lines += [f"source {', '.join(source['field'] for source in group)} ({group[0]['mode']}): "
               f"{extent(group[0]['nodes'], study)}" for group in groups.values()]
-    recorded = ", ".join(field for field in FIELDS if field in study.sensor_fields)
-    lines.append(f"sensor ({recorded or 'no fields'}): {extent(study.sensor_nodes, study)}")
+    of = "" if study.sensor_weights is None else f"{counted(len(study.sensor_weights), 'point')} between "
+    lines.append(f"sensor ({', '.join(study.sensor_fields)}): {of}{extent(study.sensor_nodes, study)}")
     depth_mm = 1e3 * (plane + 0.5) * study.spacing_m[2]
     lines.append(f"measured: u_z in the plane z {plane - int(study.first[2]) + 1} "
                  f"(measure.depths_mm = [{depth_mm:.6g}])")

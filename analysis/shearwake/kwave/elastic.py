@@ -9,17 +9,14 @@ import numpy as np
 
 from .. import program
 from .main import write_study
+from .record import GRID, KWAVE, SENSOR, SERIES
 from .structures import BadInput, Structure
 from .study import KNOWN, Study, three
 
 AXES = "xyz"
-GRID = ("max_all", "min_all", "final")  # suffixes of records of the entire grid
-SENSOR = ("max", "min", "rms")          # and of records at the sensor
-RECORDS = {"p", "u", "u_non_staggered", "u_split_field", "I", "I_avg", "u_staggered",
-           *(f"{q}_{suffix}" for q in "pu" for suffix in GRID + SENSOR)}
 # Keywords and the options of pstdElastic3D.
 OPTIONS = {"pml_size": "PMLSize", "pml_alpha": "PMLAlpha", "pml_inside": "PMLInside", "smooth": "Smooth", "smooth_p0": "Smooth",
-           "multi_axial_pml_ratio": "MultiAxialPMLRatio", "scale_source_terms": "ScaleSourceTerms"}
+           "multi_axial_pml_ratio": "MultiAxialPMLRatio", "scale_source_terms": "ScaleSourceTerms", "cart_interp": "CartInterp"}
 REFUSED = ("time_reversal_boundary_data", "frequency_response")
 # Options of k-wave-python about its processors and files.
 IGNORED = {"use_kspace", "backend", "device", "debug", "device_num", "data_path", "save_only", "binary_path"}
@@ -87,124 +84,36 @@ def in_c_order(source):
                 source.values[field] = series[rank]
 
 
-class Points:
-    """The points of a sensor: nodes of the grid with weights, which are summed for each point."""
-
-    def __init__(self, mask, study, cart_interp, order):
-        points = study.points - 2 * study.first
-        self.cuboids = None
-        self.weights = None
-        mask = np.ones(points) if mask is None else np.atleast_1d(mask)
-        if mask.shape == tuple(points):
-            nodes = np.argwhere(mask) if order == "C" else np.argwhere(mask.T)[:, ::-1]
-        elif mask.shape[0] == 6 and mask.ndim <= 2:
-            self.cuboids = mask.reshape(6, -1).T.astype(int)
-            if np.any(self.cuboids[:, :3] < 1) or np.any(self.cuboids[:, 3:] < self.cuboids[:, :3]) or np.any(
-                    self.cuboids[:, 3:] > points) or np.any(mask % 1.0):
-                raise BadInput("sensor.mask has a cuboid whose corners are not ordered whole numbers from 1 to the number of nodes")
-            nodes = np.concatenate([np.argwhere(np.ones(box[3:] - box[:3] + 1)) + box[:3] - 1 for box in self.cuboids])
-        elif mask.shape[0] == 3 and mask.ndim <= 2:
-            at = mask.reshape(3, -1).T / study.spacing_m + points // 2
-            if np.any(at < -1e-9) or np.any(at > points - 1 + 1e-9):
-                raise BadInput("sensor.mask has points outside of the grid")
-            if cart_interp == "nearest":  # of the points at one node only the last remains
-                middle = at - points // 2
-                found = (np.sign(middle) * np.floor(np.abs(middle) + 0.5)).astype(int) + points // 2
-                last = {tuple(node): number for number, node in enumerate(found)}
-                nodes = np.array(sorted(last, key=last.__getitem__))
-            else:
-                low = np.minimum(np.floor(at + 1e-9).astype(int), points - 2)
-                share = np.clip(at - low, 0.0, 1.0)
-                corners = np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1).T
-                nodes = (low[:, None, :] + corners).reshape(-1, 3)
-                self.weights = np.prod(np.where(corners, share[:, None, :], 1.0 - share[:, None, :]), axis=2)
-        else:
-            raise BadInput(f"sensor.mask has the shape {mask.shape}; it must be that of the grid, or have 6 rows (corners of "
-                           "cuboids) or 3 rows (coordinates)")
-        if len(nodes) == 0:
-            raise BadInput("sensor.mask does not mark any node")
-        flat = np.ravel_multi_index((nodes + study.first).T, study.points)
-        unique, self.places = np.unique(flat, return_inverse=True)
-        self.nodes = np.stack(np.unravel_index(unique, study.points), axis=1)
-
-    def of(self, values):
-        """The values of the points, from those of the unique nodes in the last axis."""
-        values = values[..., self.places]
-        if self.weights is None:
-            return values
-        count, corners = self.weights.shape
-        return np.sum(values.reshape(*values.shape[:-1], count, corners) * self.weights, axis=-1)
-
-
-def intensity(p, u):
-    """The product of pressure and velocity, which is moved by half a sample to the times of the pressure. The move is
-    periodic in the recorded window, as in k-Wave."""
-    shift = np.exp(1j * np.pi * np.fft.fftfreq(u.shape[0]))
-    return p * np.real(np.fft.ifft(np.fft.fft(u, axis=0) * shift[:, None], axis=0))
-
-
-def quantities(record):
-    """The names of the results of a record."""
-    if record == "u_split_field":
-        return [f"u{a}_split_{part}" for a in AXES for part in "ps"]
-    if record.startswith("u"):
-        return [f"u{a}{record[1:]}" for a in AXES]
-    return [f"I{a}{record[1:]}" for a in AXES] if record.startswith("I") else [record]
-
-
-def flags_of(records, from_series):
-    """The options of the program for some records."""
-    flags = set()
+def results_of(records):
+    """The names of the results of some records."""
+    names = []
     for record in records:
-        quantity, _, suffix = record.partition("_")
-        if record in ("p", "u") or (from_series and suffix in SENSOR):
-            flags.add(f"--{quantity}_raw")
-        elif record in ("I", "I_avg"):
-            flags |= {"--p_raw", "--u_non_staggered_raw"}
+        if record == "u_split_field":
+            names += [f"u{a}_split_{part}" for a in AXES for part in "ps"]
         else:
-            flags.add(f"--{record}_raw" if suffix in ("non_staggered", "split_field") else f"--{record}")
-    return sorted(flags)
+            names += [f"{record[0]}{a}{record[1:]}" for a in AXES] if record[0] in "uI" else [record]
+    return names
 
 
-class Result:
-    """Reads the output file into a dictionary."""
-
-    def __init__(self, file, study, points):
-        self.file, self.study, self.points = file, study, points
-
-    def grid(self, name):
-        values = self.file[name][()].T
-        return values[tuple(slice(f, f + n) for f, n in zip(self.study.first, self.study.points - 2 * self.study.first))]
-
-    def series(self, name):
-        return self.points.of(self.file[name][0])  # (time, point)
-
-    def values(self, name):
-        """(time, point), or (point) for a statistic."""
-        base, _, suffix = name.rpartition("_")
-        if name.startswith("I"):
-            found = intensity(self.series("p"), self.series(f"u{name[1]}_non_staggered"))
-            return found.mean(axis=0) if suffix == "avg" else found
-        if suffix in SENSOR and name not in self.file:
-            found = self.series(base)
-            return {"max": np.max, "min": np.min, "rms": lambda v, axis: np.sqrt(np.mean(v ** 2, axis=axis))}[suffix](found, axis=0)
-        return self.points.of(self.file[name][0, 0]) if suffix in SENSOR else self.series(name)
-
-    def read(self, records):
-        names = [name for record in sorted(records) for name in quantities(record)]
-        whole = {name: self.grid(name) for name in names if name.endswith(GRID)}
-        flat = {name: self.values(name) for name in names if name not in whole}
-        if self.points.cuboids is None:
-            found = {name: np.ascontiguousarray(values.T) for name, values in flat.items()}
-            return {**found, **whole}
-        results, first = [], 0
-        for box in self.points.cuboids:
-            shape = tuple(box[3:] - box[:3] + 1)
-            part = slice(first, first := first + int(np.prod(shape)))
-            results.append({name: np.moveaxis(values[:, part].reshape(-1, *shape), 0, -1) if values.ndim == 2
-                            else values[part].reshape(shape) for name, values in flat.items()})
-        results[0].update(whole)
-        return results
+def read_results(file, study, records, order):
+    """A dictionary of the output file, or one for each cuboid."""
+    grid = tuple(slice(f, f + n) for f, n in zip(study.first, study.points - 2 * study.first))
+    names = results_of(sorted(records))
+    whole = {name: file[name][()].T[grid] for name in names if name.endswith(GRID)}
+    flat = {name: file[name][0].T for name in names if name not in whole}  # (point, time); one time for statistics
+    flat = {name: values[:, 0] if name.endswith((*SENSOR, "_avg")) else values for name, values in flat.items()}
+    if study.cuboids is None:
+        if order == "C" and study.sensor_weights is None:
+            rows = np.lexsort(study.sensor_nodes.T[::-1])
+            flat = {name: values[rows] for name, values in flat.items()}
+        return {**{name: np.ascontiguousarray(values) for name, values in flat.items()}, **whole}
+    results, first = [], 0
+    for box in study.cuboids:
+        shape = tuple(box[3:] - box[:3] + 1)
+        part = slice(first, first := first + int(np.prod(shape)))
+        results.append({name: values[part].reshape(*shape, *values.shape[1:], order="F") for name, values in flat.items()})
+    results[0].update(whole)
+    return results
 
 
 def computed(arguments, ranks, launch, progress):
@@ -246,38 +155,33 @@ def study_options(options, simulation_options):
     return Structure(fields, "options"), {name: value for name, value in given.items() if name not in IGNORED}
 
 
-def solve(parts, notes, order, cart_interp="linear", ranks=1, launch=None, precision="double", quiet=True, progress=False):
+def solve(parts, notes, order, ranks=1, launch=None, precision="double", quiet=True, progress=False):
     """The results of structures with the fields of pstdElastic3D. Rows of sources and of the sensor are in C or F (Fortran) order
     of their masks. Raises BadInput and ProgramError."""
     given = parts.pop("sensor", None) or Structure({}, "sensor")
-    if cart_interp not in ("linear", "nearest"):
-        raise BadInput("cart_interp must be \"linear\" or \"nearest\"")
-    records = set(given.texts("record", ["p"]))
-    if unknown := records - RECORDS:
-        raise BadInput(f"sensor.record {sorted(unknown)[0]!r} is unknown; known are {', '.join(sorted(RECORDS))}")
-    if "u_staggered" in records:
-        records = (records - {"u_staggered"}) | {"u"}
+    records = {"u" if name == "u_staggered" else name for name in given.texts("record", ["p"])}
+    if unknown := records - set(KWAVE):
+        raise BadInput(f"sensor.record {sorted(unknown)[0]!r} is unknown; known are {', '.join(KWAVE)}, u_staggered")
     if order == "C":
         in_c_order(parts["source"])
     start = np.asarray(np.round(given.number("record_start_index", 1.0)))
-    study = Study({**parts, "sensor": Structure({"record_start_index": start}, "sensor")}, notes)
-    points = Points(given.array("mask") if "mask" in given else None, study, cart_interp, order)
-    if points.weights is not None and "u_split_field" in records:
-        raise BadInput("sensor.record 'u_split_field' is not available at Cartesian points")
-    if points.cuboids is not None:
-        records.discard("u_split_field")  # as in k-Wave
-    study.sensor_nodes = points.nodes
+    sensor = {**given.values, "record_start_index": start, "record": sorted(records)}
+    study = Study({**parts, "sensor": Structure(sensor, "sensor")}, notes)
+    if "mask" not in given:  # all nodes of the user's grid
+        study.sensor_nodes = np.argwhere(np.ones((study.points - 2 * study.first)[::-1]))[:, ::-1] + study.first
+    records &= set(study.sensor_fields)
     if not quiet:
         sizes = three(study.layer_points, "PMLSize")
         print(f"absorbing layer: {sizes[0]:g}, {sizes[1]:g}, {sizes[2]:g} points, {'outside' if np.any(study.first) else 'inside'} the grid")
         for text in [f"warning: {warning}" for warning in study.warnings] + study.notes:
             print(text)
+    flags = sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records)
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
         write_study(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
-                  "--output_precision", "double", *flags_of(records, points.weights is not None)], ranks, launch, progress)
+                  "--output_precision", "double", *flags], ranks, launch, progress)
         with h5py.File(f"{folder}/out.h5", "r") as file:
-            return Result(file, study, points).read(records)
+            return read_results(file, study, records, order)
 
 
 def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None, execution_options=None, *, ranks=1, launch=None,
@@ -310,15 +214,14 @@ def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None,
         medium, source, sensor, order = sensor, medium, source, "F"
     try:
         fields, others = study_options(options, simulation_options)
-        cart_interp = others.pop("cart_interp", "linear")
         cast = others.pop("data_cast", None) or others.pop("dtype", None)
         if cast is not None and np.dtype({"off": "float64"}.get(cast, cast) if isinstance(cast, str) else cast) == np.float32:
             precision = "single"
         ranks = others.pop("num_threads", None) or attribute(execution_options, "num_threads") or ranks
         if others:
-            raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}, cart_interp")
+            raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}")
         parts = {"kgrid": grid_structure(kgrid), "medium": structure(medium, "medium"), "source": structure(source, "source"),
                  "sensor": structure(sensor or {}, "sensor"), "options": fields}
-        return solve(parts, [], order, cart_interp, int(ranks), launch, precision, quiet, not quiet if progress is None else progress)
+        return solve(parts, [], order, int(ranks), launch, precision, quiet, not quiet if progress is None else progress)
     except BadInput as error:
         raise ValueError(str(error)) from error

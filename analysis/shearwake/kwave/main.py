@@ -95,6 +95,8 @@ def write_study(path, study):
                 put(group, name, source[name])
         sensor = file.create_group("sensor")
         put(sensor, "nodes", study.sensor_nodes)
+        if study.sensor_weights is not None:
+            sensor["weights"] = study.sensor_weights
         text(sensor, "fields", " ".join(study.sensor_fields))
         sensor.attrs["start"] = float(study.sensor_start)
 

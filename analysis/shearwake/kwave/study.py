@@ -17,10 +17,10 @@ KNOWN = {
     "source": {"u_mask", "u_mode", "ux", "uy", "uz", "s_mask", "s_mode", "sxx", "syy", "szz", "sxy", "sxz",
                "syz", "p0"},
     "sensor": {"mask", "record", "record_start_index"},
-    "options": {"PMLSize", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms"},
+    "options": {"PMLSize", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms", "CartInterp"},
 }
 # Options of pstdElastic3D about plots, files and the processor.
-IGNORED = {"CartInterp", "CreateLog", "DataCast", "DataRecast", "DisplayMask", "LogScale", "MeshPlot", "MovieArgs",
+IGNORED = {"CreateLog", "DataCast", "DataRecast", "DisplayMask", "LogScale", "MeshPlot", "MovieArgs",
            "MovieName", "MovieProfile", "MovieType", "PlotFreq", "PlotLayout", "PlotPML", "PlotScale", "PlotSim",
            "RecordMovie", "SaveToDisk", "SaveToDiskExit", "StreamToDisk"}
 
@@ -256,6 +256,17 @@ class Study:
             if self.layer_speed_m_s <= 0.0:
                 raise BadInput(f"medium.sound_speed_ref is {self.layer_speed_m_s:g}; it must be greater than 0")
         check_medium(self)
+        self.count_fluid_faces(c_s == 0.0)
+
+    def count_fluid_faces(self, fluid):
+        """Notes the faces at which pstdElastic3D has another shear modulus: 0 where the fluid lies on the side of the lower index."""
+        if not np.ndim(fluid):
+            return
+        steps = [np.diff(fluid.astype(int), axis=axis) for axis in range(3)]
+        faces, higher = (sum(int(np.count_nonzero(bad(step))) for step in steps) for bad in (lambda s: s != 0, lambda s: s > 0))
+        if faces:
+            self.notes.append(f"medium: {faces} faces between fluid and solid nodes, where the shear modulus between the nodes is 0; at "
+                              f"{higher} of them, with the fluid on the side of the higher index, k-Wave uses that of the solid")
 
     def c_p_at(self, nodes):
         c_p = self.medium["c_p_m_s"]
@@ -307,7 +318,7 @@ class Study:
 
     def add_source(self, field, mode, nodes, labels, series):
         series = np.atleast_2d(series)
-        if series.shape[1] == 1 and series.shape[0] > 1 and len(nodes) != series.shape[0]:
+        if series.shape[1] == 1 and series.shape[0] not in (1, len(nodes), labels.max()):
             series = series.T
         count, samples = series.shape
         if samples > self.steps:
@@ -355,43 +366,69 @@ class Study:
     # ---- the sensor
 
     def read_sensor(self, sensor):
-        self.sensor_fields = recorded_fields(sensor.texts("record", ["p"]), self.notes)
+        """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each."""
+        self.sensor_fields = recorded_fields(sensor.texts("record", ["p"]))
+        self.sensor_nodes, self.sensor_weights, self.cuboids = np.zeros((0, 3), dtype=int), None, None
         start = sensor.number("record_start_index", 1.0)
         self.sensor_start = int(start)
         if self.sensor_start != start or not 1 <= start <= self.steps:
             raise BadInput(f"sensor.record_start_index is {start:g}; it must be a whole number from 1 to kgrid.Nt = "
                            f"{self.steps}")
         if "mask" not in sensor:
-            self.sensor_nodes = np.zeros((0, 3), dtype=int)
             return
         mask = np.atleast_1d(sensor.array("mask"))
         if mask.ndim == 3:
             self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
-        elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1
-            if np.any(between := mask % 1.0 != 0.0):
-                raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
-                               "numbers, the indices of nodes")
-            self.check_inside(mask.reshape(2, 3, -1).transpose(0, 2, 1).reshape(-1, 3) - 1.0)
-            boxes = mask.reshape(6, -1).T.astype(int) - 1
-            if np.any(boxes[:, 3:] < boxes[:, :3]):
-                raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
-                               "y2, z2 with x1 <= x2, y1 <= y2 and z1 <= z2, as in k-Wave")
-            self.sensor_nodes = np.concatenate([
-                np.stack([i.ravel(order="F") for i in np.meshgrid(
-                    *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
-                for box in boxes]) + self.first
+        elif mask.ndim in (1, 2) and mask.shape[0] == 6:
+            self.read_corners(mask)
         elif mask.shape[0] == 3:
-            centre = (self.points - 2 * self.first) // 2
-            at = mask.reshape(3, -1).T / self.spacing_m
-            at = np.sign(at) * np.floor(np.abs(at) + 0.5) + centre  # round() of MATLAB
-            self.check_inside(at)
-            self.sensor_nodes = at.astype(int) + self.first
-            self.notes.append("sensor.mask: Cartesian points are moved to the nearest nodes")
+            self.read_points(mask.reshape(3, -1).T / self.spacing_m + (self.points - 2 * self.first) // 2)
         else:
             transposed = mask.ndim == 2 and mask.shape[1] in (3, 6)
             raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
                            "(corners of cuboids) or 3 rows (coordinates)" +
                            ("; it appears to be transposed" if transposed else ""))
+        if "u_split_field" in self.sensor_fields and self.sensor_weights is not None:
+            raise BadInput("sensor.record 'u_split_field' is not available at Cartesian points")
+        if "u_split_field" in self.sensor_fields and self.cuboids is not None:  # as in k-Wave
+            self.sensor_fields.remove("u_split_field")
+            self.notes.append("sensor.record 'u_split_field' is not recorded: as in k-Wave, it is not available for cuboids")
+
+    def read_corners(self, mask):
+        """Corners of cuboids, counted from 1."""
+        if np.any(between := mask % 1.0 != 0.0):
+            raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
+                           "numbers, the indices of nodes")
+        self.check_inside(mask.reshape(2, 3, -1).transpose(0, 2, 1).reshape(-1, 3) - 1.0)
+        self.cuboids = mask.reshape(6, -1).T.astype(int) - 1
+        if np.any(self.cuboids[:, 3:] < self.cuboids[:, :3]):
+            raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
+                           "y2, z2 with x1 <= x2, y1 <= y2 and z1 <= z2, as in k-Wave")
+        self.sensor_nodes = np.concatenate([
+            np.stack([i.ravel(order="F") for i in np.meshgrid(
+                *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
+            for box in self.cuboids]) + self.first
+
+    def read_points(self, at):
+        """Cartesian points as indices from 0 that lie between the nodes, (point, axis)."""
+        points, centre = self.points - 2 * self.first, (self.points - 2 * self.first) // 2
+        interpolation = self.options.text("CartInterp", "linear")
+        if interpolation not in ("linear", "nearest"):
+            raise BadInput(f"options.CartInterp is \"{interpolation}\"; it must be \"linear\" or \"nearest\"")
+        if interpolation == "nearest":  # of the points at one node only the last remains, as in k-Wave
+            at = np.sign(at - centre) * np.floor(np.abs(at - centre) + 0.5) + centre  # round() of MATLAB
+            self.check_inside(at)
+            last = {tuple(node): number for number, node in enumerate(at.astype(int))}
+            self.sensor_nodes = np.array(sorted(last, key=last.__getitem__)) + self.first
+            return
+        if not np.all((at > -1e-9) & (at < points - 1 + 1e-9)):  # also for NaN
+            raise BadInput("sensor.mask has points outside of the grid")
+        low = np.clip(np.floor(at + 1e-9).astype(int), 0, points - 2)
+        share = np.clip(at - low, 0.0, 1.0)  # 1e-9 of a cell is a rounding error of the coordinates
+        corners = np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1).T
+        self.sensor_nodes = (low[:, None, :] + corners).reshape(-1, 3) + self.first
+        self.sensor_weights = np.prod(np.where(corners, share[:, None, :], 1.0 - share[:, None, :]), axis=2)
+        self.notes.append("sensor.mask: values at Cartesian points are interpolated linearly between nodes")
 
     def check_inside(self, nodes):
         """Nodes (node, axis) must lie in the grid of the study, without an absorbing layer outside of it."""

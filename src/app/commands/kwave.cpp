@@ -30,13 +30,19 @@ void add_kwave(CLI::App& app, Action& action) {
              {"--u_non_staggered_raw", "velocities at the nodes of the sensor"},
              {"--u_split_field_raw",
               "their compressional and shear parts (ux_split_p, ux_split_s, ...)"},
+             {"--I_raw",
+              "intensity Ix, Iy, Iz in every step: the pressure times the velocity at the node, "
+              "moved to the same time"},
+             {"--I_avg", "its mean"},
              {"--u_max", "maximum of each velocity"},
              {"--u_min", "minimum of each velocity"},
              {"--u_rms", "root mean square of each velocity"},
              {"--u_max_all", "maximum of each velocity at every point of the grid"},
              {"--u_min_all", "minimum of each velocity at every point"},
              {"--u_final", "each velocity at every point after the last step"}}) {
-        const std::string names = name, record = names.substr(names.find("--") + 2);
+        const std::string names = name;
+        std::string record = names.substr(names.find("--") + 2);
+        if (record.ends_with("_raw")) record.resize(record.size() - 4);
         command.add_flag_callback(
             names, [&records = arguments.records, record] { records.insert(record); }, text);
     }

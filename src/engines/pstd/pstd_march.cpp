@@ -46,7 +46,7 @@ void PstdMarch<Real>::advance() {
     watch();
     outputs_.frames.displacement().add(stepper_);
     if (outputs_.volumes) outputs_.volumes->add(stepper_);
-    if (outputs_.sensor) outputs_.sensor->add(stepper_);
+    if (outputs_.sensor) outputs_.sensor->add(stepper_, team_);
 }
 
 template <class Real>

@@ -5,8 +5,9 @@
 #include "engines/march.hpp"
 #include "engines/pstd/scene/displacement_volumes.hpp"
 #include "engines/pstd/scene/frames.hpp"
-#include "engines/pstd/scheme/sensor.hpp"
+#include "engines/pstd/scheme/recorder.hpp"
 
+#include <memory>
 #include <optional>
 
 namespace shearwake::pstd {
@@ -20,7 +21,7 @@ public:
     struct Outputs {
         Frames frames;
         std::optional<DisplacementVolumes> volumes;
-        std::optional<Sensor> sensor;
+        std::unique_ptr<Recorder> sensor;
     };
     /// Stores references, which must outlive this object. `displacement` is the name of u_z in
     /// checkpoints. Not collective.

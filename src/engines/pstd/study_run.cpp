@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
+#include <set>
 
 namespace shearwake::pstd {
 
@@ -54,6 +55,13 @@ Setup study_setup(const StudyData& study) {
 }
 
 namespace {
+
+std::set<std::string> records_of(const StudyData& study) {
+    std::set<std::string> names;
+    for (const std::size_t record : study.sensor_fields)
+        names.insert(sensor_records[record].name);
+    return names;
+}
 
 /// Number of steps per frame interval.
 std::ptrdiff_t steps_of_a_frame(const Case& c) {
@@ -117,10 +125,11 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     Stepper<Real> stepper(study_setup(study), team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
-        outputs.emplace(
-            typename PstdMarch<Real>::Outputs{.frames = Frames(c, frame_places(c), stepper.slabs()),
-                                              .volumes = {},
-                                              .sensor = Sensor(study, stepper.slabs())});
+        outputs.emplace(typename PstdMarch<Real>::Outputs{
+            .frames = Frames(c, frame_places(c), stepper.slabs()),
+            .volumes = {},
+            .sensor = std::make_unique<Recorder>(study.sensor, stepper.slabs(), records_of(study),
+                                                 study.sensor_start, study.steps)});
     });
     observer.begin(outputs->frames.slab());
     PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
@@ -130,7 +139,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
                                            study.points[0], study.points[1], study.points[2])},
                      .steps = stepper.steps(),
-                     .sensors = outputs->sensor->series(team)});
+                     .sensors = outputs->sensor->results(stepper, team)});
 }
 
 } // namespace
@@ -143,8 +152,10 @@ engines::Resources study_resources(const Case& c, int ranks) {
         stored += static_cast<double>(values->size());
     for (const NodeSource& source : study.sources)
         stored += static_cast<double>(source.series.size() + 5 * source.nodes.size());
-    const double recorded = static_cast<double>(study.sensors.size() * study.sensor_fields.size()) *
-                            static_cast<double>(study.steps - study.sensor_start + 1);
+    const std::ptrdiff_t samples = study.steps - study.sensor_start + 1;
+    const std::set<std::string> records = records_of(study);
+    const Grid grid{study.points, study.spacing_m, study.time_step_s};
+    const double recorded = Recorder::output_values(study.sensor, grid, records, samples);
     const PstdPlan plan = plan_of(c, ranks);
     engines::Resources all{.arrays = arrays_of(plan, ranks),
                            .work = engines::parts_of(march_work(c, plan)),
@@ -152,7 +163,10 @@ engines::Resources study_resources(const Case& c, int ranks) {
                                static_cast<int>(std::min(study.points[0], study.points[1])),
                            .written_B = 8.0 * recorded};
     all.arrays.push_back({"study", 8.0 * stored});
-    all.arrays.push_back({"series of the sensor", 2.0 * 8.0 * recorded});
+    // Rank 0 gathers the results.
+    all.arrays.push_back(
+        {"records of the sensor", Recorder::memory_B(study.sensor, grid, records, samples, ranks) +
+                                      sizeof(double) * recorded});
     return all;
 }
 

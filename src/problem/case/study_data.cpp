@@ -27,7 +27,9 @@ void walk(Study& study, Archive& archive) {
         for (auto& index : at)
             archive.number(index);
     };
-    archive.list(study.sensors, node);
+    archive.list(study.sensor.nodes, node);
+    archive.list(study.sensor.weights, [&](auto& value) { archive.number(value); });
+    archive.number(study.sensor.nodes_of_a_point);
     archive.list(study.sensor_fields, [&](auto& field) { archive.number(field); });
     archive.list(study.sources, [&](auto& source) {
         archive.number(source.field);

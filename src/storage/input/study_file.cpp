@@ -97,13 +97,13 @@ private:
     h5::Id group_;
 };
 
-std::size_t field_of(const Section& section, const std::string& attribute,
-                     const std::string& name) {
-    const auto found = std::find(grid_fields.begin(), grid_fields.end(), name);
-    if (found == grid_fields.end())
+std::size_t index_of(const Section& section, const std::string& attribute, const std::string& name,
+                     std::span<const std::string> names) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
         section.fail(attribute, fmt::format("refers to the field \"{:.20}\"; the fields are {}",
-                                            name, fmt::join(grid_fields, ", ")));
-    return static_cast<std::size_t>(found - grid_fields.begin());
+                                            name, fmt::join(names, ", ")));
+    return static_cast<std::size_t>(found - names.begin());
 }
 
 void read_grid(hid_t file, StudyData& study) {
@@ -196,7 +196,8 @@ void read_medium(hid_t file, StudyData& study) {
 NodeSource read_source(hid_t file, const std::string& name, const StudyData& study) {
     const Section section(file, name);
     NodeSource source;
-    source.field = field_of(section, "field", section.text("field"));
+    const std::vector<std::string> fields(grid_fields.begin(), grid_fields.end());
+    source.field = index_of(section, "field", section.text("field"), fields);
     const std::string mode = section.text("mode");
     if (mode != "additive" && mode != "dirichlet")
         section.fail("mode", fmt::format("is \"{:.20}\", but must be additive or dirichlet", mode));
@@ -225,14 +226,28 @@ NodeSource read_source(hid_t file, const std::string& name, const StudyData& stu
 
 void read_sensor(hid_t file, StudyData& study) {
     const Section sensor(file, "sensor");
-    study.sensors = sensor.nodes("nodes", study);
+    study.sensor.nodes = sensor.nodes("nodes", study);
+    if (sensor.has("weights")) {
+        const auto shape = sensor.shape("weights");
+        study.sensor.weights = sensor.numbers("weights");
+        if (shape.size() != 2 || shape[1] == 0 ||
+            study.sensor.weights.size() != study.sensor.nodes.size())
+            sensor.fail("weights", "must have the shape (points, nodes of a point), with a weight "
+                                   "for each of the nodes");
+        study.sensor.nodes_of_a_point = shape[1];
+    }
+    std::vector<std::string> names;
+    for (const SensorRecordName& record : sensor_records)
+        names.emplace_back(record.name);
     std::istringstream fields(sensor.text("fields"));
-    for (std::string name; fields >> name;)
-        study.sensor_fields.push_back(field_of(sensor, "fields", name));
+    double series = 0.0;
+    for (std::string name; fields >> name;) {
+        study.sensor_fields.push_back(index_of(sensor, "fields", name, names));
+        series += sensor_records[study.sensor_fields.back()].series;
+    }
     study.sensor_start = sensor.whole("start", 1, static_cast<double>(study.steps));
-    const double values = static_cast<double>(study.sensors.size()) *
-                          static_cast<double>(study.steps) *
-                          static_cast<double>(study.sensor_fields.size());
+    const double values =
+        static_cast<double>(study.sensor.size()) * static_cast<double>(study.steps) * series;
     if (values > most_of_a_list)
         sensor.fail("nodes", fmt::format("require {:.3g} values in memory, but at most {:.3g} are "
                                          "supported: use fewer nodes, or record frames and volumes "

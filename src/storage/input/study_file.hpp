@@ -18,7 +18,8 @@ namespace shearwake::storage {
 ///                (x, y, z)
 ///     source_N/  nodes (n, 3) counted from 0, weights (n), rows (n), series (rows, samples);
 ///                attributes field, mode
-///     sensor/    nodes (n, 3); attributes fields ("ux uy uz sxx ..."), start
+///     sensor/    nodes (n, 3), optionally weights (points, m) of points that are sums of m nodes;
+///                attributes fields (names of sensor_records), start
 StudyData read_study_file(const std::filesystem::path& path);
 
 /// Reads on rank 0 and broadcasts to all ranks; errors are thrown on all of them. Collective.

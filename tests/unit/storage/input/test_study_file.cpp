@@ -128,7 +128,11 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
                "2 nodes"},
         Spoilt{[](Draft& d) { d.field = "uw"; }, "\"uw\""},
         Spoilt{[](Draft& d) { d.mode = "soft"; }, "additive or dirichlet"},
-        Spoilt{[](Draft& d) { d.recorded = "p"; }, "\"p\""},
+        Spoilt{[](Draft& d) { d.recorded = "p_mean"; }, "\"p_mean\""},
+        Spoilt{[](Draft& d) {
+                   d.datasets["sensor/weights"] = {{1, 5}, {1, 0, 0, 0, 0}};
+               },
+               "a weight for each of the nodes"},
         Spoilt{[](Draft& d) { d.start = 9.0; }, "between 1 and 5"},
         Spoilt{[](Draft& d) { d.steps = 0.0; }, "steps is 0"},
         Spoilt{[](Draft& d) { d.sources = 2.0; }, "source_1"},

@@ -1,0 +1,557 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/pstd/scheme/recorder.hpp"
+
+#include "fft/fftw_real.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <fftw3.h>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace shearwake::pstd {
+namespace {
+
+/// Quantities: pressure, the fields of the grid, velocities at the nodes, their compressional and
+/// shear parts, and intensities.
+constexpr std::array quantities = {"p",
+                                   "ux",
+                                   "uy",
+                                   "uz",
+                                   "sxx",
+                                   "syy",
+                                   "szz",
+                                   "sxy",
+                                   "sxz",
+                                   "syz",
+                                   "ux_non_staggered",
+                                   "uy_non_staggered",
+                                   "uz_non_staggered",
+                                   "ux_split_p",
+                                   "uy_split_p",
+                                   "uz_split_p",
+                                   "ux_split_s",
+                                   "uy_split_s",
+                                   "uz_split_s",
+                                   "Ix",
+                                   "Iy",
+                                   "Iz"};
+constexpr std::size_t pressure = 0, fields = 1, moved = 10, split_p = 13, split_s = 16,
+                      intensity = 19;
+
+template <class Real>
+double pressure_at(const Stepper<Real>& stepper, std::size_t at) {
+    return -(static_cast<double>(stepper.total(Field::sxx)[at]) +
+             static_cast<double>(stepper.total(Field::syy)[at]) +
+             static_cast<double>(stepper.total(Field::szz)[at])) /
+           3.0;
+}
+
+template <class Real>
+double value_at(const Stepper<Real>& stepper, std::size_t quantity, std::size_t at) {
+    return quantity == pressure
+               ? pressure_at(stepper, at)
+               : static_cast<double>(stepper.total(static_cast<Field>(quantity - fields))[at]);
+}
+
+/// Moves a periodic series by half a sample to later times. The highest frequency of an even number
+/// of samples is omitted, as in k-Wave.
+void move_half_a_sample(std::span<double> series) {
+    const std::size_t n = series.size();
+    std::vector<std::complex<double>> spectrum(n / 2 + 1);
+    auto* raw = fft::FftwOf<double>::raw(spectrum.data());
+    const int length = static_cast<int>(n);
+    const auto run = [](fftw_plan plan) { fftw_execute(fft::checked_plan(plan).get()); };
+    run(fftw_plan_dft_r2c_1d(length, series.data(), raw, FFTW_ESTIMATE));
+    for (std::size_t m = 0; m < spectrum.size(); ++m)
+        spectrum[m] *=
+            2 * m == n
+                ? 0.0
+                : std::polar(1.0 / static_cast<double>(n),
+                             std::numbers::pi * static_cast<double>(m) / static_cast<double>(n));
+    run(fftw_plan_dft_c2r_1d(length, raw, series.data(), FFTW_ESTIMATE));
+}
+
+} // namespace
+
+/// The compressional part of the velocities, u_p = k (k.u)/k^2 in wave number space, on rank 0.
+class SplitFields {
+public:
+    explicit SplitFields(const Slabs& slabs) : slabs_(slabs) {}
+
+    /// Replaces the staggered velocities [x][y][z] of the entire grid by their compressional part
+    /// at the nodes. The real part of the result has no wave of two points along the axis of its
+    /// own component, but k-Wave's has that of the other components.
+    void project(std::array<std::vector<double>, 3>& u) {
+        const std::ptrdiff_t nx = slabs_.nx(), ny = slabs_.ny(), nz = slabs_.nz(),
+                             half = nz / 2 + 1;
+        std::array<std::vector<std::complex<double>>, 3> spectrum;
+        for (std::size_t a = 0; a < 3; ++a) {
+            spectrum[a].resize(static_cast<std::size_t>(nx * ny * half));
+            transform(u[a], spectrum[a], true);
+        }
+        const auto wave_number = [&](std::size_t axis, std::ptrdiff_t i) {
+            const std::ptrdiff_t n = slabs_.grid.points[axis];
+            return 2.0 * std::numbers::pi * static_cast<double>(2 * i <= n ? i : i - n) /
+                   (static_cast<double>(n) * slabs_.grid.spacing_m[axis]);
+        };
+        const double scale = 1.0 / static_cast<double>(nx * ny * nz);
+        for (std::ptrdiff_t x = 0, at = 0; x < nx; ++x)
+            for (std::ptrdiff_t y = 0; y < ny; ++y)
+                for (std::ptrdiff_t z = 0; z < half; ++z, ++at) {
+                    const Node i{x, y, z};
+                    std::array<double, 3> k{}, used{};
+                    std::complex<double> divergence = 0.0;
+                    double k2 = 0.0;
+                    for (std::size_t a = 0; a < 3; ++a) {
+                        k[a] = wave_number(a, i[a]);
+                        used[a] = 2 * i[a] == slabs_.grid.points[a] ? 0.0 : k[a];
+                        k2 += k[a] * k[a];
+                        divergence += k[a] *
+                                      std::polar(1.0, -0.5 * k[a] * slabs_.grid.spacing_m[a]) *
+                                      spectrum[a][static_cast<std::size_t>(at)];
+                    }
+                    for (std::size_t a = 0; a < 3; ++a)
+                        spectrum[a][static_cast<std::size_t>(at)] =
+                            k2 == 0.0 ? 0.0 : scale * used[a] * divergence / k2;
+                }
+        for (std::size_t a = 0; a < 3; ++a)
+            transform(u[a], spectrum[a], false);
+    }
+
+private:
+    void transform(std::vector<double>& values, std::vector<std::complex<double>>& spectrum,
+                   bool forward) const {
+        const int n[3] = {static_cast<int>(slabs_.nx()), static_cast<int>(slabs_.ny()),
+                          static_cast<int>(slabs_.nz())};
+        auto* raw = fft::FftwOf<double>::raw(spectrum.data());
+        const fft::FftwPlan plan =
+            fft::checked_plan(forward ? fftw_plan_dft_r2c(3, n, values.data(), raw, FFTW_ESTIMATE)
+                                      : fftw_plan_dft_c2r(3, n, raw, values.data(), FFTW_ESTIMATE));
+        fftw_execute(plan.get());
+    }
+    Slabs slabs_;
+};
+
+// ---- what is recorded
+
+std::string Recorder::Record::units() const {
+    if (quantity >= intensity) return "W/m2";
+    return quantity == pressure || (quantity >= fields + 3 && quantity < moved) ? "Pa" : "m/s";
+}
+
+std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& names) {
+    std::vector<Record> records;
+    const auto add = [&](std::size_t quantity, std::size_t count, Statistic statistic,
+                         const std::string& suffix = "", bool is_output = true) {
+        for (std::size_t q = quantity; q < quantity + count; ++q) {
+            const std::string name = quantities[q] + suffix;
+            const auto known = std::find_if(records.begin(), records.end(),
+                                            [&](const Record& one) { return one.name == name; });
+            if (known == records.end()) records.push_back({name, q, statistic, is_output, {}});
+        }
+    };
+    for (std::size_t f = 0; f < field_count; ++f)
+        if (names.contains(quantities[fields + f])) add(fields + f, 1, Statistic::series);
+    constexpr std::pair<const char*, Statistic> suffixes[] = {
+        {"", Statistic::series},          {"_max", Statistic::max},
+        {"_min", Statistic::min},         {"_rms", Statistic::rms},
+        {"_max_all", Statistic::max_all}, {"_min_all", Statistic::min_all},
+        {"_final", Statistic::final}};
+    for (const auto& [suffix, statistic] : suffixes) {
+        if (names.contains(fmt::format("p{}", suffix))) add(pressure, 1, statistic, suffix);
+        if (names.contains(fmt::format("u{}", suffix))) add(fields, 3, statistic, suffix);
+    }
+    if (names.contains("u_non_staggered")) add(moved, 3, Statistic::series);
+    if (names.contains("u_split_field")) add(split_p, 6, Statistic::series);
+    if (names.contains("I") || names.contains("I_avg")) {
+        add(pressure, 1, Statistic::series, "", false);
+        add(moved, 3, Statistic::series, "", false);
+        add(intensity, 3, Statistic::series, "", names.contains("I"));
+        if (names.contains("I_avg")) add(intensity, 3, Statistic::mean, "_avg");
+    }
+    return records;
+}
+
+double Recorder::memory_B(const SensorPoints& points, const Grid& grid,
+                          const std::set<std::string>& records, std::ptrdiff_t samples, int ranks) {
+    double grid_points = 1.0;
+    for (const std::ptrdiff_t n : grid.points)
+        grid_points *= static_cast<double>(n);
+    const auto count = static_cast<double>(points.size());
+    double values = 0.0;
+    for (const Record& record : records_of(records)) {
+        if (record.is_series())
+            values += count * static_cast<double>(samples);
+        else if (!record.is_grid())
+            values += count;
+        else if (record.statistic != Statistic::final)
+            values += grid_points;
+    }
+    double gathered = 0.0; // on rank 0
+    if (records.contains("u_split_field"))
+        gathered = 6.0 * grid_points;
+    else if (std::any_of(records.begin(), records.end(), [](const std::string& record) {
+                 return record.ends_with("_all") || record.ends_with("_final");
+             }))
+        gathered = 2.0 * grid_points;
+    return sizeof(double) * (values / ranks + gathered) +
+           48.0 * static_cast<double>(points.nodes.size());
+}
+
+double Recorder::output_values(const SensorPoints& points, const Grid& grid,
+                               const std::set<std::string>& records, std::ptrdiff_t samples) {
+    double values = 0.0;
+    for (const Record& record : records_of(records))
+        if (record.is_output)
+            values += record.is_grid()
+                          ? static_cast<double>(grid.points[0]) *
+                                static_cast<double>(grid.points[1]) *
+                                static_cast<double>(grid.points[2])
+                          : static_cast<double>(points.size()) *
+                                (record.is_series() ? static_cast<double>(samples) : 1.0);
+    return values;
+}
+
+/// Whether a record of points, or one that is computed from it, has one of these quantities.
+bool Recorder::needs(std::size_t first, std::size_t count) const {
+    return std::any_of(records_.begin(), records_.end(), [&](const Record& record) {
+        return !record.is_grid() && record.quantity >= first && record.quantity < first + count;
+    });
+}
+
+Recorder::Recorder(const SensorPoints& points, const Slabs& slabs,
+                   const std::set<std::string>& records, std::ptrdiff_t first_step,
+                   std::ptrdiff_t steps)
+    : points_(points), slabs_(slabs), first_step_(first_step), samples_(steps - first_step + 1),
+      records_(records_of(records)), order_(points.nodes.size()), now_(quantities.size()) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    const auto x_of = [&](std::size_t node) { return points.nodes[node][0]; };
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return x_of(a) < x_of(b); });
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+        if (x_of(order_[i]) < slabs.x_start()) first_ = i + 1;
+        if (slabs.has(x_of(order_[i]))) offsets_.push_back(slabs.offset(points.nodes[order_[i]]));
+    }
+    count_ = offsets_.size();
+    if (points.weights.empty()) {
+        point_order_ = order_;
+        first_point_ = first_;
+        count_points_ = count_;
+    } else {
+        point_order_.resize(points.size());
+        std::iota(point_order_.begin(), point_order_.end(), std::size_t{0});
+        const auto start = [&](int rank) {
+            return points.size() * static_cast<std::size_t>(rank) /
+                   static_cast<std::size_t>(slabs.ranks);
+        };
+        first_point_ = start(slabs.rank);
+        count_points_ = start(slabs.rank + 1) - first_point_;
+    }
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    for (Record& record : records_) {
+        const bool is_max =
+            record.statistic == Statistic::max || record.statistic == Statistic::max_all;
+        const bool is_min =
+            record.statistic == Statistic::min || record.statistic == Statistic::min_all;
+        const auto size = record.is_series() ? count_points_ * static_cast<std::size_t>(samples_)
+                          : !record.is_grid()
+                              ? count_points_
+                              : static_cast<std::size_t>(record.statistic == Statistic::final
+                                                             ? 0
+                                                             : slabs_.rows() * slabs_.nz());
+        record.values.assign(size, is_max ? -infinite : is_min ? infinite : 0.0);
+    }
+    if (needs(split_p, 6)) split_ = std::make_unique<SplitFields>(slabs_);
+    // The half cell towards lower indices, without the Nyquist frequency: a sum over the line.
+    if (!needs(moved, 3) && !split_) return;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::ptrdiff_t n = slabs_.grid.points[a];
+        for (std::ptrdiff_t m = 0; m < n; ++m) {
+            double sum = 1.0;
+            for (std::ptrdiff_t q = 1; 2 * q < n; ++q)
+                sum += 2.0 * std::cos(2.0 * std::numbers::pi * static_cast<double>(q) *
+                                      (static_cast<double>(m) - 0.5) / static_cast<double>(n));
+            move_[a].push_back(sum / static_cast<double>(n));
+        }
+    }
+}
+
+Recorder::~Recorder() = default;
+
+// ---- a step
+
+/// The velocity along an axis at the nodes. Lines along x are summed over the ranks.
+template <class Real>
+void Recorder::move_to_nodes(const Stepper<Real>& stepper, std::size_t axis, const Comm& team) {
+    const Real* u = stepper.total(static_cast<Field>(axis)).data();
+    const std::vector<double>& weights = move_[axis];
+    const std::ptrdiff_t n = slabs_.grid.points[axis];
+    const std::ptrdiff_t strides[] = {slabs_.ny() * slabs_.pitch, slabs_.pitch, 1};
+    const auto line_sum = [&](Node at, std::ptrdiff_t first, std::ptrdiff_t count) {
+        const std::ptrdiff_t place = at[axis];
+        at[axis] = first;
+        const Real* line = u + slabs_.offset(at);
+        double sum = 0.0;
+        for (std::ptrdiff_t j = 0; j < count; ++j)
+            sum += weights[static_cast<std::size_t>((place - first - j + n) % n)] *
+                   static_cast<double>(line[j * strides[axis]]);
+        return sum;
+    };
+    std::vector<double>& values = now_[moved + axis];
+    if (axis > 0) {
+        values.resize(count_);
+        for (std::size_t i = 0; i < count_; ++i)
+            values[i] = line_sum(points_.nodes[order_[first_ + i]], 0, n);
+        return;
+    }
+    std::vector<double> sums(order_.size(), 0.0);
+    if (slabs_.x_count() > 0)
+        for (std::size_t i = 0; i < order_.size(); ++i)
+            sums[i] = line_sum(points_.nodes[order_[i]], slabs_.x_start(), slabs_.x_count());
+    team.sum(std::span<double>(sums));
+    const auto mine = sums.begin() + static_cast<std::ptrdiff_t>(first_);
+    values.assign(mine, mine + static_cast<std::ptrdiff_t>(count_));
+}
+
+/// A slab without the padding of its rows.
+template <class Real>
+std::vector<double> dense(const Slabs& slabs, const Stepper<Real>& stepper, std::size_t quantity) {
+    std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(slabs.rows() * slabs.nz()));
+    for (std::ptrdiff_t row = 0; row < slabs.rows(); ++row)
+        for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z)
+            values.push_back(
+                value_at(stepper, quantity, static_cast<std::size_t>(row * slabs.pitch + z)));
+    return values;
+}
+
+template <class Real>
+void Recorder::find_values(const Stepper<Real>& stepper, const Comm& team) {
+    for (std::size_t q = pressure; q < moved; ++q) {
+        if (!needs(q, 1)) continue;
+        now_[q].resize(count_);
+        for (std::size_t i = 0; i < count_; ++i)
+            now_[q][i] = value_at(stepper, q, static_cast<std::size_t>(offsets_[i]));
+    }
+    for (std::size_t axis = 0; axis < 3 && !move_[0].empty(); ++axis)
+        move_to_nodes(stepper, axis, team);
+    if (split_) {
+        std::array<std::vector<double>, 3> u;
+        for (std::size_t a = 0; a < 3; ++a)
+            u[a] = team.gather(dense(slabs_, stepper, fields + a));
+        if (team.is_root()) split_->project(u);
+        for (std::size_t a = 0; a < 3; ++a) {
+            std::vector<double> all(order_.size());
+            for (std::size_t i = 0; i < all.size() && team.is_root(); ++i) {
+                const Node& n = points_.nodes[order_[i]];
+                all[i] =
+                    u[a]
+                     [static_cast<std::size_t>((n[0] * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
+            }
+            team.broadcast(all);
+            now_[split_p + a].assign(all.begin() + static_cast<std::ptrdiff_t>(first_),
+                                     all.begin() + static_cast<std::ptrdiff_t>(first_ + count_));
+            now_[split_s + a].resize(count_);
+            for (std::size_t i = 0; i < count_; ++i)
+                now_[split_s + a][i] = now_[moved + a][i] - now_[split_p + a][i];
+        }
+    }
+    if (!points_.weights.empty()) interpolate(team);
+}
+
+/// Replaces the values of nodes by those of points. The nodes of a point may lie on several ranks.
+void Recorder::interpolate(const Comm& team) {
+    std::vector<double> sums(points_.size());
+    for (std::size_t q = 0; q < intensity; ++q) {
+        if (!needs(q, 1)) continue;
+        std::fill(sums.begin(), sums.end(), 0.0);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const std::size_t node = order_[first_ + i];
+            sums[node / points_.nodes_of_a_point] += points_.weights[node] * now_[q][i];
+        }
+        team.sum(std::span<double>(sums));
+        const auto mine = sums.begin() + static_cast<std::ptrdiff_t>(first_point_);
+        now_[q].assign(mine, mine + static_cast<std::ptrdiff_t>(count_points_));
+    }
+}
+
+template <class Real>
+void Recorder::add(const Stepper<Real>& stepper, const Comm& team) {
+    const std::ptrdiff_t sample = stepper.steps() - first_step_;
+    if (sample < 0 || sample >= samples_) return;
+    find_values(stepper, team);
+    for (Record& record : records_) {
+        if (record.quantity >= intensity) continue; // see finish
+        const std::vector<double>& now = now_[record.quantity];
+        const auto each_point = [&](const auto& change) {
+            for (std::size_t i = 0; i < count_points_; ++i)
+                change(record.values[i], now[i]);
+        };
+        const auto each_node_of_grid = [&](const auto& change) {
+            for (std::ptrdiff_t row = 0, at = 0; row < slabs_.rows(); ++row)
+                for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z, ++at)
+                    change(record.values[static_cast<std::size_t>(at)],
+                           value_at(stepper, record.quantity,
+                                    static_cast<std::size_t>(row * slabs_.pitch + z)));
+        };
+        const auto raise = [](double& most, double value) { most = std::max(most, value); };
+        const auto lower = [](double& least, double value) { least = std::min(least, value); };
+        switch (record.statistic) {
+        case Statistic::series:
+            for (std::size_t i = 0; i < count_points_; ++i)
+                record.values[i * static_cast<std::size_t>(samples_) +
+                              static_cast<std::size_t>(sample)] = now[i];
+            break;
+        case Statistic::max:
+            each_point(raise);
+            break;
+        case Statistic::min:
+            each_point(lower);
+            break;
+        case Statistic::rms:
+            each_point([](double& sum, double value) { sum += value * value; });
+            break;
+        case Statistic::max_all:
+            each_node_of_grid(raise);
+            break;
+        case Statistic::min_all:
+            each_node_of_grid(lower);
+            break;
+        case Statistic::mean: // of intensities only
+        case Statistic::final:
+            break; // from the stepper
+        }
+    }
+}
+
+// ---- output
+
+/// The intensity is the product of the pressure and the velocity at the nodes, which is moved to
+/// the times of the pressure.
+void Recorder::finish() {
+    const auto samples = static_cast<std::size_t>(samples_);
+    const auto series = [&](std::size_t quantity) {
+        return std::find_if(records_.begin(), records_.end(), [&](const Record& one) {
+            return one.quantity == quantity && one.is_series();
+        });
+    };
+    for (Record& record : records_) {
+        if (record.quantity < intensity || !record.is_series()) continue;
+        const std::vector<double>& p = series(pressure)->values;
+        record.values = series(record.quantity - intensity + moved)->values;
+        for (std::size_t i = 0; i < count_points_; ++i) {
+            const std::span<double> row(record.values.data() + i * samples, samples);
+            move_half_a_sample(row);
+            for (std::size_t s = 0; s < samples; ++s)
+                row[s] *= p[i * samples + s];
+        }
+    }
+    for (Record& record : records_)
+        if (record.statistic == Statistic::mean)
+            for (std::size_t i = 0; i < count_points_; ++i) {
+                const auto from = series(record.quantity)->values.begin() +
+                                  static_cast<std::ptrdiff_t>(i * samples);
+                record.values[i] =
+                    std::accumulate(from, from + samples_, 0.0) / static_cast<double>(samples_);
+            }
+}
+
+/// Gathered on rank 0, which puts the points in the order of the sensor.
+std::vector<double> Recorder::samples_of(const Record& record, std::size_t first, std::size_t count,
+                                         const Comm& team) const {
+    const auto samples = record.is_series() ? static_cast<std::size_t>(samples_) : std::size_t{1};
+    std::vector<double> mine;
+    for (std::size_t i = 0; i < count_points_; ++i)
+        for (std::size_t s = 0; s < count; ++s) {
+            const double value = record.values[i * samples + first + s];
+            mine.push_back(record.statistic == Statistic::rms
+                               ? std::sqrt(value / static_cast<double>(samples_))
+                               : value);
+        }
+    const std::vector<double> sorted = team.gather(mine);
+    if (!team.is_root()) return {};
+    const std::size_t points = point_order_.size();
+    std::vector<double> block(points * count);
+    for (std::size_t i = 0; i < points; ++i)
+        for (std::size_t s = 0; s < count; ++s)
+            block[s * points + point_order_[i]] = sorted[i * count + s];
+    return block;
+}
+
+template <class Real>
+std::vector<double> Recorder::grid_of(const Record& record, const Stepper<Real>& stepper,
+                                      const Comm& team) const {
+    return team.gather(record.statistic == Statistic::final
+                           ? dense(slabs_, stepper, record.quantity)
+                           : record.values);
+}
+
+template <class Real>
+std::vector<engines::SensorRecord> Recorder::results(const Stepper<Real>& stepper,
+                                                     const Comm& team) {
+    finish();
+    std::vector<engines::SensorRecord> all;
+    for (const Record& record : records_) {
+        if (!record.is_output) continue;
+        engines::SensorRecord one{.name = record.name, .units = record.units()};
+        if (record.is_grid()) {
+            one.of = engines::SensorRecord::Of::grid;
+            one.values = grid_of(record, stepper, team);
+        } else if (record.is_series()) {
+            const auto samples = static_cast<std::size_t>(samples_);
+            const std::vector<double> block = samples_of(record, 0, samples, team);
+            const std::size_t points = point_order_.size();
+            one.of = engines::SensorRecord::Of::points_and_samples;
+            one.values.resize(block.size());
+            for (std::size_t p = 0; p < points && !block.empty(); ++p)
+                for (std::size_t s = 0; s < samples; ++s)
+                    one.values[p * samples + s] = block[s * points + p];
+        } else {
+            one.of = engines::SensorRecord::Of::points;
+            one.values = samples_of(record, 0, 1, team);
+        }
+        if (team.is_root()) all.push_back(std::move(one));
+    }
+    return all;
+}
+
+DistributedRows Recorder::rows(const Record& record) const {
+    if (!record.is_grid())
+        return {.total = static_cast<std::ptrdiff_t>(point_order_.size()),
+                .start = static_cast<std::ptrdiff_t>(first_point_),
+                .count = static_cast<std::ptrdiff_t>(count_points_),
+                .row_length = record.is_series() ? samples_ : 1};
+    return {.total = slabs_.nx(),
+            .start = slabs_.x_start(),
+            .count = slabs_.x_count(),
+            .row_length = slabs_.ny() * slabs_.nz()};
+}
+
+void Recorder::save(StateWriter& state) const {
+    for (const Record& record : records_)
+        if (record.statistic != Statistic::final && record.quantity < intensity &&
+            rows(record).total > 0)
+            state.put("record_" + record.name, rows(record), record.values.data());
+}
+
+void Recorder::restore(const StateReader& state) {
+    for (Record& record : records_)
+        if (record.statistic != Statistic::final && record.quantity < intensity &&
+            rows(record).total > 0)
+            state.get("record_" + record.name, rows(record), record.values.data());
+}
+
+template void Recorder::add(const Stepper<double>&, const Comm&);
+template void Recorder::add(const Stepper<float>&, const Comm&);
+template std::vector<double> Recorder::grid_of(const Record&, const Stepper<double>&,
+                                               const Comm&) const;
+template std::vector<double> Recorder::grid_of(const Record&, const Stepper<float>&,
+                                               const Comm&) const;
+template std::vector<engines::SensorRecord> Recorder::results(const Stepper<double>&, const Comm&);
+template std::vector<engines::SensorRecord> Recorder::results(const Stepper<float>&, const Comm&);
+
+} // namespace shearwake::pstd

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/engine.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
+#include "problem/case/study_data.hpp"
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace shearwake::pstd {
+
+class SplitFields;
+
+/// Records fields of the scheme at the points of a sensor, and extremes of the entire grid, in
+/// every step from a first one on. The names of records are those of sensor.record of k-Wave
+/// (sensor_records) and of the fields.
+class Recorder {
+public:
+    enum class Statistic { series, max, min, rms, mean, max_all, min_all, final };
+    struct Record {
+        std::string name; // of the dataset: ux_max
+        std::size_t quantity;
+        Statistic statistic;
+        bool is_output; // otherwise only another record is computed from it
+        /// [point of this rank][sample], [point of this rank], or the slab of the grid.
+        std::vector<double> values;
+        bool is_series() const { return statistic == Statistic::series; }
+        bool is_grid() const { return statistic >= Statistic::max_all; }
+        std::string units() const;
+    };
+
+    /// `points` must exist as long as the recorder. `steps`: of the run. Not collective.
+    Recorder(const SensorPoints& points, const Slabs& slabs, const std::set<std::string>& records,
+             std::ptrdiff_t first_step, std::ptrdiff_t steps);
+    ~Recorder();
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    /// Bytes on a rank of `ranks`. Not collective.
+    static double memory_B(const SensorPoints& points, const Grid& grid,
+                           const std::set<std::string>& records, std::ptrdiff_t samples, int ranks);
+    /// Values of the output of a run. Not collective.
+    static double output_values(const SensorPoints& points, const Grid& grid,
+                                const std::set<std::string>& records, std::ptrdiff_t samples);
+    /// After every step. Collective.
+    template <class Real>
+    void add(const Stepper<Real>& stepper, const Comm& team);
+    /// Computes the records that follow from complete series, before the output. Not collective.
+    void finish();
+
+    const std::vector<Record>& records() const { return records_; }
+    std::ptrdiff_t samples() const { return samples_; }
+    /// On rank 0: samples first to first + count - 1 of a record of points, [sample][point]. A
+    /// statistic has one sample. Collective.
+    std::vector<double> samples_of(const Record& record, std::size_t first, std::size_t count,
+                                   const Comm& team) const;
+    /// On rank 0: a record of the grid, [x][y][z]. Collective.
+    template <class Real>
+    std::vector<double> grid_of(const Record& record, const Stepper<Real>& stepper,
+                                const Comm& team) const;
+    /// On rank 0: all output; nothing on other ranks. Collective.
+    template <class Real>
+    std::vector<engines::SensorRecord> results(const Stepper<Real>& stepper, const Comm& team);
+
+    void save(StateWriter& state) const;    // collective
+    void restore(const StateReader& state); // collective
+
+private:
+    static std::vector<Record> records_of(const std::set<std::string>& names);
+    DistributedRows rows(const Record& record) const;
+    template <class Real>
+    void find_values(const Stepper<Real>& stepper, const Comm& team);
+    template <class Real>
+    void move_to_nodes(const Stepper<Real>& stepper, std::size_t axis, const Comm& team);
+    void interpolate(const Comm& team);
+    bool needs(std::size_t first, std::size_t count) const;
+
+    const SensorPoints& points_;
+    Slabs slabs_;
+    std::ptrdiff_t first_step_, samples_;
+    std::vector<Record> records_;
+    std::vector<std::size_t> order_;       // the nodes sorted by x: contiguous for each rank
+    std::size_t first_ = 0, count_ = 0;    // those of this rank
+    std::vector<std::ptrdiff_t> offsets_;  // of this rank's nodes in its slab
+    std::vector<std::size_t> point_order_; // the points, contiguous for each rank
+    std::size_t first_point_ = 0, count_points_ = 0;
+    std::array<std::vector<double>, 3> move_; // weights that move a velocity by half a cell
+    std::vector<std::vector<double>> now_;    // [quantity][node, then point of this rank]
+    std::unique_ptr<SplitFields> split_;
+};
+
+} // namespace shearwake::pstd

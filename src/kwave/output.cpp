@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kwave/output.hpp"
+
+#include "storage/hdf5/h5.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace shearwake::kwave {
+
+using pstd::Recorder;
+
+h5::Id create_dataset(const OutputFile& output, const std::string& name,
+                      std::span<const hsize_t> shape, Numbers numbers) {
+    const h5::Id space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                       H5Sclose, "create a dataspace"),
+        layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "create a property list");
+    if (output.gzip_level > 0) {
+        // Chunks of complete rows, of about a megabyte.
+        std::vector<hsize_t> chunk(shape.begin(), shape.end());
+        hsize_t values = std::accumulate(chunk.begin(), chunk.end(), hsize_t{1}, std::multiplies());
+        for (hsize_t& extent : chunk) {
+            const hsize_t rest = values / extent;
+            extent = std::clamp<hsize_t>((hsize_t{1} << 18) / rest, 1, extent);
+            values = rest * extent;
+        }
+        h5::check(H5Pset_chunk(layout.raw(), static_cast<int>(chunk.size()), chunk.data()),
+                  "set chunks");
+        h5::check(H5Pset_deflate(layout.raw(), static_cast<unsigned>(output.gzip_level)),
+                  "compress");
+    }
+    const hid_t type = numbers == Numbers::integer ? H5T_STD_U64LE
+                       : output.doubles            ? H5T_IEEE_F64LE
+                                                   : H5T_IEEE_F32LE;
+    h5::Id dataset(H5Dcreate2(output.file, name.c_str(), type, space.raw(), H5P_DEFAULT,
+                              layout.raw(), H5P_DEFAULT),
+                   H5Dclose, "create " + name);
+    h5::put_attribute(dataset.raw(), "data_type",
+                      std::string(numbers == Numbers::integer ? "long" : "float"));
+    h5::put_attribute(dataset.raw(), "domain_type", std::string("real"));
+    return dataset;
+}
+
+namespace {
+
+/// Values that rank 0 gathers and writes at a time.
+constexpr std::size_t most_values_at_once = std::size_t{1} << 22;
+
+/// Blocks of samples are gathered on rank 0.
+void write_points(const OutputFile& output, const Recorder& recorder,
+                  const Recorder::Record& record, const Input& input, const Comm& team) {
+    const bool is_series = record.is_series();
+    const auto samples = is_series ? static_cast<std::size_t>(recorder.samples()) : std::size_t{1};
+    const std::size_t nodes = input.sensor.size();
+    std::vector<h5::Id> datasets;
+    std::vector<std::vector<hsize_t>> shapes;
+    if (team.is_root()) {
+        const auto add = [&](const OutputFile& to, const std::string& name,
+                             std::vector<hsize_t> shape) {
+            datasets.push_back(create_dataset(to, name, shape, Numbers::real));
+            shapes.push_back(std::move(shape));
+        };
+        if (input.cuboids.empty())
+            add(output, record.name, {1, samples, nodes});
+        else {
+            const h5::Id group = h5::create_group(output.file, record.name);
+            const OutputFile in_group{group.raw(), output.doubles, output.gzip_level};
+            for (std::size_t c = 0; c < input.cuboids.size(); ++c) {
+                std::vector<hsize_t> shape;
+                if (is_series) shape.push_back(samples);
+                for (const std::size_t axis : {2u, 1u, 0u})
+                    shape.push_back(static_cast<hsize_t>(input.cuboids[c].count(axis)));
+                add(in_group, std::to_string(c + 1), std::move(shape));
+            }
+        }
+    }
+    const std::size_t most =
+        std::clamp<std::size_t>(most_values_at_once / std::max<std::size_t>(nodes, 1), 1, samples);
+    for (std::size_t first = 0; first < samples; first += most) {
+        const std::size_t count = std::min(most, samples - first);
+        const std::vector<double> block = recorder.samples_of(record, first, count, team);
+        if (!team.is_root()) continue;
+        std::size_t first_node = 0;
+        for (std::size_t d = 0; d < datasets.size(); ++d) {
+            const std::vector<hsize_t>& shape = shapes[d];
+            const bool is_list = input.cuboids.empty();
+            std::vector<hsize_t> start(shape.size(), 0), extent = shape;
+            if (is_series) {
+                start[is_list ? 1 : 0] = first;
+                extent[is_list ? 1 : 0] = count;
+            }
+            hsize_t in_dataset = 1;
+            for (std::size_t n = is_series && !is_list ? 1 : 0; n < shape.size(); ++n)
+                in_dataset *= is_list && n == 1 ? 1 : shape[n];
+            std::vector<double> part;
+            for (std::size_t s = 0; s < count; ++s) {
+                const auto from =
+                    block.begin() + static_cast<std::ptrdiff_t>(s * nodes + first_node);
+                part.insert(part.end(), from, from + static_cast<std::ptrdiff_t>(in_dataset));
+            }
+            first_node += in_dataset;
+            const h5::Id in_file(H5Dget_space(datasets[d].raw()), H5Sclose, "find a dataspace"),
+                memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
+                       H5Sclose, "create a dataspace");
+            h5::check(H5Sselect_hyperslab(in_file.raw(), H5S_SELECT_SET, start.data(), nullptr,
+                                          extent.data(), nullptr),
+                      "select a block");
+            h5::check(H5Dwrite(datasets[d].raw(), H5T_NATIVE_DOUBLE, memory.raw(), in_file.raw(),
+                               H5P_DEFAULT, part.data()),
+                      "write " + record.name);
+        }
+    }
+}
+
+void write_grid(const OutputFile& output, const std::string& name, const std::vector<double>& all,
+                const pstd::Grid& grid) {
+    const auto [nx, ny, nz] = grid.points;
+    std::vector<double> turned(all.size());
+    for (std::ptrdiff_t x = 0, at = 0; x < nx; ++x)
+        for (std::ptrdiff_t y = 0; y < ny; ++y)
+            for (std::ptrdiff_t z = 0; z < nz; ++z, ++at)
+                turned[static_cast<std::size_t>((z * ny + y) * nx + x)] =
+                    all[static_cast<std::size_t>(at)];
+    const hsize_t shape[] = {static_cast<hsize_t>(nz), static_cast<hsize_t>(ny),
+                             static_cast<hsize_t>(nx)};
+    const h5::Id dataset = create_dataset(output, name, shape, Numbers::real);
+    h5::check(
+        H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, turned.data()),
+        "write " + name);
+}
+
+} // namespace
+
+template <class Real>
+void write_records(const OutputFile& output, const Recorder& recorder, const Input& input,
+                   const pstd::Stepper<Real>& stepper, const Comm& team) {
+    for (const Recorder::Record& record : recorder.records()) {
+        if (!record.is_output) continue;
+        if (!record.is_grid()) {
+            write_points(output, recorder, record, input, team);
+            continue;
+        }
+        const std::vector<double> all = recorder.grid_of(record, stepper, team);
+        if (team.is_root()) write_grid(output, record.name, all, input.setup.grid);
+    }
+}
+
+template void write_records(const OutputFile&, const Recorder&, const Input&,
+                            const pstd::Stepper<double>&, const Comm&);
+template void write_records(const OutputFile&, const Recorder&, const Input&,
+                            const pstd::Stepper<float>&, const Comm&);
+
+} // namespace shearwake::kwave
