@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 class Sweep:
     """An output folder. `cases` are its cases in the order of the plan, `references` their references, and `every_case`
-    both. `uncertain` is the design of [uncertain], empty without it, and `adaptive_axes` lists the adaptive axes."""
+    both. `labels` are those of [table]: {(swept key, value): text}. `uncertain` is the design of [uncertain], empty without it, and `adaptive_axes` lists the adaptive axes."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
@@ -36,6 +36,7 @@ class Sweep:
         self.swept_keys: list[str] = plan["swept_keys"]
         self.x: str = plan["table"]["x"]
         self.series_keys: list[str] = plan["table"]["series"]
+        self.labels = {(key, value): text for key, pairs in plan["table"].get("labels", {}).items() for value, text in pairs}
         self.uncertain: dict[str, Any] = plan.get("uncertain") or {}
         self.adaptive_axes: list[dict[str, Any]] = plan.get("adaptive", [])
         try:

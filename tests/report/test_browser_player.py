@@ -67,12 +67,18 @@ class PlayerTest(test_browser.Pages):
 
     def test_every_case_can_be_chosen_and_colours_follow_the_scale(self):
         page = self.at_start(1280)
-        names = page.run('Array.from(document.querySelector(".player-panel select").options, o => o.text)')
-        self.assertEqual(len(names), 5)
-        self.assertIn("AM frequency 200\N{NO-BREAK SPACE}Hz", names)
-        page.run("""(() => { const choice = document.querySelector(".player-panel select");
-            choice.value = 1; choice.dispatchEvent(new Event("change")); })()""")
+        selects = page.run("""Object.fromEntries(Array.from(document.querySelector(".player-panel").querySelectorAll("label"),
+            label => [label.firstChild.textContent.trim(), Array.from(label.querySelector("select").options, o => o.text)]))""")
+        self.assertEqual(selects, {"Load": ["AM-STM", "plain STM"],
+                                   "AM frequency": [f"{f}\N{NO-BREAK SPACE}Hz" for f in (100, 200, 400, 1000)]})
+        choose = """(([n, value]) => { const choice = document.querySelectorAll(".player-panel select")[n];
+            choice.value = value; choice.dispatchEvent(new Event("change")); })"""
+        page.run(f"{choose}([0, 0])")
+        page.run(f"{choose}([1, 1])")
         self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("1/")'))
+        page.run(f"{choose}([0, 1])")  # the reference
+        self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("4/")'))
+        self.assertEqual(page.run('document.querySelector(".player-panel .chosen").textContent'), "plain STM")
         before = page.run('document.querySelector(".high").textContent')
         page.run("""(() => { const choice = document.querySelector(".scaling");
             choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")

@@ -74,7 +74,7 @@ class HeadlineTest(unittest.TestCase):
     def test_cases_without_a_mean_over_periods_are_counted(self):
         text = self.result(self.folder([0.2, 0.4, math.nan]))
         self.assertIn("is highest, 0.4, at AM frequency 200 Hz of the 2 valid cases.", text)
-        self.assertIn("1 case has no mean over complete periods (eta_period_1) and cannot be compared.", text)
+        self.assertIn("1 case has no mean over complete periods and cannot be compared.", text)
 
     def test_engines_do_not_compete(self):
         folder = Folder(self.root, x=ENGINE, swept=[ENGINE])
@@ -130,7 +130,7 @@ class HeadlineTest(unittest.TestCase):
         folder = self.with_reference([(0.3, []), (0.5, [])], 0.2)
         self.errors(folder, {case_id(3): 0.002})  # 1 %
         text = self.result(folder)
-        self.assertIn("its efficiency η (eta_period_1) is 0.5, 2.5 times the 0.2 of plain STM. The numerical error of η is "
+        self.assertIn("its efficiency η is 0.5, 2.5 times the 0.2 of plain STM. The numerical error of η is "
                       "1 % (error estimated at plain STM); that of the ratio is not estimated.", text)
         self.assertNotIn("±", text)
 
@@ -345,7 +345,7 @@ class HeadlineTest(unittest.TestCase):
     def test_of_many_best_cases_the_first_are_named(self):
         text = self.result(self.with_reference([(0.5, [])] * 5 + [(0.3, [])], 0.2))
         self.assertIn("AM-STM at AM frequency 100 Hz, AM frequency 200 Hz and 3 further cases focus best: the efficiency η "
-                      "(eta_period_1) of each is 0.5, 2.5 times the 0.2 of plain STM.", text)
+                      "of each is 0.5, 2.5 times the 0.2 of plain STM.", text)
 
     def test_curves_with_other_references_have_their_own_column_of_references(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))

@@ -79,7 +79,7 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_the_summary_names_the_best_case(self):
         gap = "\N{NO-BREAK SPACE}"
-        self.assertIn(f"AM-STM at AM frequency 400{gap}Hz focuses best: its efficiency η (eta_period_1) is "
+        self.assertIn(f"AM-STM at AM frequency 400{gap}Hz focuses best: its efficiency η is "
                       "0.27, 13 % more than the 0.24 of plain STM.", self.page.data)
         self.assertIn(f"0.43 (AM frequency 400{gap}Hz) to 0.5", self.page.data)
         self.assertIn("4 cases (of them 1 reference): 4 complete.", self.page.data)
@@ -200,12 +200,12 @@ class ReportTest(unittest.TestCase):
         return summary(load.load(folder.save())).replace("\N{NO-BREAK SPACE}", " ")
 
     def test_the_summary_states_a_large_gain_as_a_factor(self):
-        self.assertIn("AM-STM at AM frequency 200 Hz focuses best: its efficiency η (eta_period_1) is 0.5, "
+        self.assertIn("AM-STM at AM frequency 200 Hz focuses best: its efficiency η is 0.5, "
                       "2.5 times the 0.2 of plain STM.", self.summary([0.3, 0.5]))
 
     def test_the_summary_reports_that_no_case_is_better_than_the_reference(self):
         self.assertIn("None of the 2 cases focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz: its "
-                      "efficiency η (eta_period_1) is 0.15, 25 % less than the 0.2 of plain STM.",
+                      "efficiency η is 0.15, 25 % less than the 0.2 of plain STM.",
                       self.summary([0.15, 0.1]))
 
     def test_the_summary_compares_each_case_with_its_own_reference(self):
@@ -218,7 +218,7 @@ class ReportTest(unittest.TestCase):
         folder = Folder(self.root, x="medium.body[1].depth_mm", swept=["medium.body[1].depth_mm"])
         for depth, value in ((5.0, 0.3), (8.0, 0.4)):
             folder.add({"medium.body[1].depth_mm": depth}, scalars={"eta_period_1": value})
-        self.assertIn("The efficiency η (eta_period_1) is highest, 0.4, at depth of body 1 = 8\N{NO-BREAK SPACE}mm.",
+        self.assertIn("The efficiency η is highest, 0.4, at depth of body 1 = 8\N{NO-BREAK SPACE}mm.",
                       summary(load.load(folder.save())))
 
     def test_the_command_prints_the_result(self):

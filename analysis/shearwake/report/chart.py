@@ -50,6 +50,7 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_limits: tuple | None = None
+    y_ticks: list | None = None  # of a logarithmic scale around 1; None: chosen by uPlot
     marks: list = field(default_factory=list)
 
 
@@ -82,5 +83,5 @@ def chart_data(chart: Chart) -> dict[str, Any]:
     """A chart as JSON object for charts.js."""
     limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
     return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,
-            "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits,
+            "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits, "y_ticks": chart.y_ticks,
             "marks": [mark_data(mark) for mark in chart.marks], "lines": [line_data(line) for line in chart.lines]}

@@ -121,6 +121,10 @@ function axes(panel) {
     x.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
   }
   y.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
+  if (panel.y_ticks) {  // a logarithmic scale around 1, which need not contain a decade
+    y.splits = (plot, axis, low, high) => panel.y_ticks.filter(v => v >= low && v <= high);
+    y.filter = (plot, splits) => splits;
+  }
   return [x, y];
 }
 
@@ -153,14 +157,14 @@ function drawPanel(holder, panel, output, key) {
   const series = panel.lines.map(line => ({label: (line.crossed ? "\u00d7 " : "") + line.label, stroke: line.colour, width: 1.6,
     dash: line.dashed ? [6, 4] : undefined, spanGaps, show: !hiddenCases.has(line.case),
     paths: line.crossed || line.dots || (panel.x_names && !line.dashed) ? () => null : undefined,
-    points: {show: (line.points || line.dots) && !line.crossed, size: line.dots ? 5 : 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
+    points: {show: (line.points || line.dots) && !line.crossed, size: line.dots && !line.points ? 5 : 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
   const plot = new uPlot({
     width: Math.max(260, holder.clientWidth), height: holder.clientWidth < 500 ? 260 : 320,
     series: [{label: panel.x_label, value: (p, v) => v === null ? "–" : name(v)}, ...series], axes: axes(panel),
     scales: {x: {time: false, distr: panel.x_log ? 3 : 1, range: horizontalRange(panel)},
       y: verticalRange(panel)},
     cursor: {sync: {key}, drag: {x: true, y: false}, focus: {prox: 30}}, focus: {alpha: 0.35},
-    legend: {show: true, markers: {width: 2, dash: (p, i) => p.series[i].dash ? "dashed" : "solid"}},
+    legend: {show: false},
     hooks: {drawAxes: [p => drawMarks(p, panel.marks, ["band", "line"])],
       draw: [p => drawMarks(p, panel.marks, ["tick", "dot"]), p => drawErrors(p, panel.lines), p => drawCrosses(p, panel.lines)], setCursor: [p => {
       const found = p.cursor.left >= 0 ? nearest(p, panel.lines) : null;
@@ -170,13 +174,103 @@ function drawPanel(holder, panel, output, key) {
       output.textContent = line.label + ": " + panel.x_label + " " + name(line.x[k]) + ", " + panel.y_label + " "
         + numberText(line.y[k]) + bar;
     }]}}, uPlot.join(panel.lines.map(line => [line.x, line.y])), box);
-  charts.push({plot, lines: panel.lines, holder});
+  plot.root.setAttribute("role", "img");
+  plot.root.setAttribute("aria-label", [panel.title, panel.y_label + " against " + panel.x_label].filter(text => text).join(": ")
+    + "; the data below the chart list its values");
+  const buttons = legend(box, panel.lines, plot);
+  charts.push({plot, lines: panel.lines, holder, buttons});
   return plot;
+}
+
+// A button per line of a panel that hides and shows the line.
+function legend(box, lines, plot) {
+  const bar = document.createElement("div");
+  bar.className = "legend";
+  bar.setAttribute("role", "group");
+  bar.setAttribute("aria-label", "lines");
+  const buttons = lines.map((line, i) => {
+    const button = document.createElement("button"), sample = document.createElement("i");
+    button.type = "button";
+    sample.className = line.crossed ? "cross" : line.dots ? "dot" : line.dashed ? "dash" : "line";
+    sample.style.color = line.colour;
+    if (line.crossed) sample.textContent = "\u00d7";
+    button.append(sample, line.label);
+    button.setAttribute("aria-pressed", plot.series[i + 1].show);
+    button.addEventListener("click", () => {
+      const show = !plot.series[i + 1].show;
+      plot.setSeries(i + 1, {show});
+      button.setAttribute("aria-pressed", show);
+    });
+    button.addEventListener("pointerenter", () => plot.setSeries(i + 1, {focus: true}));
+    button.addEventListener("pointerleave", () => plot.setSeries(null, {focus: true}));
+    bar.append(button);
+    return button;
+  });
+  box.append(bar);
+  return buttons;
+}
+
+// The values of panels as tables, which are made when they are opened.
+function dataTables(panels) {
+  const part = document.createElement("details"), summary = document.createElement("summary");
+  part.className = "data";
+  summary.textContent = "Data of this chart";
+  part.append(summary);
+  part.addEventListener("toggle", () => {
+    if (part.open && part.children.length === 1) panels.forEach(panel => part.append(dataTable(panel)));
+  });
+  return part;
+}
+
+function dataTable(panel) {
+  const lines = panel.lines.filter(line => line.y.some(v => v !== null));
+  const places = [...new Set(lines.flatMap(line => line.x))].sort((a, b) => a - b);
+  const heads = lines.map(line => line.crossed ? line.label : line.label + (line.error ? " ± error" : ""));
+  const rows = places.map(x => [panel.x_names ? panel.x_names[Math.round(x)] ?? "" : numberText(x), ...lines.map(line => {
+    const k = line.x.indexOf(x), error = k < 0 ? null : line.error?.[k];
+    return k < 0 || line.y[k] === null ? "" : numberText(line.y[k]) + (error != null ? " ± " + numberText(error) : "");
+  })]);
+  return scrolled(tableOf([panel.title, panel.y_label].filter(text => text).join(", "), [panel.x_label, ...heads], rows));
+}
+
+function tableOf(caption, heads, rows) {
+  const table = document.createElement("table"), row = (cells, head) => {
+    const line = document.createElement("tr");
+    cells.forEach((text, i) => {
+      const cell = document.createElement(head || i === 0 ? "th" : "td");
+      if (head) cell.scope = "col"; else if (i === 0) cell.scope = "row"; else cell.className = "n";
+      cell.textContent = text;
+      line.append(cell);
+    });
+    return line;
+  };
+  table.createCaption().textContent = caption;
+  table.createTHead().append(row(heads, true));
+  const body = table.createTBody();
+  rows.forEach(cells => body.append(row(cells, false)));
+  return table;
+}
+
+function scrolled(table) {
+  const box = document.createElement("div");
+  box.className = "scroll short";
+  box.tabIndex = 0;
+  box.setAttribute("role", "region");
+  box.setAttribute("aria-label", table.caption.textContent);
+  box.append(table);
+  return box;
+}
+
+// The heading of a figure names its charts and pictures.
+function nameAfterHeading(holder) {
+  holder.setAttribute("role", "group");
+  holder.setAttribute("aria-label", holder.closest("figure").previousElementSibling.textContent);
 }
 
 function drawCharts(holder) {
   if (holder.dataset.drawn || !holder.clientWidth) return;
   holder.dataset.drawn = "yes";
+  nameAfterHeading(holder);
   const panels = JSON.parse(holder.querySelector("script").textContent);
   const output = document.createElement("output"), reset = document.createElement("button");
   reset.type = "button";
@@ -187,6 +281,7 @@ function drawCharts(holder) {
   bar.append(output, reset);
   holder.appendChild(bar);
   const plots = panels.map(panel => drawPanel(holder, panel, output, holder.id + panel.x_label));
+  holder.append(dataTables(panels));
   reset.addEventListener("click", () => plots.forEach(plot =>
     plot.setData(plot.data)));  // also restores the scales
 }
@@ -195,19 +290,29 @@ function drawCharts(holder) {
 function showCases(hidden) {
   hiddenCases.clear();
   hidden.forEach(id => hiddenCases.add(id));
-  for (const {plot, lines} of charts)
+  for (const {plot, lines, buttons} of charts)
     lines.forEach((line, i) => {
       const show = !hiddenCases.has(line.case);
       if (line.case && plot.series[i + 1].show !== show) plot.setSeries(i + 1, {show});
+      buttons[i].setAttribute("aria-pressed", plot.series[i + 1].show);
     });
 }
 
 const drawVisibleCharts = () => document.querySelectorAll(".chart").forEach(drawCharts);
 document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", drawVisibleCharts));
-addEventListener("resize", () => {
+function fitCharts() {
   drawVisibleCharts();
   for (const {plot, holder} of charts)
     if (holder.clientWidth && Math.abs(plot.width - holder.clientWidth) > 2)
       plot.setSize({width: holder.clientWidth, height: plot.height});
-});
+}
+addEventListener("resize", fitCharts);
 drawVisibleCharts();
+
+// Prints contain all figures: all topics are open while the page is printed.
+const closed = [];
+addEventListener("beforeprint", () => {
+  document.querySelectorAll("details.topic:not([open])").forEach(part => { part.open = true; closed.push(part); });
+  fitCharts();
+});
+addEventListener("afterprint", () => closed.splice(0).forEach(part => { part.open = false; }));

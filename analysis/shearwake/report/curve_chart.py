@@ -13,7 +13,7 @@ from .chart import Chart, Line
 from .load import Selection
 from .numerical_error import valid
 from .validity import split
-from .words import value_text
+from .words import is_at_instant
 
 
 def errors(cases: list[Case], column: str) -> np.ndarray:
@@ -49,7 +49,8 @@ def reference_lines(selection: Selection, figure: str, group: layout.Group, colu
     values = np.array([r.value(column, math.nan) for _, r in pairs])
     if not pairs or not np.isfinite(values).any():
         return []
-    return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=True),
+    joined = not is_at_instant(column) or len(set(values[np.isfinite(values)])) < 2
+    return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=joined, dots=not joined),
                         split(selection, [r for _, r in pairs], column, figure, values))
 
 
@@ -72,7 +73,7 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
         x = [layout.x_position(selection, c) for c in group.cases]
         y = [c.value(column, math.nan) for c in group.cases]
         line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
-                    error=errors(group.cases, column), points=True)
+                    error=errors(group.cases, column), points=True, dots=is_at_instant(column))
         lines += with_crosses(line, split(selection, group.cases, column, figure, y))
         colours[group.label] = colour
     sets = [] if selection.is_ratio(column) else layout.by_reference(selection, found, column)
@@ -82,6 +83,6 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
         lines += reference_lines(selection, figure, same[0], column, label, colour)
     lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(selection)
-    names = None if layout.is_numeric(selection) else [value_text(selection.x, v) for v in values]
+    names = None if layout.is_numeric(selection) else [layout.value_text(selection, selection.x, v) for v in values]
     return Chart(layout.axis_label(selection, selection.x), y_label.replace("\n", " "), lines, title, names,
                  names is None and bool(layout.is_logarithmic(values)), y_log)

@@ -58,15 +58,17 @@ def draw_axis(axes: Axes, selection: Selection, axis: Any, rows: Any) -> Any:
                                   alpha=0.3, linewidth=0)
             else:
                 axes.axvline(row["location"], color=colour, linestyle="--", linewidth=1)
+    if any(not math.isnan(row["location"]) for row in rows):
+        axes.plot([], [], color=style.INK, linestyle="--", linewidth=1, label=f"{axis['goal']} found")
     if axis["goal"] == "crossing" and "level" in axis:
-        axes.axhline(axis["level"], color=style.GREY, linewidth=0.8)
+        axes.axhline(axis["level"], color=style.GREY, linewidth=0.8, label=f"level {number(axis['level'])}")
     elif axis["goal"] == "crossing":
         crossed = sorted((case.settings[key], reference.value(column, math.nan)) for case in layout.ordinary(selection)
                          if key in case.settings and (reference := selection.reference_of(case)) and is_valid(reference))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
     axes.set_xlabel(layout.axis_label(selection, key))
     axes.set_ylabel(fig_heat.measure_label(selection, column))
-    if 1 < len(shown) <= style.DIRECT_LABELS:
+    if axes.get_legend_handles_labels()[1] and len(shown) <= style.DIRECT_LABELS:
         axes.legend()
     return len(shown), len(made)
 

@@ -17,7 +17,7 @@ from .curve_chart import curve_chart, draw_errors, error_caption
 from .figure import Figure
 from .load import Selection
 from .validity import CROSSES, invalid_caption, split
-from .words import SUPERSCRIPTS, counted, number, value_text
+from .words import SUPERSCRIPTS, counted, is_at_instant, number
 
 
 def set_x_axis(axes: Axes, selection: Selection) -> None:
@@ -26,7 +26,7 @@ def set_x_axis(axes: Axes, selection: Selection) -> None:
     axes.set_xlabel(layout.axis_label(selection, selection.x))
     if not layout.is_numeric(selection):
         few = len(values) <= 6
-        axes.set_xticks(range(len(values)), [style.plain(value_text(selection.x, v)) for v in values],
+        axes.set_xticks(range(len(values)), [style.plain(layout.value_text(selection, selection.x, v)) for v in values],
                         rotation=0 if few else 30, ha="center" if few else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
         return
@@ -99,11 +99,13 @@ def draw_reference(axes: Axes, selection: Selection, group: layout.Group, column
         axes.plot(x, invalid, **CROSSES)
         if not np.isfinite(y).any():
             return
-        if layout.is_numeric(selection):
-            axes.plot(x, y, **look)
-        else:  # strings have no order: a dash at each
+        if not layout.is_numeric(selection):  # strings have no order: a dash at each
             for at, value in zip(x, y):
                 axes.plot([at - 0.3, at + 0.3], [value, value], **look)
+        elif is_at_instant(column):
+            axes.plot(x, y, color=colour, linestyle="none", marker="_", markersize=12, markeredgewidth=1.6, zorder=1.5)
+        else:
+            axes.plot(x, y, **look)
         value, text = y[np.isfinite(y)][-1], name
     if (text, colour) not in [(t, c) for _, t, c in labels]:
         labels.append((value, text, colour))
@@ -119,7 +121,11 @@ def reference_lines(axes: Axes, selection: Selection, curves: list[tuple[layout.
     for same in sets:
         own = style.INK if len(sets) == 1 else colours[same[0].label]
         draw_reference(axes, selection, same[0], column, figure, own, "--", labels, names)
-    return labels if len(labels) <= 6 else []
+    if len(labels) <= 6:
+        return labels
+    handles = [Line2D([], [], color=colour, linestyle="--", label=text.replace("\n", " ")) for _, text, colour in labels]
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)
+    return []
 
 
 def widen(axes: Axes, least: float = 0.02) -> None:
@@ -213,9 +219,9 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
     for axes, column in zip(made, rows):
         whole_periods = column == period
         for (group, colour, marker), aside in zip(curves, asides(selection, curves)):
-            look: dict[str, Any] = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
+            look: dict[str, Any] = {"clip_on": False} if whole_periods else {"markerfacecolor": "white"}
             x, y = draw_curve(axes, selection, group, column, measure["name"], aside, marker=marker, color=colour,
-                              linestyle="-" if numeric else "none", **look)
+                              linestyle="-" if numeric and whole_periods else "none", **look)
             draw_errors(axes, x, y, group.cases, column, colour)
         if measure.get("log") and spans_decades(selection, column):
             axes.set_yscale("log")
@@ -277,7 +283,7 @@ def marker_caption(selection: Selection, rows: list[str], period: str, instant: 
     if period in rows:
         sentences.append(f" Mean over periods: the energy-weighted mean over {period_words(selection)}.")
     if instant in rows:
-        text = f" {instant_title(selection)[:1].upper()}{instant_title(selection)[1:]}: the value at a single instant"
+        text = f" {instant_title(selection)[:1].upper()}{instant_title(selection)[1:]}: the value at a single instant, not joined by lines"
         if is_modulated(selection):
             text += ", which depends on the phase of the modulation at that instant; its variation is not a trend"
         sentences.append(text + ".")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .. import wake
+from ..case import Case
 from . import hover, layout, style, warnings_of
 from .figure import Figure
+from .curve_chart import have_errors
 from .load import Selection, traces
-from .words import counted, listed, number, some_of, value_text
+from .words import counted, listed, number, some_of
 
 NAME = "heat_"  # followed by the column
 PANELS = 12
@@ -68,8 +71,12 @@ def receptor_measures(selection: Selection) -> Any:
 
 
 def plane(selection: Selection) -> tuple[str, str, list[Any]] | None:
-    """x, y and the keys of the panels; None if curves are more suitable."""
+    """x, y and the keys of the panels; None if curves are more suitable. If kinds change together with other keys, y are their
+    combinations, see combined()."""
     keys = layout.axes(selection)
+    if any(not layout.is_number(v) for k in keys for v in layout.values_of(selection, k)) and not is_full(selection, keys):
+        x = independent(selection, keys)
+        return (x, COMBINATION, []) if x and len(keys) > 2 else None
     if len(keys) < 2:
         return None
     counts = {k: len(layout.values_of(selection, k)) for k in keys}
@@ -79,6 +86,47 @@ def plane(selection: Selection) -> tuple[str, str, list[Any]] | None:
     if not enough and len(layout.groups(selection)) <= style.CURVES:
         return None
     return x, y, [k for k in keys if k not in (x, y)]
+
+
+COMBINATION = "combination"
+
+
+def is_full(selection: Selection, keys: list[str]) -> bool:
+    """Whether all combinations of the values of these keys are swept."""
+    there = {tuple(str(c.settings.get(k)) for k in keys) for c in layout.swept_cases(selection)}
+    return len(there) == math.prod(len({t[i] for t in there}) for i in range(len(keys)))
+
+
+def independent(selection: Selection, keys: list[str]) -> str | None:
+    """A key that takes all of its values with each combination of the other keys, x if possible; None if there is none."""
+    by_size = sorted(keys, key=lambda k: (k != selection.x, -len(layout.values_of(selection, k))))
+    for key in by_size:
+        there = {(str(c.settings.get(key)), tuple(str(c.settings.get(k)) for k in keys if k != key))
+                 for c in layout.swept_cases(selection)}
+        if len({a for a, _ in there}) * len({b for _, b in there}) == len(there):
+            return key
+    return None
+
+
+class Combined:
+    """A case with one further setting, the other swept values in words."""
+
+    def __init__(self, case: Case, words: str) -> None:
+        self._case, self.settings = case, {**case.settings, COMBINATION: words}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._case, name)
+
+
+def combined(selection: Selection, x: str) -> Selection:
+    """The selection whose cases have the setting "combination", their swept values without x."""
+    keys = [k for k in layout.axes(selection) if k != x]
+    cases: list[Any] = []
+    for case in selection.cases:
+        words = ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys if k in case.settings)
+        cases.append(case if case.is_reference else Combined(case, words))
+        layout.labels(selection)[COMBINATION, words] = words
+    return replace(selection, cases=cases)
 
 
 def panels(selection: Selection, others: list[Any]) -> tuple[list[tuple[Any, ...]], int]:
@@ -108,12 +156,10 @@ def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], 
 
 
 def scale(grids: Any, relative: Any) -> Any:
-    """Norm and colour map from the smallest to the largest value; the middle of a diverging map is at 1 for
-    ratios with values on both sides of 1."""
+    """Norm and colour map from the smallest to the largest value. Ratios have a logarithmic scale and a diverging map around 1."""
     every = np.concatenate([g[np.isfinite(g)] for g in grids])
-    if relative and every.min() < 1.0 < every.max():
-        reach = max(1e-3, np.abs(every - 1.0).max())
-        return plt.Normalize(1.0 - reach, 1.0 + reach), plt.get_cmap(style.DIVERGING)
+    if relative and (limits := style.ratio_limits(every)):
+        return plt.matplotlib.colors.LogNorm(*limits), plt.get_cmap(style.DIVERGING)
     low, high = every.min(), every.max()
     if high - low <= 1e-12 * abs(high):
         low, high = low - 0.5 * abs(low or 1.0), high + 0.5 * abs(high or 1.0)
@@ -125,8 +171,8 @@ def scale(grids: Any, relative: Any) -> Any:
 def ticks(axis: Any, key: str, selection: Selection, room: Any) -> None:
     values = layout.values_of(selection, key)
     every = max(1, math.ceil(len(values) / room))
-    words = [number(float(v), 3) if layout.is_number(v)
-             else textwrap.fill(value_text(key, v), WORDS, break_on_hyphens=False) for v in values]
+    words = [number(float(v), 3) if layout.is_number(v) and (key, v) not in layout.labels(selection)
+             else textwrap.fill(layout.value_text(selection, key, v), WORDS, break_on_hyphens=False) for v in values]
     axis.set_ticks(range(0, len(values), every), list(map(style.plain, words[::every])))
     longest = max(len(line) for word in words for line in word.splitlines())
     if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
@@ -138,16 +184,19 @@ def ticks(axis: Any, key: str, selection: Selection, room: Any) -> None:
 def rotation(words: Any, shape: Any) -> Any:
     """The angle in degrees at which numbers fit into the cells of a single panel without touching; None if they do not
     fit."""
-    length, height = 0.64 * NUMBERS_pt * max(map(len, words)) + 4.0, 1.4 * NUMBERS_pt  # digits are 0.64 em wide
+    lines = [word.splitlines() for word in words]
+    length = 0.64 * NUMBERS_pt * max(len(line) for word in lines for line in word) + 4.0  # digits are 0.64 em wide
+    height = 1.4 * NUMBERS_pt * max(map(len, lines))
     cell = PANEL_pt[0] / shape[1], PANEL_pt[1] / shape[0]
     if length <= cell[0] and height <= cell[1]:
         return 0
     return 90 if length <= cell[1] and height <= cell[0] else None
 
 
-def write_numbers(axes: Axes, values: Any, norm: Any, colours: Any) -> None:
-    """Writes the finite values into their cells if there is room."""
-    words = {place: number(value, 3) for place, value in np.ndenumerate(values) if np.isfinite(value)}
+def write_numbers(axes: Axes, values: Any, norm: Any, colours: Any, error: np.ndarray) -> None:
+    """Writes the finite values, with their errors, into their cells if there is room."""
+    words = {place: number(value, 3) + (f"\n± {number(error[place], 2)}" if np.isfinite(error[place]) else "")
+             for place, value in np.ndenumerate(values) if np.isfinite(value)}
     angle = rotation(words.values(), values.shape) if words else None
     if angle is None:
         return
@@ -158,7 +207,17 @@ def write_numbers(axes: Axes, values: Any, norm: Any, colours: Any) -> None:
                   color="white" if dark else style.INK)
 
 
-def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any) -> None:
+def draw_errors(axes: Axes, values: np.ndarray, error: np.ndarray, norm: Any, colours: Any) -> None:
+    """Two corners of each cell with a known error: the colours of value + error and of value - error."""
+    for row, column in np.argwhere(np.isfinite(values) & np.isfinite(error)):
+        for sign in (-1.0, 1.0):
+            at = np.array([column, row]) + 0.5 * np.array([-sign, sign])
+            corner = [at, at + [0.4 * sign, 0.0], at - [0.0, 0.4 * sign]]
+            axes.add_patch(plt.Polygon(corner, facecolor=colours(norm(values[row, column] + sign * error[row, column])),
+                                       edgecolor="white", linewidth=0.5))
+
+
+def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any, error: Any = None) -> None:
     valid = np.where(invalid, math.nan, grid)
     axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
                 interpolation="nearest")
@@ -171,8 +230,10 @@ def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: A
         mark = "xxxx" if failed[row, column] else "////"
         axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
                                      edgecolor="#9a9a9a", hatch=mark, linewidth=0))
+    error = np.full(grid.shape, math.nan) if error is None else error
+    draw_errors(axes, valid, error, norm, colours)
     if written:
-        write_numbers(axes, valid, norm, colours)
+        write_numbers(axes, valid, norm, colours, error)
     axes.grid(False)
 
 
@@ -204,11 +265,12 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.8 + height * rows))
     for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
-        draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
+        error = cells(selection, column + "_error", x, y, others, values)[0]
+        draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1, error)
         settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, values))
         hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
             layout.setting_text(selection, x, v) for v in layout.values_of(selection, x)], y_names=[
-                layout.setting_text(selection, y, v) for v in layout.values_of(selection, y)], invalid=invalid)
+                layout.setting_text(selection, y, v) for v in layout.values_of(selection, y)], invalid=invalid, error=error)
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
@@ -220,12 +282,17 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
     figure.supylabel(layout.axis_label(selection, y), fontsize=9.5)
     bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
                           label=label, aspect=30, pad=0.02)
+    if selection.is_ratio(column) and isinstance(norm, plt.matplotlib.colors.LogNorm):
+        style.ratio_axis(bar.ax.yaxis, (norm.vmin, norm.vmax))
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     name = NAME + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} over {layout.name(selection, x)} and {layout.name(selection, y)}"
     text = caption(every, [layout.name(selection, k) for k in others], len(shown), of)
+    if have_errors(selection, column):
+        text += (" Corners of cells: the colours of the value plus (upper left) and minus (lower right) its estimated numerical "
+                 "error.")
     return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
 
 
@@ -250,6 +317,8 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
     plan = plane(selection)
     if plan is None:
         return []
+    if plan[1] == COMBINATION:
+        selection = combined(selection, plan[0])
     many = len(layout.groups(selection)) > style.CURVES  # otherwise the other measures are drawn as curves
     measures = list(MEASURES if many else MEASURES[:4])
     if not all(wake.is_passed(c, *traces(c).nearest_m) for c in layout.ordinary(selection)):

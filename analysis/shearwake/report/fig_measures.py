@@ -6,12 +6,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from .. import wake
-from . import fig_curves as curves_module, layout, style
+from . import fig_curves as curves_module, fig_heat, layout, style
 from .chart import Chart, Line
-from .curve_chart import curve_chart, draw_errors, error_caption
+from .curve_chart import curve_chart, draw_errors, error_caption, errors
 from .figure import Figure
 from .load import Selection
 from .validity import invalid_caption
@@ -63,20 +64,32 @@ def draw_column(axes: Axes, selection: Selection, curves: list[tuple[layout.Grou
     curves_module.widen(axes)
 
 
+def drawn_values(selection: Selection, column: str) -> np.ndarray:
+    """The values of a column with their error bars."""
+    values = np.array([c.value(column, math.nan) for c in layout.ordinary(selection)])
+    half = np.nan_to_num(errors(layout.ordinary(selection), column))
+    return np.concatenate([values, np.where(half < values, values - half, values), values + half])
+
+
 def ratio_curves(selection: Selection, folder: Path, column: str, name: str, label: str) -> list[Chart]:
-    """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
+    """Draws one panel with a measure relative to the reference on a logarithmic scale around 1. Returns its chart."""
     curves = curves_module.curves_of(selection)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
     draw_column(axes, selection, curves, selection.ratio_of(column), name)
     axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
-    low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
+    limits = style.ratio_limits(drawn_values(selection, selection.ratio_of(column)))
+    if limits:
+        axes.set_yscale("log")
+        axes.set_ylim(*limits)
+        style.ratio_axis(axes.yaxis, limits)
     axes.set_ylabel(label)
     reference = layout.reference_name(layout.all_references(selection))
     style.label_right(axes, [(1.0, reference, style.INK)])
     finish(figure, axes, selection, curves, folder / (name + ".png"))
     chart = curve_chart(selection, name, selection.ratio_of(column), label)
     x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
+    if limits:
+        chart.y_log, chart.y_limits, chart.y_ticks = True, limits, style.ratio_ticks(limits)
     chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
     return [chart]
 
@@ -157,7 +170,7 @@ def impulse_caption(selection: Selection, name: str) -> str:
 
 
 def figures(selection: Selection, folder: Path) -> list[Figure]:
-    if len(layout.groups(selection)) > style.CURVES:
+    if len(layout.groups(selection)) > style.CURVES and fig_heat.plane(selection):
         return []  # drawn as small multiples and heat maps instead
     made = [curves_module.measure_figure(selection, folder, m) for m in MEASURES[:1]]
     made += [gain_figure(selection, folder), strength_figure(selection, folder),

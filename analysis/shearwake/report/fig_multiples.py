@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 
 from ..case import Case
 from . import fig_curves, layout, style, validity, warnings_of
+from .curve_chart import draw_errors, error_caption
 from .figure import Figure
 from .load import Selection
 from .words import listed, some_of
@@ -89,6 +91,7 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
             x = [layout.x_position(selection, c) for c in cases]
             y, invalid = validity.split(selection, cases, column, name, [c.value(column, math.nan) for c in cases])
             axes.plot(x, y, color=line, linewidth=1.3, marker="o", markersize=2.5)
+            draw_errors(axes, np.array(x), y, cases, column, line)
             axes.plot(x, invalid, **{**validity.CROSSES, "markersize": 4, "markeredgewidth": 1.0})
         settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, panel))
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
@@ -106,6 +109,8 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
     figure.supylabel(label, fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(selection, colour, v))
                for v, c in zip(values, colours)]
+    if layout.all_references(selection):
+        handles.append(plt.Line2D([], [], color="#b0b0b0", linewidth=2.2, label=layout.reference_name(layout.all_references(selection))))
     style.legend_strip(figure, handles)
     style.save(figure, folder / (name + ".png"))
     head = f"{title} against {layout.name(selection, selection.x)}"
@@ -117,7 +122,7 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
         text += f" {some_of(len(shown), len(every), 'panel')}, spread evenly."
     if len(values) < len(layout.values_of(selection, colour)):
         text += f" {some_of(len(values), len(layout.values_of(selection, colour)), 'value')}."
-    return Figure(name, head, text + validity.invalid_caption(selection, name, column), head + ", one line per value")
+    return Figure(name, head, text + error_caption(selection, column) + validity.invalid_caption(selection, name, column), head + ", one line per value")
 
 
 def figures(selection: Selection, folder: Path) -> list[Any]:

@@ -17,7 +17,7 @@ from . import layout, periods, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
 from .load import Selection
-from .words import number, value_text
+from .words import number
 
 PANELS = 12  # largest number of cases with a panel each
 COLUMNS = 2
@@ -224,7 +224,7 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
             bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
         return
     found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
-    handles = [plt.Line2D([], [], color=found[v], label=value_text(selection.x, v)) for v in values]
+    handles = [plt.Line2D([], [], color=found[v], label=layout.value_text(selection, selection.x, v)) for v in values]
     title = textwrap.fill(layout.name(selection, selection.x), 18)
     if any(reference for _, _, reference in layout.rows(selection)):
         name = layout.reference_name(layout.all_references(selection))

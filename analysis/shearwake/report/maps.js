@@ -30,9 +30,34 @@ function mapText(maps, across, up) {
     const place = [map.title, `${map.x_label} ${x.name}`, `${map.y_label} ${y.name}`].map(text => text.trim());
     return `${place.filter(text => text).join(", ")}: ${map.what} `
       + (value === null ? "no value" : numberText(value) + (map.unit ? " " + map.unit : ""))
+      + (map.error?.[y.index * columns + x.index] != null ? " ± " + numberText(map.error[y.index * columns + x.index]) : "")
       + (map.invalid?.includes(y.index * columns + x.index) ? " (not valid)" : "");
   }
   return "";
+}
+
+// The values of maps as tables, which are made when they are opened; of a map with many values some rows and columns.
+function mapTables(maps) {
+  const part = document.createElement("details"), summary = document.createElement("summary"), most = 24;
+  part.className = "data";
+  summary.textContent = "Data of this picture";
+  part.append(summary);
+  part.addEventListener("toggle", () => {
+    if (!part.open || part.children.length > 1) return;
+    for (const map of maps) {
+      map.numbers ??= unpacked(map);
+      const [height, width] = map.shape, down = Math.ceil(height / most), across = Math.ceil(width / most);
+      const name = (index, count, [first, last], names) => names ? names[index] : numberText(first + (index + 0.5) / count * (last - first));
+      const columns = Array.from({length: Math.ceil(width / across)}, (_, i) => i * across);
+      const rows = Array.from({length: Math.ceil(height / down)}, (_, i) => i * down).map(y => [name(y, height, map.y, map.y_names),
+        ...columns.map(x => { const k = y * width + x, value = map.numbers[k], error = map.error?.[k];
+          return value === null ? "" : numberText(value) + (error != null ? " ± " + numberText(error) : "") + (map.invalid?.includes(k) ? " (not valid)" : ""); })]);
+      const thinned = down > 1 || across > 1 ? `; every ${down === across ? down : `${down} by ${across}`}th value` : "";
+      part.append(scrolled(tableOf([map.title, map.what + (map.unit ? ` (${map.unit})` : "")].filter(text => text).join(", ") + thinned,
+        [[map.y_label, map.x_label].filter(text => text).join(" \\ "), ...columns.map(x => name(x, width, map.x, map.x_names))], rows)));
+    }
+  });
+  return part;
 }
 
 for (const holder of document.querySelectorAll(".maps")) {
@@ -43,6 +68,8 @@ for (const holder of document.querySelectorAll(".maps")) {
     const text = mapText(maps, (event.clientX - box.left) / box.width, (box.bottom - event.clientY) / box.height);
     if (text) output.textContent = text;
   };
+  nameAfterHeading(holder);
+  holder.append(mapTables(maps));
   image.addEventListener("pointermove", show);
   image.addEventListener("pointerdown", show);
 }

@@ -65,6 +65,17 @@ def middle(rows: list[dict[str, Any]]) -> float:
     return rows[(len(rows) - 1) * 2 // 3]["strength_at_least_1"]
 
 
+def words(column: str) -> str:
+    """The maximised column in words."""
+    return {"eta_period_1": "efficiency η"}.get(column, column)
+
+
+def invalid(selection: Selection) -> set[str]:
+    """Which modulations of the case that the sentence names have readings that are not valid."""
+    rows = next(iter(by_case(selection).values()))
+    return {name for name, case in compared(selection, rows, middle(rows)).items() if not is_valid(case)}
+
+
 def relation(ratio: float) -> str:
     if ratio >= 1.5:
         return f"{number(ratio, 2)} times that of"
@@ -89,7 +100,7 @@ def sentence(selection: Selection) -> str:
     """The result for the first case, and how close all optima are to their upper bounds."""
     rows = next(iter(by_case(selection).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == middle(rows))
-    wrong = {name for name, case in compared(selection, rows, middle(rows)).items() if not is_valid(case)}
+    wrong = invalid(selection)
     if "optimum" in wrong:
         return "No optimum is stated, because its readings are not valid."
     best = row["eta_optimum_1"]
@@ -101,7 +112,8 @@ def sentence(selection: Selection) -> str:
                                              ("the best AM-STM", "am", "AM-STM"), ("the best SM-STM tried", "sm", "SM-STM"))
               if row[f"eta_{name}_1"] > 0 and modulation not in wrong]
     gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(selection).rows]
-    return (f"{optima(selection).maximised} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
+    name = words(optima(selection).maximised)
+    return (f"The {name} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
             f"its path is {number(row['eta_ceiling_1'], 3)}. In all {len(gaps)} optima, the bound exceeds the optimum by "
             f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
 

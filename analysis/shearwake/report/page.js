@@ -75,6 +75,8 @@ function openTarget() {
 addEventListener("hashchange", openTarget);
 openTarget();
 
+if (innerWidth < 1000) document.querySelector("nav .contents").open = false;  // the result comes first on a phone
+
 // Marks the part of the page that is read in the contents.
 const links = new Map(Array.from(document.querySelectorAll("nav a"), link => [link.hash.slice(1), link]));
 const watch = new IntersectionObserver(entries => entries.forEach(entry => {

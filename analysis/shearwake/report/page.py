@@ -13,9 +13,10 @@ from typing import Any
 
 from PIL import Image
 
-from . import layout, optima, player, table, warnings_of
+from . import layout, opening, optima, player, table, warnings_of
 from .figure import Figure
 from .load import Selection
+from .numerical_error import valid
 from .summary import summary
 from .topics import headlines, topics
 from .words import counted, number
@@ -190,13 +191,14 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
           moving: str) -> list[tuple[str, str, str, list[Any]]]:
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made: list[Any] = []
+    receptors_first = bool(layout.receptor_classes(selection)) and not valid(selection, "eta_period_1")
     if moving:
         shown = [c.id for c in player.cases_of(selection)]
         notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown))
         plane = layout.plane_name(player.cases_of(selection))
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
-    made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
+    made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures, receptors_first)]
     if optima.is_study(selection):
         made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
@@ -204,7 +206,7 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
         made.append(("missing", "Not in the figures", notice, []))
     if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))
-    for title, members in topics(figures):
+    for title, members in topics(figures, receptors_first):
         inner = "".join(picture(f, folder, "h3") for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
@@ -221,7 +223,20 @@ def contents(made: list[tuple[str, str, str, list[Any]]]) -> str:
             inner = "".join(f'<li><a href="#{escape(n)}">{escape(t)}</a></li>' for n, t in within)
             items += f"<details><summary>{counted(len(within), 'figure')}</summary><ul>{inner}</ul></details>"
         items += "</li>"
-    return f'<nav aria-label="contents"><p>On this page</p><ul>{items}</ul></nav>'
+    return f'<nav aria-label="contents"><details class="contents" open><summary>On this page</summary><ul>{items}</ul></details></nav>'
+
+
+def head(selection: Selection) -> str:
+    """The question, the answer, three numbers, and the rest of the summary."""
+    asked, (first, others) = opening.question(selection), opening.answer(summary(selection))
+    whose, items = opening.of_whom(selection), ""
+    for value, meaning, versus in opening.numbers(selection):
+        items += (f"<div><dt>{escape(meaning)}</dt><dd><b>{escape(value)}</b></dd>"
+                  + (f"<dd>{escape(versus)}</dd>" if versus else "") + "</div>")
+    if items:
+        items = f'<dl class="numbers"{f" aria-label={chr(34)}{escape(whose)}{chr(34)}" if whose else ""}>{items}</dl>'
+    return (f"<h1>{escape(selection.sweep.title)}</h1>" + (f'<p class="question">{escape(asked)}</p>' if asked else "")
+            + f'<p class="lead">{escape(first)}</p>{items}<p class="counts">{escape(others)} {escape(counts(selection))}</p>')
 
 
 def page(selection: Selection, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
@@ -233,7 +248,6 @@ def page(selection: Selection, figures: list[Figure], folder: Path, problems: li
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{escape(selection.sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
         "</head><body>",
-        f'<header><h1>{escape(selection.sweep.title)}</h1><p class="lead">{escape(summary(selection))}</p>'
-        f'<p class="counts">{escape(counts(selection))}</p>{notices(selection, problems)}</header>',
-        f'<div class="columns">{contents(made)}<main>', lone, *(content for _, _, content, _ in made),
+        f'<a class="skip" href="#results">Skip to the results</a><header>{head(selection)}{notices(selection, problems)}</header>',
+        f'<div class="columns">{contents(made)}<main id="results">', lone, *(content for _, _, content, _ in made),
         "</main></div><footer>", job(selection), provenance(selection), "</footer>", scripts(), "</body></html>\n"])

@@ -39,13 +39,44 @@ const MARGIN = {left: 42, right: 6, top: 6, bottom: 36};
 class Panel {
   constructor(player, box, index) {
     Object.assign(this, {player, box, canvas: box.querySelector("canvas"), index});
-    this.select = box.querySelector("select");
     this.output = box.querySelector("output");
     this.chosen = box.querySelector(".chosen");
-    player.data.cases.forEach((other, i) => this.select.add(new Option(other.label, i)));
-    this.select.value = index;
-    this.select.addEventListener("change", () => { player.stop(); this.index = Number(this.select.value); player.retime(); });
+    this.selectors();
     this.connect();
+  }
+  // One select per swept axis, and one for the case itself or its reference.
+  selectors() {
+    const {axes, cases, reference, first} = this.player.data, holder = this.box.querySelector(".axes-of-cases");
+    const add = (name, values) => {
+      const label = document.createElement("label"), select = document.createElement("select");
+      values.forEach((text, i) => select.add(new Option(text, i)));
+      label.append(name + " ", select);
+      holder.append(label);
+      return select;
+    };
+    this.load = cases.some(c => c.reference !== undefined) ? add("Load", [this.player.data.load, reference]) : null;
+    this.selects = axes.filter(axis => axis.values.length > 1).map(axis => add(axis.name, axis.values));
+    this.shownAxes = axes.map((axis, i) => i).filter(i => axes[i].values.length > 1);
+    const isReference = !cases[this.index].at;
+    this.own = isReference ? [...first, ...cases.keys()].find(i => cases[i].reference === this.index) ?? first[0] : this.index;
+    if (this.load) this.load.value = isReference ? 1 : 0;
+    this.show();
+    this.selects.forEach((select, n) => select.addEventListener("change", () => this.choose(n)));
+    this.load?.addEventListener("change", () => { this.player.stop(); this.show(); this.player.retime(); });
+  }
+  choose(changed) {  // the case with the value that was chosen and as many of the other values as possible
+    const wanted = this.selects.map(select => Number(select.value)), cases = this.player.data.cases;
+    const score = c => c.at && c.at[this.shownAxes[changed]] === wanted[changed]
+      ? this.shownAxes.filter((axis, n) => c.at[axis] === wanted[n]).length : -1;
+    this.own = cases.map((c, i) => [score(c), -i]).sort((a, b) => b[0] - a[0] || b[1] - a[1])[0][1] * -1;
+    this.player.stop();
+    this.show();
+    this.player.retime();
+  }
+  show() {
+    const own = this.player.data.cases[this.own];
+    this.selects.forEach((select, n) => { if (own.at) select.value = own.at[this.shownAxes[n]]; });
+    this.index = this.load?.value === "1" && own.reference !== undefined ? own.reference : this.own;
   }
   get shown() { return this.player.data.cases[this.index]; }
   frame() {  // the last picture up to the time of the player; a load that repeats starts again after its period

@@ -20,7 +20,7 @@ from PIL import Image
 
 from .. import wake
 from ..case import Case
-from . import fig_surface, layout, load, style, warnings_of
+from . import fig_surface, layout, load, style, summary, warnings_of
 from .words import counted, number
 
 MOMENTS = 60             # largest number of times per case
@@ -45,14 +45,21 @@ def cases_of(selection: load.Selection) -> list[Case]:
 
 
 def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
-    """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
-    def rank(case: Case) -> float:
-        value = case.value("eta_period_1", math.nan)
-        return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
-    best = max(cases, key=rank)
+    """The indices of the two cases that are shown at first: the reference of the best case, or another case, and the best case."""
+    chosen = summary.best_case(selection)
+    best = next((c for c in cases if c is chosen), next((c for c in cases if not c.is_reference), cases[0]))
     own = selection.reference_of(best)
     others = [c for c in cases if c is not best]
-    other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
+    keys = [k for k in layout.axes(selection) if k in best.settings]
+
+    def unlike(case: Case) -> tuple[int, bool]:
+        """A case that differs in a single kind or labelled value is the best comparison, then one that differs in few values."""
+        differ = [k for k in keys if case.settings.get(k) != best.settings[k]]
+        of_kind = len(differ) == 1 and (not layout.is_number(best.settings[differ[0]])
+                                        or (differ[0], best.settings[differ[0]]) in layout.labels(selection))
+        return (0 if of_kind else max(1, len(differ))), case.is_reference
+    same = [c for c in others if own and (c is own or (c.is_reference and layout.have_same_motion(c, own)))]
+    other = same[0] if same else min(others, key=unlike, default=best)
     return [cases.index(selection.by_id[i]) for i in dict.fromkeys([other.id, best.id])]
 
 
@@ -92,12 +99,49 @@ def case_data(selection: load.Selection, case: Case, limits: tuple[float, float,
     path = wake.focus_at(case, case.over_time["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
     period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
-    return {"label": warnings_of.label(selection, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
+    return {"label": warnings_of.label(selection, case, "player"), **place_of(selection, case), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
             "offsets": [rounded(o) for o in wake.offsets_mm(case)],
             "path": [rounded(p) for p in layout.evenly(list(path), 300)] if np.ptp(path, axis=0).max() > 0 else []}
+
+
+def axes_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
+    """The swept axes with their values, from which the page selects a case: [{key, name, values}]. A single axis with the labels of
+    all cases if the values of the axes do not distinguish the cases."""
+    own = [c for c in cases if not c.is_reference]
+    keys = [k for k in layout.axes(selection) if all(k in c.settings for c in own)]
+    places = {tuple(str(c.settings[k]) for k in keys) for c in own}
+    if own and len(places) == len(own):
+        names = [layout.name(selection, k) for k in keys]
+        return [{"key": k, "name": n[:1].upper() + n[1:], "values": [v for v in layout.values_of(selection, k) if any(c.settings[k] == v for c in own)]} for k, n in zip(keys, names)]
+    return [{"key": "", "name": "Case", "values": [c.id for c in own or cases]}]
+
+
+def load_name(cases: list[Case]) -> str:
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in cases if not c.is_reference} - {""}
+    return kinds.pop() if len(kinds) == 1 else "modulated"
+
+
+def selects_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
+    """The axes in words, for the page."""
+    labels = {c.id: warnings_of.label(selection, c, "player") for c in cases}
+    return [{"name": axis["name"], "values": [layout.value_text(selection, axis["key"], v) if axis["key"] else labels[v]
+                                              for v in axis["values"]]} for axis in axes_of(selection, cases)]
+
+
+def place_of(selection: load.Selection, case: Case) -> dict[str, Any]:
+    """The position of a case on the axes, and the index of the first case with the motion of its reference."""
+    cases, axes = cases_of(selection), axes_of(selection, cases_of(selection))
+    if case.is_reference and any(not c.is_reference for c in cases):
+        return {"at": None}
+    at = [axis["values"].index(case.settings[axis["key"]] if axis["key"] else case.id) for axis in axes]
+    own = selection.reference_of(case)
+    if not own or not own.is_reference or own is case:
+        return {"at": at}
+    found = [n for n, c in enumerate(cases) if c.is_reference and (c is own or layout.have_same_motion(c, own))]
+    return {"at": at, **({"reference": found[0]} if found else {})}
 
 
 def rounded(place: np.ndarray) -> list[float]:
@@ -188,11 +232,12 @@ def player(selection: load.Selection) -> str:
     stored = [case_data(selection, c, limits, detail) for c in cases]
     view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
     data: dict[str, Any] = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
+            "axes": selects_of(selection, cases), "load": load_name(cases), "reference": layout.reference_name(layout.all_references(selection)),
             "palette": colours()}
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1
-    panel = ('<div class="player-panel"><select aria-label="case"></select><p class="chosen"></p><canvas role="img" '
-             f'aria-label="{layout.plane_name(cases)} seen from above"></canvas><output></output></div>')
+    panel = ('<div class="player-panel"><div class="axes-of-cases" role="group" aria-label="case"></div><canvas role="img" '
+             f'aria-label="{layout.plane_name(cases)} seen from above"></canvas><p class="chosen"></p><output></output></div>')
     return (
         f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
         f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'

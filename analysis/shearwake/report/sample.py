@@ -55,30 +55,58 @@ def doubt(row: Any) -> Any:
     return f" ({row['note']})" if row["note"] else ""
 
 
-def sentence(selection: Selection) -> str:
-    """The result in a sentence, for the top of the page."""
+def column_words(selection: Selection, column: str) -> str:
+    """A column of the table in words."""
+    known = {"eta_period_1": "the efficiency η", "eta_at_1": "the efficiency η at the instant",
+             "focal_rms_um": "the focal rms in µm", "peak_um": "the largest displacement in µm",
+             "ipr_abs_period_mm2": "the spread in mm²", "participation_period_mm2": "the area that vibrates in mm²"}
+    if column in known:
+        return known[column]
+    found = next((c for c in selection.sweep.columns if c.name == column), None)
+    if found and found.over_reference_of in known:
+        return f"the ratio of {known[found.over_reference_of]} to that of the reference".replace(" in µm", "")
+    return found.meaning if found else column
+
+
+def best(selection: Selection) -> Any:
+    """The column of the summary, the swept values with its highest median, and the statistics there; None without values."""
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
     column = next((c for c in RESULT if by_place(selection, rows, c)), None)
     if column is None:
+        return None
+    return column, *max(by_place(selection, rows, column).items(), key=lambda item: item[1]["q50"]["value"])
+
+
+def likeliest(selection: Selection, rows: Any, threshold: str, value: float) -> Any:
+    """The swept values at which a column exceeds a threshold with the largest probability, and the row of this probability; None
+    without one."""
+    name = f"exceeds {value:.9g}"
+    ranked = [(s[name]["value"], w, s[name]) for w, s in by_place(selection, rows, threshold).items() if name in s]
+    return max(ranked, key=lambda item: item[0])[1:] if ranked else None
+
+
+def sentence(selection: Selection) -> str:
+    """The result in a sentence, for the top of the page."""
+    rows = read_statistics(selection.sweep.folder, selection.sweep.name)
+    highest = best(selection)
+    if highest is None:
         return "No sample has a value yet, so there is nothing to summarise."
+    column, where, of_best = highest
     found = by_place(selection, rows, column)
-    where, best = max(found.items(), key=lambda item: item[1]["q50"]["value"])
     at = label(selection, where)
-    used, without = int(best["q50"]["samples"]), int(best["q50"]["without_value"])
+    used, without = int(of_best["q50"]["samples"]), int(of_best["q50"]["without_value"])
     text = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
-            f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
-            f"{number(best['q50']['value'], 3)}; 90 % of the samples are between {number(best['q05']['value'], 3)} and "
-            f"{number(best['q95']['value'], 3)}")
+            f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, {column_words(selection, column)} has the median "
+            f"{number(of_best['q50']['value'], 3)}; 90 % of the samples are between {number(of_best['q05']['value'], 3)} and "
+            f"{number(of_best['q95']['value'], 3)}")
     text += f" ({at}, the highest median of the sweep)" if at and len(found) > 1 else ""
-    text += f"{doubt(best['q50']) or doubt(best['q05']) or doubt(best['q95'])}."
+    text += f"{doubt(of_best['q50']) or doubt(of_best['q05']) or doubt(of_best['q95'])}."
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
-        likely = by_place(selection, rows, threshold)
-        name = f"exceeds {value:.9g}"
-        ranked = [(s[name]["value"], w, s[name]) for w, s in likely.items() if name in s]
-        if ranked:
-            _, w, row = max(ranked, key=lambda item: item[0])
+        if likely := likeliest(selection, rows, threshold, value):
+            w, row = likely
             at = label(selection, w)
-            text += (f" {threshold} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
+            name = column_words(selection, threshold)
+            text += (f" {name[:1].upper()}{name[1:]} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
                      f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
                      f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")
     return text

@@ -87,7 +87,7 @@ def caveats(selection: Selection, is_used: bool = False) -> str:
     without = [c for c in layout.ordinary(selection) if is_valid(c) and math.isnan(c.value("eta_period_1", math.nan))]
     if without and len(without) < len(layout.ordinary(selection)):
         text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
-                 "(eta_period_1) and cannot be compared.")
+                 "and cannot be compared.")
     if alone := [c for c in valid(selection, "eta_period_1") if (r := selection.reference_of(c)) and r is not c and not is_valid(r)]:
         text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
                  "not valid.")
@@ -102,8 +102,8 @@ def range_of(selection: Selection, cases: list[Case], column: str = "eta_period_
 def only_numerical(selection: Selection, cases: list[Case]) -> Any:
     """For a sweep over numerical parameters alone."""
     if len(cases) == 1:
-        return f"The efficiency η (eta_period_1) is {with_error(selection, cases[0], 'eta_period_1')}." + estimate(selection, cases[0])
-    return (f"The efficiency η (eta_period_1) is {range_of(selection, cases)}: {settings_that_differ(cases)} differ by "
+        return f"The efficiency η is {with_error(selection, cases[0], 'eta_period_1')}." + estimate(selection, cases[0])
+    return (f"The efficiency η is {range_of(selection, cases)}: {settings_that_differ(cases)} differ by "
             f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(selection, cases[0]))
 
 
@@ -128,7 +128,7 @@ def quantity(column: str) -> str:
 def without_best(selection: Selection, cases: list[Case]) -> Any:
     """For a sweep in which no case may be called the best."""
     noun = "complete case" if all(map(is_valid, layout.ordinary(selection))) else "valid case"
-    return (f"The efficiency η (eta_period_1) of {counted(len(cases), noun)} is {range_of(selection, cases)}; no case "
+    return (f"The efficiency η of {counted(len(cases), noun)} is {range_of(selection, cases)}; no case "
             "is called the best until all are complete.")
 
 
@@ -155,10 +155,20 @@ def further(cases: list[Case]) -> str:
     return f"{counted(len(cases), 'further case')} {'differs' if len(cases) == 1 else 'differ'}"
 
 
+def best_case(selection: Selection) -> Case | None:
+    """The case with the largest efficiency relative to its reference, among valid cases with a valid reference; without these
+    the valid case with the largest efficiency."""
+    cases = valid(selection, "eta_period_1")
+    compared = [c for c in cases if not math.isnan(gain(selection, c))]
+    if compared:
+        return max(compared, key=lambda c: gain(selection, c))
+    return max(cases, key=lambda c: c.value("eta_period_1", math.nan), default=None)
+
+
 def efficiency(selection: Selection) -> str:
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
     if not known(selection, "eta_period_1"):
-        return "No case has an efficiency η over complete periods (eta_period_1)."
+        return "No case has an efficiency η over complete periods."
     cases = valid(selection, "eta_period_1")
     if not cases:
         return "No efficiency is stated, because no case has valid readings." + caveats(selection)
@@ -171,7 +181,8 @@ def efficiency(selection: Selection) -> str:
     compared = [c for c in cases if not math.isnan(gain(selection, c))]
     if not compared:
         return highest(selection, cases) + notes
-    best = max(compared, key=lambda c: gain(selection, c))
+    best = best_case(selection)
+    assert best is not None
     same = alike(best, compared, lambda c: gain(selection, c))
     equal = alike(best, same, lambda c: c.value("eta_period_1", math.nan))
     text = against_reference(choices(selection), equal, compared)
@@ -185,13 +196,13 @@ def highest(selection: Selection, cases: list[Case]) -> str:
     best = max(cases, key=lambda c: c.value("eta_period_1", math.nan))
     value = with_error(selection, best, "eta_period_1")
     if not selection.x:
-        return f"The efficiency η (eta_period_1) is {value}." + estimate(selection, best)
+        return f"The efficiency η is {value}." + estimate(selection, best)
     equal = alike(best, cases, lambda c: c.value("eta_period_1", math.nan))
     place = places(choices(selection), equal)
     if len(cases) == 1:
-        return f"The efficiency η (eta_period_1) of the only valid case, {place}, is {value}." + estimate(selection, best)
+        return f"The efficiency η of the only valid case, {place}, is {value}." + estimate(selection, best)
     same = " and the same" if place != where(choices(selection), best) else ""
-    return (f"The efficiency η (eta_period_1) is highest{same}, {value}, at {place}{of_the_valid(selection, cases)}."
+    return (f"The efficiency η is highest{same}, {value}, at {place}{of_the_valid(selection, cases)}."
             + indistinct(selection, equal, cases, "eta_period_1"))
 
 
@@ -208,7 +219,7 @@ def against_reference(selection: Selection, equal: list[Case], compared: list[Ca
     of_best = selection.reference_of(best)
     reference = of_best.value("eta_period_1", math.nan) if of_best else math.nan
     name = layout.reference_name(layout.all_references(selection))
-    versus = (f"{'the' if several else 'its'} efficiency η (eta_period_1) {'of each ' if several else ''}is {with_error(selection, best, 'eta_period_1')}, "
+    versus = (f"{'the' if several else 'its'} efficiency η {'of each ' if several else ''}is {with_error(selection, best, 'eta_period_1')}, "
               f"{comparison(value, reference, name)}.")
     ratio, _ = relative_error(selection, best, "eta_period_over_reference_1")
     if abs(value / reference - 1.0) <= ratio:
@@ -253,11 +264,17 @@ def span(low: float, high: float) -> str:
     return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
 
 
+def spikes_of(selection: Selection) -> dict[str, list[tuple[Case, int]]]:
+    """{class of receptors: valid cases with the number of their spikes}; only classes with such cases."""
+    cases = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
+    found = {kind: [(c, int(n)) for c in cases if not math.isnan(n := c.value(f"{kind}_spikes_1", math.nan))]
+             for kind in layout.receptor_classes(selection)}
+    return {kind: spikes for kind, spikes in found.items() if spikes}
+
+
 def fired(selection: Selection) -> str:
     """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
-    cases = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
-    spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1", math.nan))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1", math.nan))]
-              for kind in layout.receptor_classes(selection)}
+    spikes = spikes_of(selection)
     firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
     silent = [kind for kind, found in spikes.items() if found and kind not in firing]
     parts = [f"The {kind} afferents fire {spikes_text(selection, found)}" for kind, found in firing.items()]

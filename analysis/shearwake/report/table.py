@@ -10,7 +10,7 @@ from ..case import Case
 from . import layout
 from .figure import Figure
 from .load import Selection
-from .words import counted, number, value_text
+from .words import counted, number
 
 
 def measures(selection: Selection) -> list[str]:
@@ -28,10 +28,12 @@ def numeric_cell(amount: float) -> str:
     return f'<td class="n" data-v="{amount:.9g}" title="{amount:.9g}">{number(amount)}</td>'
 
 
-def setting_cell(case: Case, key: str) -> str:
+def setting_cell(selection: Selection, case: Case, key: str) -> str:
     setting = case.settings.get(key)
     if isinstance(setting, str):
-        return f'<td title="{html.escape(setting)}">{html.escape(value_text(key, setting))}</td>'
+        return f'<td title="{html.escape(setting)}">{html.escape(layout.value_text(selection, key, setting))}</td>'
+    if (key, setting) in layout.labels(selection):
+        return f'<td class="n" data-v="{setting:.9g}" title="{setting:.9g}">{html.escape(layout.value_text(selection, key, setting))}</td>'
     return numeric_cell(math.nan if setting is None else float(setting))
 
 
@@ -74,12 +76,12 @@ def tools(selection: Selection, figures: list[Figure]) -> str:
             f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
 
 
-def row(case: Case, kinds: list[str], keys: list[str], shown: list[str], followers: list[str], mark: str) -> str:
+def row(selection: Selection, case: Case, kinds: list[str], keys: list[str], shown: list[str], followers: list[str], mark: str) -> str:
     """The cells of a case; `kinds` is the column that marks references, or empty without references."""
     cells = [id_cell(case), *(f'<td>{"yes" if case.is_reference else ""}</td>' for _ in kinds)]
-    cells += [setting_cell(case, k) for k in keys]
+    cells += [setting_cell(selection, case, k) for k in keys]
     cells += [numeric_cell(case.value(m, math.nan)) for m in shown]
-    cells += [setting_cell(case, k) for k in followers]
+    cells += [setting_cell(selection, case, k) for k in followers]
     valid = "" if not case.is_complete else "no" if any(w["severity"] == "error" for w in case.warnings) else "yes"
     wall_s = case.attributes["wall_s"] if case.is_complete else math.nan
     cells += [f"<td>{valid}</td>", numeric_cell(wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
@@ -100,7 +102,7 @@ def table(selection: Selection, figures: list[Figure]) -> str:
         if case.note:
             n = notes.setdefault(case.note, len(notes) + 1)
             mark = f'<a href="#note-{n}">{n}</a>'
-        rows.append(row(case, kinds, keys, shown, followers, mark))
+        rows.append(row(selection, case, kinds, keys, shown, followers, mark))
     columns = ["id", *kinds, *keys, *shown, *followers, "valid", "wall_s", "status", "note"]
     body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')

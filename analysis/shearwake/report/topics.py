@@ -30,18 +30,21 @@ def first_of(figures: list[Figure], names: Iterable[str]) -> Figure | None:
     return next((found[name] for name in names if name in found), None)
 
 
-def headlines(figures: list[Figure]) -> list[Figure]:
-    """The figures of efficiency and of strength, as far as they exist."""
-    return [f for f in (first_of(figures, EFFICIENCY), first_of(figures, STRENGTH)) if f]
+def headlines(figures: list[Figure], receptors_first: bool = False) -> list[Figure]:
+    """The figures of efficiency and of strength, as far as they exist. If a job has receptors but no valid efficiency, those of its
+    receptors precede them."""
+    found = [f for f in (first_of(figures, EFFICIENCY), first_of(figures, STRENGTH)) if f]
+    receptors = [f for f in figures if f.name.startswith(("afferents_", "hand_", "receptors"))] if receptors_first else []
+    return [*receptors[:2], *found]
 
 
 def topic_of(figure: Figure) -> str:
     return next(title for title, beginnings in TOPICS if figure.name.startswith(beginnings))
 
 
-def topics(figures: list[Figure]) -> list[tuple[str, list[Figure]]]:
+def topics(figures: list[Figure], receptors_first: bool = False) -> list[tuple[str, list[Figure]]]:
     """The remaining figures as pairs (title, figures), in the order of TOPICS."""
-    first = headlines(figures)
+    first = headlines(figures, receptors_first)
     rest = [f for f in figures if f not in first]
     titles = reversed(dict.fromkeys(title for title, _ in reversed(TOPICS)))
     grouped = [(title, [f for f in rest if topic_of(f) == title]) for title in titles]

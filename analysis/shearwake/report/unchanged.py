@@ -17,7 +17,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
-from . import medium_files
+from . import layout, medium_files
 from .chart import Chart, chart_data
 from .figure import Figure
 from .load import Selection
@@ -47,6 +47,7 @@ def facts(selection: Selection) -> list[Any]:
     """Everything that figures read from a selection, apart from the contents of the case files."""
     sweep = selection.sweep
     return [sweep.name, sweep.title, sweep.swept_keys, selection.x, sweep.series_keys, sweep.columns, selection.label_keys,
+            sorted(map(str, layout.labels(selection).items())),
             sweep.uncertain, sweep.adaptive_axes, stamp(sweep.folder / "optimise" / "table.csv"),
             [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.note, c.values] for c in selection.cases],
             [[c.warnings, stamp(c.path), [stamp(medium_files.file_of(sweep.folder, sweep.job_text, c, key)) for key in MEDIUM_FILES]]

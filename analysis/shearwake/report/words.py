@@ -100,8 +100,8 @@ def setting_text(name: str, key: str, value: str | float) -> str:
     of the key, as from key_name()."""
     title, _, place = name.partition(", ")
     amount = value_text(key, value)
-    if split_unit(key)[0] == "foci":
-        return amount
+    if split_unit(key)[0] in ("foci", "preset"):
+        return f"{amount}, {place}" if place else amount
     amount = amount.removeprefix("cs ").removeprefix("cp ")  # the title states which speed it is
     return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
 
@@ -121,6 +121,11 @@ def table_text(value: str) -> str:
         name = {"fwhm": "FWHM"}.get(split_unit(key)[0], key_name(key))
         words.append(f"{name} {value_text(key, entry) if is_number else entry}")
     return ", ".join(words)
+
+
+def is_at_instant(column: str) -> bool:
+    """Whether a column is read at one instant. Its values depend on the phase of the modulation, so that they are not joined."""
+    return column.endswith(("_at_1", "_at_mm2"))
 
 
 def counted(count: int, noun: str) -> str:

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The opening of the page: the question of the job, the answer, and three numbers."""
+from __future__ import annotations
+
+import math
+import re
+
+from ..case import Case
+from ..tables import read_statistics
+from . import layout, optima, sample, summary
+from .load import Selection
+from .numerical_error import valid
+from .words import number
+
+LONGEST = 340  # characters of the question; the job file on the page has the rest of the comment
+SENTENCE = re.compile(r"(?<=[.?!])\s+(?=[A-Z0-9])")
+Number = tuple[str, str, str]  # value, meaning, comparison
+
+
+def question(selection: Selection) -> str:
+    """The first sentences of the comment at the beginning of the job file, to the first question; '' without a comment."""
+    lines = []
+    for line in selection.sweep.job_text.removeprefix("\ufeff").splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("#").strip())
+    words = " ".join(line for line in lines if not line.startswith("SPDX-"))
+    text = ""
+    for part in SENTENCE.split(words):
+        if text and len(text) + len(part) >= LONGEST:
+            break
+        text += (" " if text else "") + part
+        if part.endswith("?"):
+            break
+    return text.replace("`", "")
+
+
+def answer(text: str) -> tuple[str, str]:
+    """The first sentence of a summary, and the others."""
+    first, *others = SENTENCE.split(text, maxsplit=1)
+    return first, "".join(others)
+
+
+def amount(value: float) -> str:
+    return number(value, 3)
+
+
+def factor(value: float, other: float, name: str) -> str:
+    """'0.56 times that of plain STM'; '' without a reference."""
+    return f"{number(value / other, 3)} times that of {name}" if other and math.isfinite(value / other) else ""
+
+
+def of_case(selection: Selection, case: Case) -> list[Number]:
+    """Efficiency, strength and spread of a case, compared with its reference."""
+    own = summary.reference_for(selection, case)
+    name = layout.reference_name([own]) if own else ""
+    found: list[Number] = []
+    eta = case.value("eta_period_1", math.nan)
+    if not math.isnan(eta):
+        versus = f"{number(100 * own.value('eta_period_1', math.nan), 3)} % with {name}" if own else ""
+        found.append((f"{number(100 * eta, 3)} %", "of the energy at the focus (η)", versus))
+    for column, unit, meaning in (("focal_rms_um", "µm", "rms of the displacement at the focus (strength)"),
+                                  ("participation_period_mm2", "mm²", "area that vibrates (spread)")):
+        value = case.value(column, math.nan)
+        if not math.isnan(value):
+            found.append((f"{amount(value)}\u00a0{unit}", meaning, factor(value, own.value(column, math.nan), name) if own else ""))
+    return found
+
+
+def of_receptors(selection: Selection) -> list[Number]:
+    """The largest number of spikes of each class, and where."""
+    found: list[Number] = []
+    for kind, spikes in summary.spikes_of(selection).items():
+        case, most = max(spikes, key=lambda item: item[1])
+        place = summary.places(selection, [case])
+        found.append((f"{most}", f"spikes of the {kind} afferents", place if len(spikes) > 1 else ""))
+    return found
+
+
+def of_samples(selection: Selection) -> list[Number]:
+    """Median, range and probability of a job with [uncertain]."""
+    best = sample.best(selection)
+    if best is None:
+        return []
+    column, _, rows = best
+    name = sample.column_words(selection, column)
+    low, high = (amount(rows[q]["value"]) for q in ("q05", "q95"))
+    found: list[Number] = [(amount(rows["q50"]["value"]), f"median of {name}", ""), (f"{low} to {high}", f"{name} in 90 % of the samples", "")]
+    statistics = read_statistics(selection.sweep.folder, selection.sweep.name)
+    for threshold, value in selection.sweep.uncertain["exceedance"].items():
+        if likely := sample.likeliest(selection, statistics, threshold, value):
+            where, row = likely
+            found.append((f"{number(100 * row['value'], 3)} %", f"probability that {sample.column_words(selection, threshold)} exceeds "
+                          f"{number(value)}", sample.label(selection, where)))
+    return found
+
+
+def of_optima(selection: Selection) -> list[Number]:
+    """Efficiency, upper bound and strength of the optimum that the answer names."""
+    rows = next(iter(optima.by_case(selection).values()))
+    row = next(r for r in rows if r["strength_at_least_1"] == optima.middle(rows))
+    name = optima.words(optima.optima(selection).maximised)
+    return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", f"{amount(row['eta_unmodulated_1'])} without modulation"),
+            (amount(row["eta_ceiling_1"]), "proven upper bound for its path", f"{amount(row['ceiling_over_optimum_1'])} times the optimum"),
+            (amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", "")]
+
+
+def numbers(selection: Selection) -> list[Number]:
+    """At most three numbers that state the result: of the best case, or of the receptors if no efficiency is valid."""
+    if not layout.ordinary(selection):
+        return []
+    if selection.sweep.uncertain:
+        return of_samples(selection)[:3]
+    if optima.is_study(selection):
+        return of_optima(selection) if "optimum" not in optima.invalid(selection) else []
+    best = summary.best_case(selection)
+    receptors = of_receptors(selection) if not valid(selection, "eta_period_1") else []
+    return (receptors + (of_case(selection, best) if best else []))[:3]
+
+
+def of_whom(selection: Selection) -> str:
+    """Whose numbers these are; '' if the sweep has a single case."""
+    if selection.sweep.uncertain or optima.is_study(selection) or not selection.x:
+        return ""
+    best = summary.best_case(selection)
+    return layout.case_label(selection, best) if best else ""
+
