@@ -89,12 +89,11 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
     edges = np.array([fig_surface.extent(s) for s in shots if s])
     limits = (edges[:, 0].min(), edges[:, 1].max(), edges[:, 2].min(), edges[:, 3].max())
     figure, made, bar_axes = fig_surface.arrange(selection, shots, columns, limits)
-    for axes, shot in zip(made, shots):
-        if not shot:
+    for axes, shot, cell in zip(made, shots, found):
+        if not shot or not cell:
             continue
         image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=low, vmax=end, extent=fig_surface.extent(shot))
-        if np.nanmin(shot.u_um) < 0.0 < np.nanmax(shot.u_um):
-            axes.contour(shot.x_mm, shot.y_mm, shot.u_um.T, levels=[0.0], colors=["white"], linewidths=1.4)
+        fig_surface.draw_threshold(axes, cell[1], "white")
         mean = load.mean_square(shot.case)
         draw_lines(axes, mean[3] if mean else [])
         fig_surface.frame(axes, limits)

@@ -120,6 +120,13 @@ def attach_values(axes: Axes, x: np.ndarray, y: np.ndarray, u: np.ndarray, limit
                  "x (mm)", "y (mm)", unit)
 
 
+def draw_threshold(axes: Axes, levels: tuple[np.ndarray, np.ndarray, np.ndarray], colour: str = style.INK) -> None:
+    """The line where the level of sensation is 0 dB: x_m, y_m, level_dB(x, y)."""
+    x, y, level = levels
+    if np.nanmin(level, initial=math.inf) < 0.0 < np.nanmax(level, initial=-math.inf):
+        axes.contour(1e3 * x, 1e3 * y, level.T, levels=[0.0], colors=[colour], linewidths=1.4)
+
+
 def note(axes: Axes, text: str, colour: str) -> Any:
     """Writes a short text in the lower right corner of a map."""
     return axes.text(0.97, 0.04, text, transform=axes.transAxes, fontsize=8, color=colour, ha="right")

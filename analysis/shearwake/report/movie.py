@@ -116,6 +116,7 @@ class Picture:
         for n, (line, colour) in enumerate(header):
             self.figure.text(0.75 / INCHES, 1.0 - (0.1 + LINE_in * n) / height, plain(line), va="top", color=colour, fontsize=8.5)
         self.limits, self.slow_down = limits, slow_down
+        self.levels = load.levels(case)
 
     def draw(self, index: Any) -> Any:
         """RGB rows of frame `index`, with an even number of rows and columns."""
@@ -123,6 +124,8 @@ class Picture:
         shot = fig_surface.Snapshot(self.case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
         self.axes.clear()
         image, _ = fig_surface.draw(self.axes, shot, plt.Normalize(-self.end, self.end), self.limits)
+        if self.levels is not None:  # the limit of what can be felt
+            fig_surface.draw_threshold(self.axes, self.levels)
         self.axes.set_title(f"t = {number(1e3 * t_s)} ms, {number(self.slow_down)} times slower; {self.part}", loc="left",
                             fontsize=8.5)
         self.axes.set_xlabel("x (mm)")

@@ -5,7 +5,8 @@ const MOST_PINS = 4;
 // The worded results: a label, the columns of which the first with a value is shown, and how it is written.
 const RESULTS = [["Energy at the focus", ["eta_period_1", "eta_at_1"], value => `${(100 * value).toPrecision(3)} %`],
   ["Strength at the focus (RMS)", ["focal_rms_um", "peak_um"], value => `${value.toPrecision(3)} µm`],
-  ["Spread (vibrating area)", ["participation_period_mm2", "participation_at_mm2"], value => `${value.toPrecision(3)} mm²`]];
+  ["Spread (vibrating area)", ["participation_period_mm2", "participation_at_mm2"], value => `${value.toPrecision(3)} mm²`],
+  ["Level of sensation on the shape", ["felt_path_dB"], value => `${value.toPrecision(3)} dB above threshold`]];
 
 // Label, column, value and text of the results that a setting has.
 function resultsOf(result) {
