@@ -202,8 +202,7 @@ def main() -> int:
         rows.append(f"| [{study['name']}]({study['link']}) (job `{study['job']}`) | {study['measured']} | {study['statement']} | "
                     f"{interval(study, values)} | {result} | {why.get(study['name'], '')} |")
     rest = "\n".join(line for line in tail.splitlines() if not line.startswith("* "))
-    text = head.format(total=len(results), inside=counts["inside"], same=counts["same order"], outside=counts["outside"],
-                       samples=len(results[0][1])) + "\n".join(rows) + "\n" + rest.format(
+    text = head.format(total=len(results), inside=counts["inside"], same=counts["same order"], outside=counts["outside"]) + "\n".join(rows) + "\n" + rest.format(
                            rival=text_of(float(np.median(rival))), rival_most=text_of(float(np.max(rival)))) + "\n"
     page.write_text(text, encoding="utf-8")
     print(f"{page}: {counts['inside']} inside, {counts['same order']} in the same order, {counts['outside']} outside")
