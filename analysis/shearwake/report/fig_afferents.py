@@ -14,6 +14,7 @@ from .validity import invalid_caption
 from .words import key_name
 
 PANELS = [("total_rate_Hz", "spikes per s\nof all (Hz)"), ("peak_rate_Hz", "in the busiest\n50 ms (Hz)"), ("active_1", "responding\nafferents"),
+          ("rate_Hz", "rate of the\nactive (Hz)"),
           ("near_path_1", "fraction near\nthe path (1)"), ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
 
 
@@ -65,7 +66,7 @@ def class_figure(selection: Selection, folder: Path, kind: str) -> Figure | None
     title = f"{kind} afferents against {key_name(selection.x)}"
     return Figure(name, title,
                   f"Response of the {kind} afferents: the spikes per second of all of them together, on average and in the 50 ms "
-                  "with most spikes, the number of afferents that respond, the fraction of the spikes whose receptors are at most a "
+                  "with most spikes, the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a "
                   "focal radius from the path of the focus, the rms distance of the spikes from the path, and the vector strength of "
                   "the spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
                   + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *(c for c, _ in columns)), title)
