@@ -21,7 +21,7 @@ struct RowSumKernels {
     void (*row_sums)(const double* values, std::ptrdiff_t count, RowSums8& sums);
     /// Adds to row k of `sums` (lines x count) the sum over four rows of `frames` (4 x count) times
     /// their factors (lines x 4), one frame after the other, so that a value does not depend on
-    /// which frames are added together.
+    /// which frames are added together. The number of lines is even.
     void (*add_lines)(const double* frames, std::ptrdiff_t count, const double* factors,
                       std::ptrdiff_t lines, double* sums);
 };
