@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 
@@ -128,6 +129,30 @@ class FolderTest(unittest.TestCase):
         self.assertIsNotNone(load.mean_square(sweep.cases[0]))
         self.assertNotIn("intensity.png", self.names())
         self.assertNotIn("sharpness", table.table(sweep, []))
+
+    def test_the_level_of_sensation_has_a_map_with_its_threshold(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0}, drawn=[[(0.0, 0.0)]], scalars={"felt_peak_dB": 12.0, "felt_band_Hz": 100.0})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            group = file.create_group("sensation")
+            group["x"], group["y"] = 1e-3 * np.arange(-10, 11), 1e-3 * np.arange(-8, 9)
+            group["level"] = 12.0 - 0.3 * np.hypot(*np.meshgrid(np.arange(-10, 11), np.arange(-8, 9), indexing="ij"))**2
+        sweep = self.draw(folder, fig_intensity)
+        self.assertIn("sensation.png", self.names())
+        self.assertEqual(load.levels(sweep.cases[0])[2].shape, (21, 17))
+        figure, axes = plt.subplots()
+        self.addCleanup(plt.close, figure)
+        fig_surface.draw_threshold(axes, load.levels(sweep.cases[0]))
+        line = np.concatenate([path.vertices for path in axes.collections[0].get_paths()])
+        # 12 = 0.3 r^2; the contour is linear between samples 1 mm apart.
+        np.testing.assert_allclose(np.hypot(*line.T), math.sqrt(40.0), atol=0.03)
+
+    def test_a_case_without_a_level_has_no_map_of_it(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0}, drawn=[[(0.0, 0.0)]])
+        sweep = self.draw(folder, fig_intensity)
+        self.assertIsNone(load.levels(sweep.cases[0]))
+        self.assertNotIn("sensation.png", self.names())
 
     def test_frames_are_shown_with_a_slider(self):
         folder = Folder(self.root)
