@@ -129,7 +129,59 @@ double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
     return apart(stepped, exact, 16);
 }
 
+/// Relative L2 difference of the effect of a sphere, of 4 mm at a depth of 12 mm, on the surface at
+/// 6 ms.
+double effect_apart(double contrast, double per_radius) {
+    constexpr double radius_m = 4e-3;
+    const auto effect = [&](const SolverOptions& solver) {
+        Case c = test::moving_focus(test::half_space(test::tissue(25.0, 0.5)), ConstantSpeed{1.0});
+        c.scene().load.footprint = GaussianFootprint{5e-3};
+        c.scene().load.modulation.trajectory = {{Hold{{2e-3, 0.0}}}};
+        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 200.0}}};
+        const auto points = std::lround(8.0 * per_radius);
+        c.domain = {points, points, radius_m / per_radius, 0.0};
+        c.time = {12, 500e-6};
+        c.measure.at_s = 6e-3;
+        c.solver = solver;
+        const auto without = test::frames_of(c).at(11);
+        c.scene().medium.bodies = {{.name = "sphere",
+                                    .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
+                                    .centre_m = {0.13e-3, 0.21e-3, 12e-3},
+                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        auto change = test::frames_of(c).at(11);
+        for (std::size_t i = 0; i < change.size(); ++i)
+            change[i] -= without[i];
+        return change;
+    };
+    PstdOptions pstd;
+    pstd.depth_m = 18e-3;
+    const auto found = effect(pstd), expected = effect(SpectralOptions{.time_step_s = 25e-6});
+    double difference = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        difference += std::pow(found[i] - expected[i], 2);
+        sum += expected[i] * expected[i];
+    }
+    return std::sqrt(difference / sum);
+}
+
 } // namespace
+
+TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pstd]") {
+    const double difference = effect_apart(4.0, 4.0);
+    CAPTURE(difference);
+    // Observed 3.3 % at 4 spacings per radius; the cells are isotropic at nodes, and the derivative
+    // oscillates below the skin.
+    CHECK(difference < 0.045);
+}
+
+TEST_CASE("spheres have the same effect in the engines pstd and spectral on a finer grid",
+          "[long][pstd]") {
+    const double contrast = GENERATE(0.3, 4.0, 16.0);
+    const double difference = effect_apart(contrast, 6.0);
+    CAPTURE(contrast, difference);
+    // Observed 6.7 % at 16 times the stiffness, 2.5 % at 4 times, 4.0 % at .3 times.
+    CHECK(difference < 0.08);
+}
 
 TEST_CASE("engine pstd converges to the exact engine", "[pstd]") {
     // Measured without a medium above the skin, on these grids: 1.7 % and 0.7 %.

@@ -24,6 +24,7 @@ Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
     setup.grid = plan.grid;
     setup.pml = plan.pml;
     setup.material = [=, &c](Node node) { return material_at(c, options, grid, node); };
+    setup.staggered = staggered_material(c, options, grid);
     setup.absorption = plan.absorption;
     setup.sources.push_back(load_source(c, options, grid, plan.grid.dt_s));
     return setup;

@@ -23,7 +23,7 @@ std::vector<Remark> step_remarks(const Case& c) {
     return remarks;
 }
 
-/// Bodies of fewer points across need a remark: the scheme gives each node one material.
+/// Bodies of fewer points across need a remark.
 constexpr double good_points_across = 5.0;
 
 std::vector<Remark> resolution_remarks(const Case& c) {
@@ -35,10 +35,9 @@ std::vector<Remark> resolution_remarks(const Case& c) {
         if (points >= good_points_across || points < 2.0) continue; // check_variation
         remarks.push_back(
             {Severity::warning, fmt::format("medium.body[{}].shape", i + 1),
-             fmt::format("it is {:.2g} grid spacings wide along the surface, and pstd gives each "
-                         "node one material: at 4 spacings the surface above a body changes by 4 "
-                         "to 12 %, at 8 by 1 %; use domain.spacing_mm = {:.3g}, or the engine "
-                         "\"spectral\"",
+             fmt::format("it is {:.2g} grid spacings wide along the surface: the effect of a body "
+                         "on the surface is in error by 4 to 10 % at 4 spacings and 3 to 8 % at 8; "
+                         "use domain.spacing_mm = {:.3g}, or the engine \"spectral\"",
                          points, 1e3 * width_m / 8.0)});
     }
     return remarks;

@@ -4,7 +4,9 @@
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace shearwake::pstd {
 namespace {
@@ -57,27 +59,64 @@ NodeMaterial capped(const Material& m, double c_p_over_c_s, double fluid_m_s = 0
     return node;
 }
 
-/// Mean material of the layers and their inclusions over a cell.
-Material cell_material(const Case& c, Vec3 centre_m, double d_m) {
+/// A modulus of a laminate along and across its layers.
+struct Moduli {
+    double along, across;
+};
+
+/// The part of the difference of both moduli that acts on the shear strain between two axes.
+double shear_share(Vec3 n, std::size_t a, std::size_t b) {
+    const std::array<double, 3> square{n.x * n.x, n.y * n.y, n.z * n.z};
+    return square[a] + square[b] - 4.0 * square[a] * square[b];
+}
+
+/// The mean of that part over the two strains without shear and change of volume.
+double normal_share(Vec3 n) {
+    return 1.0 - (std::pow(n.x, 4) + std::pow(n.y, 4) + std::pow(n.z, 4));
+}
+
+double reduced(Moduli m, double share) {
+    return m.along - share * (m.along - m.across);
+}
+
+/// The layers and their inclusions in a cell, as a laminate.
+struct Cell {
+    double density_kg_m3 = 0.0, lambda_Pa = 0.0;
+    Moduli mu_Pa{};
+    double viscosity_Pa_s = 0.0; // along the layers
+    Vec3 normal{};
+};
+
+/// The normal is that of the part with the greatest contrast.
+Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
     const double top_m = centre_m.z - 0.5 * d_m, bottom_m = centre_m.z + 0.5 * d_m;
-    Material sum;
-    double layer_top_m = 0.0;
-    for (std::size_t l = 0; l < c.scene().medium.layers.size(); ++l) {
-        const bool last = l + 1 == c.scene().medium.layers.size();
-        const double layer_bottom_m = layer_top_m + c.scene().medium.layers[l].thickness_m;
+    Cell sum;
+    double layer_top_m = 0.0, per_mu = 0.0, greatest = 0.0;
+    const auto& layers = c.scene().medium.layers;
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const bool last = l + 1 == layers.size();
+        const double layer_bottom_m = layer_top_m + layers[l].thickness_m;
         const double from_m = l == 0 ? top_m : std::max(top_m, layer_top_m);
         const double to_m = last ? bottom_m : std::min(bottom_m, layer_bottom_m);
         layer_top_m = layer_bottom_m;
         const double share = (to_m - from_m) / d_m;
         if (share < 1e-9) continue;
-        const Material part =
+        const CellMaterial part =
             material_of_cell(c.scene().medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
                              {d_m, d_m, to_m - from_m});
         sum.density_kg_m3 += share * part.density_kg_m3;
         sum.lambda_Pa += share * part.lambda_Pa;
-        sum.mu_Pa += share * part.mu_Pa;
+        sum.mu_Pa.along += share * part.mu_Pa;
         sum.viscosity_Pa_s += share * part.viscosity_Pa_s;
+        per_mu += share / part.mu_across_Pa;
+        if (const double contrast = share * (1.0 - part.mu_across_Pa / part.mu_Pa);
+            part.is_laminate() && contrast >= greatest) {
+            greatest = contrast;
+            sum.normal = part.normal;
+        }
     }
+    sum.mu_Pa.across = 1.0 / per_mu;
+    if (norm(sum.normal) == 0.0) sum.normal = {0.0, 0.0, 1.0}; // of layers
     return sum;
 }
 
@@ -132,6 +171,13 @@ PmlOptions absorbing_layer(const Case& c, const PstdOptions& options) {
     return pml;
 }
 
+Vec3 CaseGrid::place_m(const Domain& domain, const Node& node, Vec3 offset) const {
+    const Node point = domain_point(domain, node);
+    return {domain.x_m(point[0]) + offset.x * spacing_m,
+            domain.y_m(point[1]) + offset.y * spacing_m,
+            node_depth_m(node[2]) + offset.z * spacing_m};
+}
+
 NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                          Node node) {
     const double z_m = grid.node_depth_m(node[2]);
@@ -151,10 +197,48 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
         return base;
     }
     if (z_m < 0.0) return capped_material(c.scene().medium.layers.front(), options);
-    const Node point = grid.domain_point(c.domain, node);
+    const Cell cell = cell_of(c, grid.place_m(c.domain, node, {}), c.domain.spacing_m);
+    const double share = normal_share(cell.normal);
     return capped(
-        cell_material(c, {c.domain.x_m(point[0]), c.domain.y_m(point[1]), z_m}, c.domain.spacing_m),
+        {cell.density_kg_m3, cell.lambda_Pa, reduced(cell.mu_Pa, share), cell.viscosity_Pa_s},
         options.c_p_over_c_s, fluid_limit_m_s(c.scene().medium, options.c_p_over_c_s));
+}
+
+StaggeredMaterial staggered_material(const Case& c, const PstdOptions& options,
+                                     const CaseGrid& grid) {
+    const Grid nodes{grid.points, {}, 0.0};
+    const MaterialOfNode at_node = [=, &c](Node n) { return material_at(c, options, grid, n); };
+    const double bottom_m = c.scene().medium.base == Base::rigid
+                                ? total_thickness_m(c.scene().medium)
+                                : std::numeric_limits<double>::infinity();
+    const auto within = [=](Node node, double above) {
+        return grid.node_depth_m(node[2]) > 0.0 &&
+               grid.node_depth_m(node[2]) + above * grid.spacing_m < bottom_m;
+    };
+    const auto cell = [=, &c](Node node, Vec3 offset) {
+        return cell_of(c, grid.place_m(c.domain, node, offset), grid.spacing_m);
+    };
+    constexpr std::array<Vec3, 3> half{Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.5}};
+    StaggeredMaterial all;
+    for (std::size_t a = 0; a < 3; ++a) {
+        all.density_kg_m3[a] = [=](Node n) {
+            return within(n, 2.0 * half[a].z) ? cell(n, half[a]).density_kg_m3
+                                              : density_between(nodes, at_node, n, a);
+        };
+        const std::size_t i = a < 2 ? 0 : 1, j = a < 1 ? 1 : 2; // of sxy, sxz, syz
+        all.mu_Pa[a] = [=](Node n) {
+            if (!within(n, 2.0 * (half[i] + half[j]).z))
+                return harmonic_between(
+                    nodes, [&](Node m) { return at_node(m).mu_Pa(); }, n, i, j);
+            const Cell m = cell(n, half[i] + half[j]);
+            return reduced(m.mu_Pa, shear_share(m.normal, i, j));
+        };
+        all.eta_Pa_s[a] = [=](Node n) {
+            return harmonic_between(
+                nodes, [&](Node m) { return at_node(m).eta_Pa_s; }, n, i, j);
+        };
+    }
+    return all;
 }
 
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options) {

@@ -23,6 +23,8 @@ struct CaseGrid {
     }
     /// The point (i, j) of the domain nearest to a node.
     Node domain_point(const Domain& domain, const Node& node) const;
+    /// A place near that point, at an offset in spacings.
+    Vec3 place_m(const Domain& domain, const Node& node, Vec3 offset) const;
 };
 /// Chooses the grid of a case. Not collective.
 CaseGrid case_grid(const Case& c, const PstdOptions& options);
@@ -31,11 +33,18 @@ CaseGrid case_grid(const Case& c, const PstdOptions& options);
 /// domain.sponge_m, or absent. Its reference speed is the largest capped c_p of the layers.
 PmlOptions absorbing_layer(const Case& c, const PstdOptions& options);
 
-/// The material at a node, with c_p capped at `c_p_over_c_s` times c_s. A cell that contains
-/// several layers has their mean by volume. A rigid base is represented by a density that is too
-/// high to move. Outside of the domain in x and y the material at the edge applies. Not collective.
+/// The material at a node, with c_p capped at `c_p_over_c_s` times c_s. The layers and bodies in a
+/// cell form a laminate, of which the node has the modulus of the strains along its axes, averaged
+/// over those of constant volume. A rigid base is represented by a density that is too high to
+/// move. Outside of the domain in x and y the material at the edge applies. Not collective.
 NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                          Node node);
+
+/// The material at the staggered points: density and shear modulus of the laminate in the cell
+/// around each one (Kristek et al. 2017, without its orthorhombic normal stresses), harmonic means
+/// of the viscosity of nodes. Means of nodes apply at the skin and the rigid base. Not collective.
+StaggeredMaterial staggered_material(const Case& c, const PstdOptions& options,
+                                     const CaseGrid& grid);
 
 /// The material of a layer with its capped c_p.
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options);

@@ -76,6 +76,11 @@ void Extremes::add(const NodeMaterial& m, double spacing_m) {
     alone_s = alone_s == 0.0 ? own_s : std::min(alone_s, own_s);
 }
 
+void Extremes::add(double lambda_Pa, double mu_Pa, double density_kg_m3) {
+    p_modulus_Pa = std::max(p_modulus_Pa, lambda_Pa + 2.0 * mu_Pa);
+    least_density_kg_m3 = std::min(least_density_kg_m3, density_kg_m3);
+}
+
 double safe_step_s(const Extremes& e, double spacing_m) {
     const double k2 = k_squared(spacing_m);
     return positive_root(e.p_modulus_Pa / e.least_density_kg_m3 * k2,
@@ -121,17 +126,23 @@ Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseG
     const std::ptrdiff_t nx = varies ? x_count : std::min<std::ptrdiff_t>(1, x_count),
                          ny = varies ? grid.points[1] : 1;
     const Varied varied(c);
+    const StaggeredMaterial between = staggered_material(c, options, grid);
     std::vector<char> done(static_cast<std::size_t>(grid.points[2]), 0); // the layers at a depth
     for (std::ptrdiff_t x = 0; x < nx; ++x) {
         for (std::ptrdiff_t y = 0; y < ny; ++y) {
             const Node column = grid.domain_point(c.domain, {x_start + x, y, 0});
             for (std::ptrdiff_t z = 0; z < grid.points[2]; ++z) {
-                if (!varied(column[0], column[1], grid.node_depth_m(z))) {
+                const bool own = varied(column[0], column[1], grid.node_depth_m(z));
+                if (!own) {
                     char& known = done[static_cast<std::size_t>(z)];
                     if (known != 0) continue;
                     known = 1;
                 }
-                e.add(material_at(c, options, grid, {x_start + x, y, z}), c.domain.spacing_m);
+                const Node node{x_start + x, y, z};
+                const NodeMaterial m = material_at(c, options, grid, node);
+                e.add(m, c.domain.spacing_m);
+                for (std::size_t i = 0; i < 3 && own && !m.empty; ++i)
+                    e.add(m.lambda_Pa(), between.mu_Pa[i](node), between.density_kg_m3[i](node));
             }
         }
     }

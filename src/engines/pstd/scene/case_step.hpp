@@ -16,6 +16,8 @@ struct Extremes {
     double least_density_kg_m3 = 0.0;
     double alone_s = 0.0; // minimum over the nodes of the largest stable step of their material
     void add(const NodeMaterial& material, double spacing_m);
+    /// Shear stiffness and density at the staggered points of a node.
+    void add(double lambda_Pa, double mu_Pa, double density_kg_m3);
 };
 
 /// The spacing of cubic cells with the largest wave number of a grid. An odd number of points has

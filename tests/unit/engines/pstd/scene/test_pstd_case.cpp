@@ -129,6 +129,33 @@ TEST_CASE("supports an empty, fluid or continued medium above and cells with two
     CHECK(at(12).density_kg_m3 > 1e8);
 }
 
+TEST_CASE("cells around staggered points are laminates at the surface of a body", "[pstd]") {
+    Case c = small_case();
+    const double mu_Pa = 1000.0 * 25.0;
+    c.scene().medium.bodies = {{.name = "box",
+                                .shape = Box{{5e-3, 6e-3, 3e-3}},
+                                .centre_m = {0.0, 0.0, 3.75e-3}, // its top is 2.25 mm deep
+                                .density_kg_m3 = 1400.0,
+                                .c_s_m_s = std::sqrt(4.0 * mu_Pa / 1400.0)}};
+    const PstdOptions options;
+    const pstd::CaseGrid grid = pstd::case_grid(c, options);
+    const pstd::StaggeredMaterial between = pstd::staggered_material(c, options, grid);
+    // Around z = 2 mm, a quarter of the cell is the body.
+    const pstd::Node middle{20, 16, grid.surface + 1};
+    CHECK(between.density_kg_m3[2](middle) == Approx(1100.0));
+    CHECK(between.mu_Pa[1](middle) == Approx(mu_Pa / (0.75 + 0.25 / 4.0)));
+    CHECK(between.mu_Pa[2](middle) == Approx(mu_Pa / (0.75 + 0.25 / 4.0)));
+    // The shear strain of x and y lies along the surface.
+    const pstd::Node below{20, 16, grid.surface + 2}; // 2 to 3 mm deep
+    CHECK(between.mu_Pa[0](below) > mu_Pa / (0.25 + 0.75 / 4.0));
+    // Half of the cell around x = 3 mm is the body, whose face has the normal x.
+    const pstd::Node side{22, 16, grid.surface + 3};
+    CHECK(between.mu_Pa[0](side) == Approx(mu_Pa / (0.5 + 0.5 / 4.0)));
+    CHECK(between.density_kg_m3[1](side) == Approx(1400.0));
+    // There is no stiffness at the skin, next to the empty nodes.
+    CHECK(between.mu_Pa[1]({20, 16, grid.surface - 1}) == 0.0);
+}
+
 TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outside", "[pstd]") {
     Case c = small_case();
     c.scene().load.peak_Pa = 100.0;
