@@ -321,7 +321,8 @@ ReducedTables reduce(const ReduceInput& input) {
             }
     columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     storage::write_file(written.markdown,
-                        "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" + markdown(table, columns));
+                        "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
+                            markdown(table, columns));
 
     std::vector<std::string> main = plan.swept_keys;
     if (main.size() > 3) main.resize(3);
