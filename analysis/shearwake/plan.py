@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,43 @@ def read_plan(folder: Path) -> tuple[dict[str, Any], str]:
                                 if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NotAnOutputFolder(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
+
+
+def swept_values(table: Any, key: str) -> list[Any]:
+    """The list of a swept key in the table [sweep], whose keys may be quoted or nested; empty if it is not a list."""
+    if isinstance(table, list):
+        return next((found for part in table if (found := swept_values(part, key))), [])
+    if not isinstance(table, dict):
+        return []
+    for name, value in table.items():
+        if name == key and isinstance(value, list):
+            return value
+        if name == "zip" or key.startswith(name + "."):
+            if found := swept_values(value, key if name == "zip" else key[len(name) + 1:]):
+                return found
+    return []
+
+
+def labels_of(job: str, cases: list[dict[str, Any]]) -> dict[tuple[str, Any], str]:
+    """The labels of [table]: {(swept key, value): text}. They are in the order of the values in [sweep] or, for a range or a CSV
+    file, in that of the cases."""
+    try:
+        tables = tomllib.loads(job.removeprefix("\ufeff"))
+    except tomllib.TOMLDecodeError:
+        return {}
+    labels = tables.get("table", {}).get("labels", {})
+    found: dict[tuple[str, Any], str] = {}
+    for key, texts in labels.items() if isinstance(labels, dict) else ():
+        if not isinstance(texts, list):
+            continue
+        listed = swept_values(tables.get("sweep", {}), key) or [
+            c["settings"][key] for c in cases if key in c["settings"] and not c["is_reference"]]
+        # settings have floating-point numbers
+        values = list(dict.fromkeys(float(v) if isinstance(v, int) and not isinstance(v, bool) else str(v)
+                                    if isinstance(v, (bool, dict)) else v for v in listed))
+        if len(values) == len(texts):
+            found |= {(key, value): str(text) for value, text in zip(values, texts)}
+    return found
 
 
 def read_table(folder: Path, name: str) -> Table | None:

@@ -16,7 +16,7 @@ from .case import Case
 from .checksum import Damaged
 from .errors import NotAnOutputFolder, NotRecorded, NotValid
 from .keys import by_short_key, split_unit
-from .plan import Column, Table, first_line, read_plan, read_table
+from .plan import Column, Table, first_line, labels_of, read_plan, read_table
 from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Sweep:
         self.swept_keys: list[str] = plan["swept_keys"]
         self.x: str = plan["table"]["x"]
         self.series_keys: list[str] = plan["table"]["series"]
-        self.labels = {(key, value): text for key, pairs in plan["table"].get("labels", {}).items() for value, text in pairs}
+        self.labels = labels_of(self.job_text, plan["cases"])
         self.uncertain: dict[str, Any] = plan.get("uncertain") or {}
         self.adaptive_axes: list[dict[str, Any]] = plan.get("adaptive", [])
         try:

@@ -40,6 +40,25 @@ std::vector<std::string> default_series(const Sweep& sweep, const std::string& x
     return series;
 }
 
+/// The page of the report reads the labels from the job file; here they are checked only.
+void check_labels(Reader labels, const std::vector<std::string>& swept, const Sweep& sweep) {
+    for (const std::string& key : labels.keys()) {
+        const auto texts = labels.find_words(key);
+        if (!is_swept(labels, key, key, swept, sweep) || !texts || !sweep.sound) continue;
+        for (const Axis& axis : sweep.axes)
+            for (const SweptKey& of : axis.keys) {
+                if (of.key != key) continue;
+                std::unordered_set<std::string> values;
+                for (const NodePtr& value : of.values)
+                    values.insert(render(*value));
+                if (values.size() != texts->size())
+                    labels.error(key, fmt::format("has {} labels, but the key has {} values",
+                                                  texts->size(), values.size()));
+            }
+    }
+    labels.finish();
+}
+
 } // namespace
 
 TableSection read_table(Reader reader, const Sweep& sweep) {
@@ -59,6 +78,7 @@ TableSection read_table(Reader reader, const Sweep& sweep) {
     } else {
         table.options.series = default_series(sweep, table.options.x);
     }
+    check_labels(reader.optional_table("labels"), swept, sweep);
     const NodePtr reference = reader.node("reference");
     if (!reader.optional_table("reference").empty()) table.reference = reference;
     if (table.reference && std::get<TableNode>(reference->value).entries.empty())

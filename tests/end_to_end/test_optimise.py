@@ -49,7 +49,7 @@ region_mm = [40.0, 40.0]
 knot_us = 500.0
 strength_at_least = [0.7, 0.9]
 starts = 4
-update_rate_Hz = 3000.0
+update_rate_Hz = 2800.0
 bits = 6
 """
 CIRCLE = 'path = { shape = "circle", radius_mm = 8.0 }\ndraw_frequency_Hz = 140.0'
@@ -57,8 +57,8 @@ TRANSIENT = (
     (CIRCLE, 'path = { shape = "line", from_mm = [-20.0, 0.0], to_mm = [20.0, 0.0] }\nspeed_m_s = 7.0'),
     ('edges = "open"', ""), ("extent_mm = [48.0, 48.0]", "extent_mm = [96.0, 64.0]"),
     ('regime = "periodic"', "duration_ms = 5.0"), ("region_mm = [40.0, 40.0]", "settled_after_ms = 1.0"),
-    ("update_rate_Hz = 3000.0\nbits = 6\n", "sm_frequency_Hz = [250.0]\nsm_deviation_m_s = [2.0]\n"))
-PLAIN = ("update_rate_Hz = 3000.0\nbits = 6\n", "sm_frequency_Hz = [140.0]\nsm_deviation_m_s = [2.0]\n")
+    ("update_rate_Hz = 2800.0\nbits = 6\n", "sm_frequency_Hz = [250.0]\nsm_deviation_m_s = [2.0]\n"))
+PLAIN = ("update_rate_Hz = 2800.0\nbits = 6\n", "sm_frequency_Hz = [140.0]\nsm_deviation_m_s = [2.0]\n")
 ONE = ("strength_at_least = [0.7, 0.9]", "strength_at_least = [0.8]")
 # Eight rows of jobs/speed-fwhm-modulation.toml, on its own domain.
 ROWS = """
@@ -158,9 +158,10 @@ class Optimise(ProgramTest):
         self.shearwake("report", "out/best.optimise")
         report = self.folder / "out/best.optimise/report"
         figures = {path.name for path in report.rglob("*.png")}
-        self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png"},
-                             figures)
-        self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py")
+        self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png",
+                              "optimise_mean.png", "optimise_path.png"}, figures)
+        self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py",
+                  "uniformity of the optimum")
 
     def check_waveform(self, row):
         """The waveform has the levels of the optimum, and its TOML gives the eta of the exported case."""
@@ -169,11 +170,14 @@ class Optimise(ProgramTest):
             updates = list(csv.DictReader(file))
         levels = [int(u["level"]) for u in updates]
         self.assertTrue(0 <= min(levels) and max(levels) == 63)
-        self.assertEqual(len(updates), round(3000 / 140))
+        self.assertEqual(len(updates), 2800 // 140)
         optimum = json.loads(Path(f"{stem}.json").read_text(encoding="utf-8"))["found"]["values"]
         t = np.array([float(u["t_us"]) for u in updates]) * 1e-6
         knots = np.arange(len(optimum) + 1) / len(optimum) / 140
         exact = np.interp(t, knots, [*optimum, optimum[0]])
+        np.testing.assert_allclose(t, np.arange(len(updates)) / 2800, atol=1e-12)  # nine digits of us
+        x, y = (np.array([float(u[name]) for u in updates]) for name in ("x_mm", "y_mm"))
+        np.testing.assert_allclose(np.hypot(x, y), 8.0, rtol=1e-8)  # nine digits
         # Half a level of the sound pressure.
         self.assertLess(np.abs(np.array(levels) / 63 - np.sqrt(exact)).max(), 0.5 / 63 + 1e-9)
         self.check_jobs(row, kind="exported.", column="eta_exported_1")

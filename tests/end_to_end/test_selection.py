@@ -6,7 +6,7 @@ import unittest
 
 import jsonschema
 
-from program import ROOT, ProgramTest, assert_same_table, case_files, plan_ids, started, table
+from program import ROOT, ProgramTest, assert_same_table, case_files, changed, plan_ids, started, table
 
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
@@ -132,6 +132,25 @@ class Selection(ProgramTest):
         (other / "thesis.txt").write_text("not to be touched", encoding="utf-8")
         self.says(self.shearwake("run", "job.toml", "--out", other, expect=2).said, "not empty")
         self.assertEqual([path.name for path in other.iterdir()], ["thesis.txt"])
+
+    def test_extend_keeps_the_cases_that_the_new_plan_contains(self):
+        self.write_job()
+        self.shearwake("run", "job.toml", "--quiet")
+        cases = self.folder / "out/small/cases"
+        before = {path.name: path.stat().st_mtime_ns for path in cases.glob("*.h5")}
+        self.write_job(changed(("[400, 500, 1000]", "[400, 500, 600]")))
+        self.says(self.shearwake("run", "job.toml", expect=2).said, "another plan", "--extend")
+        said = self.shearwake("run", "job.toml", "--extend").said
+        self.says(said, "1 case file in out/small/cases is not in this job and remains unused")
+        after = {path.name: path.stat().st_mtime_ns for path in cases.glob("*.h5")}
+        self.assertEqual({name: time for name, time in after.items() if name in before}, before)
+        self.assertEqual(len(after), len(before) + 1)
+        self.shearwake("reduce", "out/small")
+        rows = (self.folder / "out/small/tables/small.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(len(rows), 5)  # a head, three cases and the reference
+        self.assertTrue(all("complete" in row for row in rows[1:]))
+        self.write_job(changed(('name = "small"', 'name = "other"')))
+        self.says(self.shearwake("run", "job.toml", "--extend", "--out", "out/small", expect=2).said, "another plan")
 
 
 if __name__ == "__main__":

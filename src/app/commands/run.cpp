@@ -38,6 +38,9 @@ void add_run(CLI::App& app, Action& action) {
         ->type_name("FILE");
     command.add_flag("--allow-mixed", arguments.allow_mixed,
                      "continue in a folder with results of another version of the program");
+    command.add_flag("--extend", arguments.extend,
+                     "accept a folder with another plan of the same name: keep the cases that this "
+                     "job contains, compute the others");
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--fail-fast", arguments.fail_fast, "stop at the first failed case");
     command.add_flag("--force", arguments.force,

@@ -136,6 +136,11 @@ void walk_fields(Walk& walk, Keys&) {
               .type = "words",
               .fallback = "the other axes",
               .meaning = "swept keys with one curve per value"});
+    walk.key({.key = "labels",
+              .type = "table",
+              .fallback = "none",
+              .meaning = "swept keys with one text per value, in the order of the values, which "
+                         "stands for the value in the report"});
     walk.key({.key = "reference",
               .type = "table",
               .fallback = "none",

@@ -56,6 +56,22 @@ void must_be_of(const Plan& plan, const OutputFolder& folder) {
     }
 }
 
+/// A sentence about case files that do not belong to a case of the plan; empty without them.
+std::string cases_left_out(const Plan& plan, const OutputFolder& folder) {
+    std::set<std::string> ids;
+    for (const PlannedCase& c : plan.cases)
+        ids.insert(c.id);
+    std::size_t count = 0;
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing))
+        if (entry.path().extension() == ".h5" && !ids.contains(entry.path().stem().string()))
+            ++count;
+    if (count == 0) return {};
+    return fmt::format("{} case file{} in {} {} not in this job and {} unused", count,
+                       count == 1 ? "" : "s", folder.cases().string(), count == 1 ? "is" : "are",
+                       count == 1 ? "remains" : "remain");
+}
+
 /// Removes temporary files `<name>.<process>.part`, which a killed program has left. Files younger
 /// than a minute may belong to a concurrent run.
 void remove_left_over(const std::filesystem::path& place, storage::RunLock::Sharing beside) {
@@ -103,13 +119,16 @@ OutputFolder folder_of_results(const std::filesystem::path& path) {
         word && is_file_name(*word) ? "out/" + *word : "out/<job name>"));
 }
 
-std::string prepare_output(const OutputFolder& folder, const config::Job& job) {
+std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend) {
     namespace fs = std::filesystem;
     const std::string text = storage::plan_text(job.plan);
     std::string warning;
     if (fs::exists(folder.plan())) {
-        const storage::PlanMatch match =
-            storage::compare_plan(storage::read_file(folder.plan()), job.plan);
+        const std::string before = storage::read_file(folder.plan());
+        storage::PlanMatch match = storage::compare_plan(before, job.plan);
+        const bool is_replaced = extend && match == storage::PlanMatch::another &&
+                                 storage::read_plan(folder.plan()).name == job.plan.name;
+        if (is_replaced) match = storage::PlanMatch::extended;
         if (match == storage::PlanMatch::damaged) {
             must_be_of(job.plan, folder);
             storage::write_file(folder.plan(), text);
@@ -122,12 +141,17 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job) {
             const storage::RunLock alone(folder.run_lock(), storage::RunLock::Sharing::alone);
             storage::write_file(folder.job(), job.text);
             storage::write_file(folder.plan(), text);
+            if (is_replaced) warning = cases_left_out(job.plan, folder);
         }
+        if (match == storage::PlanMatch::same && fs::exists(folder.job()) &&
+            storage::read_file(folder.job()) != job.text)
+            storage::write_file(folder.job(), job.text); // for example with other labels
         if (match == storage::PlanMatch::another)
             throw UsageError(
                 fmt::format("{} contains the results of another plan (its plan.json differs "
-                            "from that of this job); choose another folder with --out, or "
-                            "remove this one",
+                            "from that of this job); --extend keeps the cases that this job "
+                            "contains as well; or choose another folder with --out, or remove "
+                            "this one",
                             folder.root.string()));
     } else if (fs::exists(folder.root) && holds_foreign_files(folder)) {
         throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "

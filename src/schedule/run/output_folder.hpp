@@ -74,9 +74,10 @@ inline OutputFolder output_folder(const std::filesystem::path& out, const std::s
 OutputFolder folder_of_results(const std::filesystem::path& path);
 
 /// Creates the folder for this job, or checks an existing one. A damaged plan.json is rewritten if
-/// all case files belong to this job; a warning is returned in this case. Throws UsageError if the
-/// folder contains another plan or is not writable. Not collective.
-std::string prepare_output(const OutputFolder& folder, const config::Job& job);
+/// all case files belong to this job; a warning is returned in this case. `extend` replaces another
+/// plan of the same name and keeps all case files; a warning states how many are not in this job.
+/// Throws UsageError if the folder contains another plan or is not writable. Not collective.
+std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend = false);
 
 /// Removes partial files of the cases to be computed, `work` (positions in the plan), unless a
 /// checkpoint needs them or another run computes the case. Removes the checkpoints of complete

@@ -70,7 +70,7 @@ Beginning begin_run(const config::Job& job, const OutputFolder& folder,
                     const RunArguments& arguments,
                     std::vector<std::unique_ptr<storage::RunLock>>& locks,
                     storage::RunStart& start) {
-    const std::string warning = prepare_output(folder, job);
+    const std::string warning = prepare_output(folder, job, arguments.extend);
     const std::string part = part_name(arguments);
     const auto sharing =
         part.empty() ? storage::RunLock::Sharing::alone : storage::RunLock::Sharing::with_others;

@@ -32,6 +32,7 @@ struct RunArguments : JobArguments {
     pipeline::CheckpointSchedule checkpoints;
     bool retry_failed = false;
     bool fail_fast = false;
+    bool extend = false;      // replace another plan in the folder and keep the cases of both
     bool allow_mixed = false; // continue in a folder with results of another version of the program
     std::string walltime;     // empty: the limit of the scheduler, or none
     std::filesystem::path log_json; // empty: none

@@ -9,6 +9,7 @@
 #include "studies/optimise/optimise_table.hpp"
 #include "studies/optimise/study_file.hpp"
 
+#include <chrono>
 #include <fmt/format.h>
 
 namespace shearwake::optimise {
@@ -54,6 +55,9 @@ void prepare(const Study& study) {
 /// Each rank computes the optima of some cases and strengths that are not known. Collective.
 void compute_optima(const Study& study, const std::vector<std::vector<MotionChange>>& motions,
                     const Comm& world) {
+    const std::size_t count = study.cases.size() * study.options.strengths.size();
+    const auto start = std::chrono::steady_clock::now();
+    std::size_t done = 0; // by this rank; the turns of all ranks are equal
     together(world, [&] {
         std::size_t turn = 0;
         for (std::size_t i = 0; i < study.cases.size(); ++i)
@@ -70,6 +74,13 @@ void compute_optima(const Study& study, const std::vector<std::vector<MotionChan
                     optimum_text(base.id, moved.id,
                                  optimum(study.cases[i], known_forms(study, base), motions[i][s],
                                          known_forms(study, moved), strength, study.options)));
+                ++done;
+                const double elapsed_s =
+                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+                if (world.is_root() && !study.run.quiet && turn < count)
+                    fmt::print(stderr, "optimum {} of {}, about {:.0f} s remain\n", turn, count,
+                               elapsed_s * static_cast<double>(count - turn) /
+                                   (static_cast<double>(done) * static_cast<double>(world.size())));
             }
     });
 }
@@ -140,7 +151,9 @@ ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world
         std::string text = write_optima(study, results, basis);
         if (!robust.empty()) text += "\n" + write_robustness(study, results, robust);
         if (!arguments.quiet)
-            fmt::print("\n{}\noptima: {}\n", text, (study.files.root / "table.csv").string());
+            fmt::print("\n{}\noptima: {}\nnext: {}\n", text,
+                       (study.files.root / "table.csv").string(),
+                       schedule::reduce_command_line(study.folder));
     });
     return code;
 }

@@ -143,7 +143,8 @@ void write_waveforms(const Study& study, const Optima& results, std::size_t i, s
     storage::write_file(stem + ".job.toml", job_of_optimum(study, c, moved, found));
     const auto waveform = exported(moved.knots, of, study.options);
     if (!waveform) return;
-    storage::write_file(stem + ".csv", csv_text(*waveform));
+    storage::write_file(stem + ".csv",
+                        csv_text(*waveform, moved.physics.scene().load.modulation.trajectory));
     storage::write_file(stem + ".toml", toml_text(*waveform));
     storage::write_file(stem + ".exported.job.toml",
                         job_of_optimum(study, c, moved, gain_of(*waveform)));

@@ -89,6 +89,10 @@ std::vector<OptimisedCase> optimised_cases(const Plan& plan, const OptimiseOptio
         must_repeat(c.plain, options.am_frequencies_Hz, "am_frequency_Hz");
         must_repeat(c.plain, options.sm_frequencies_Hz, "sm_frequency_Hz");
         c.sm = sm_cases(c.plain, options);
+        if (options.update_rate_Hz >
+            0.0) // reports a rate that does not fit before all computations
+            waveform_of(c.knots, Eigen::VectorXd::Ones(c.knots.count), options.update_rate_Hz,
+                        options.bits);
         cases.push_back(std::move(c));
     }
     return cases;

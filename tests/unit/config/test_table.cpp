@@ -93,6 +93,11 @@ TEST_CASE("an error in [table] is reported with its location", "[config][table]"
          "\"STM\"?"},
         {"reference = { kind = \"STM\", foo = 1 }",
          "job.toml:30:29: error: load.modulation.foo is unknown"},
+        {"labels = { \"load.pek_Pa\" = [\"a\"] }",
+         "job.toml:30:28: error: table.labels.load.pek_Pa contains \"load.pek_Pa\", which is not "
+         "swept; did you mean \"load.peak_Pa\"?"},
+        {"labels = { \"load.peak_Pa\" = [\"a\", \"b\", \"c\"] }",
+         "job.toml:30:29: error: table.labels.load.peak_Pa has 3 labels, but the key has 2 values"},
         {"reference = \"STM\"",
          "job.toml:30:13: error: table.reference must be a table, but is a string (\"STM\")"},
         {"reference = {}", "job.toml:30:13: error: table.reference must change at least one key, "

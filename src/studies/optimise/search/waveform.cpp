@@ -15,13 +15,22 @@ Waveform waveform_of(const Knots& knots, const Eigen::VectorXd& values, double u
                              .interval_s = knots.interval_s,
                              .repeat = knots.repeat};
     const double until_s = knots.repeat ? linear.period_s() : knots.at_s(knots.count - 1);
-    const double updates = std::max(1.0, std::round(until_s * update_rate_Hz));
+    const double exact_updates = until_s * update_rate_Hz, nearest = std::round(exact_updates);
+    const bool is_whole = std::abs(exact_updates - nearest) <= 1e-9 * exact_updates; // rounding
+    if (knots.repeat && (!is_whole || nearest < 1.0))
+        throw UsageError(
+            fmt::format("optimise.update_rate_Hz = {:g} results in {:.6f} updates in the period of "
+                        "{:.9g} ms; a display repeats a whole number of updates, so choose a rate "
+                        "or a speed with a whole number",
+                        update_rate_Hz, exact_updates, 1e3 * until_s),
+            ExitCode::bad_job);
+    const double updates = is_whole ? nearest : std::ceil(exact_updates);
     const double count = updates + (knots.repeat ? 0.0 : 1.0);
     if (count > static_cast<double>(most_samples))
         throw UsageError(fmt::format("optimise.update_rate_Hz = {:g} results in {:.0f} updates, "
                                      "but an envelope may have at most {}; use a lower rate",
                                      update_rate_Hz, count, most_samples));
-    Waveform waveform{.interval_s = until_s / updates, .bits = bits, .repeat = knots.repeat};
+    Waveform waveform{.interval_s = 1.0 / update_rate_Hz, .bits = bits, .repeat = knots.repeat};
     for (double n = 0.0; n < count; ++n) {
         const double force = gain({{linear}}, n * waveform.interval_s);
         waveform.levels.push_back(
@@ -39,13 +48,16 @@ SampledGain gain_of(const Waveform& waveform) {
     return sampled;
 }
 
-std::string csv_text(const Waveform& waveform) {
-    std::string text = "t_us,level,pressure_1,force_1\n";
+std::string csv_text(const Waveform& waveform, const Trajectory& trajectory) {
+    std::string text = "t_us,x_mm,y_mm,level,pressure_1,force_1\n";
     const SampledGain force = gain_of(waveform);
-    for (std::size_t n = 0; n < waveform.levels.size(); ++n)
-        text += fmt::format("{:.9g},{},{:.9g},{:.9g}\n",
-                            1e6 * waveform.interval_s * static_cast<double>(n), waveform.levels[n],
-                            std::sqrt(force.values[n]), force.values[n]);
+    for (std::size_t n = 0; n < waveform.levels.size(); ++n) {
+        const double t_s = waveform.interval_s * static_cast<double>(n);
+        const Vec2 at = position(trajectory, t_s);
+        text += fmt::format("{:.9g},{:.9g},{:.9g},{},{:.9g},{:.9g}\n", 1e6 * t_s, 1e3 * at.x,
+                            1e3 * at.y, waveform.levels[n], std::sqrt(force.values[n]),
+                            force.values[n]);
+    }
     return text;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "problem/load/motion/trajectory.hpp"
 #include "studies/optimise/search/knots.hpp"
 
 #include <string>
@@ -19,17 +20,18 @@ struct Waveform {
     int greatest_level() const { return (1 << bits) - 1; }
 };
 
-/// The envelope of the force at this update rate, rounded to the nearest level. In the periodic
-/// regime the rate is changed slightly, so that a whole number of updates fits into the period.
-/// Throws UsageError for more updates than an envelope of a job may have.
+/// The envelope of the force at exactly this update rate, rounded to the nearest level; the last
+/// update of a single pass is at or after its end. Throws UsageError if the period of the load is
+/// not a whole number of updates, or for more updates than an envelope of a job may have.
 Waveform waveform_of(const Knots& knots, const Eigen::VectorXd& values, double update_rate_Hz,
                      int bits);
 
 /// The force of a waveform, linear between the updates.
 SampledGain gain_of(const Waveform& waveform);
 
-/// t_us, level, pressure and force (both relative to the greatest), one row per update.
-std::string csv_text(const Waveform& waveform);
+/// t_us, x_mm, y_mm, level, pressure and force (both relative to the greatest), one row per update.
+/// `trajectory` is that of the focus.
+std::string csv_text(const Waveform& waveform, const Trajectory& trajectory);
 /// [[load.modulation.envelope]] of a job that reproduces the waveform.
 std::string toml_text(const Waveform& waveform);
 

@@ -185,7 +185,15 @@ TEST_CASE("a waveform is rounded in the sound pressure and covers the period", "
     CHECK(gain_of_it.repeat);
     CHECK(gain_of_it.period_s() == Approx(4e-3).epsilon(1e-14));
     CHECK(gain_of_it.values[4] == Approx(64.0 / 225.0).epsilon(1e-14));
-    CHECK(csv_text(waveform).starts_with("t_us,level,pressure_1,force_1\n0,0,0,0\n500,11,"));
+    const Trajectory rest{{Hold{.at_m = {0.01, -0.002}}}};
+    CHECK(
+        csv_text(waveform, rest)
+            .starts_with("t_us,x_mm,y_mm,level,pressure_1,force_1\n0,10,-2,0,0,0\n500,10,-2,11,"));
+    CHECK_THROWS_AS(waveform_of(knots, force, 2100.0, 4), UsageError); // 8.4 updates in 4 ms
+    const Knots pass{.count = 4, .interval_s = 1e-3, .repeat = false};
+    const Waveform single = waveform_of(pass, force, 2100.0, 4); // ends at 3 ms, 6.3 updates
+    CHECK(single.interval_s == 1.0 / 2100.0);
+    CHECK(single.levels.size() == 8);
     CHECK_THROWS_AS(waveform_of(knots, force, 1e6, 4), UsageError); // 4000 updates
 }
 
