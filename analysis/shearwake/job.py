@@ -184,19 +184,19 @@ class Job:
 
     @contextlib.contextmanager
     def _file(self) -> Iterator[Path]:
-        """The path of a file with the job, which is deleted afterwards if it is temporary."""
+        """The path of a file with the job. A temporary file lies in a folder of its own outside of the folder of the job, with
+        links to the files to which the job refers, and is deleted afterwards."""
         if self._path is not None:
             yield self._path
             return
-        with tempfile.NamedTemporaryFile("w", dir=self.folder, prefix=".job-", suffix=".toml", encoding="utf-8",
-                                         delete=False) as file:
-            file.write(self.text)
-        try:
-            yield Path(file.name)
-        except ProgramError as error:
-            raise error.renamed(file.name, self._label) from None
-        finally:
-            os.unlink(file.name)
+        text = self.text
+        with tempfile.TemporaryDirectory(prefix="shearwake-job-") as root:
+            path = link_files(text, Path(self.folder).resolve(), Path(root)) / f"{self.name if is_file_name(self.name) else 'job'}.toml"
+            path.write_text(text, encoding="utf-8")
+            try:
+                yield path
+            except ProgramError as error:
+                raise error.renamed(str(path), self._label) from None
 
     def check(self, *, elsewhere: bool = False) -> list[Diagnostic]:
         """Returns the warnings about the job. Raises JobError with all errors. With `elsewhere`, the job is not compared with
@@ -264,6 +264,38 @@ class Job:
                     self._check(path)
                 raise
         return Sweep(folder)
+
+
+def is_file_name(name: str) -> bool:
+    return name.replace("-", "").replace("_", "").isalnum()
+
+
+def link_files(text: str, folder: Path, root: Path) -> Path:
+    """A new folder below `root` in which the relative paths of a job lead to the same files as in `folder`: each path in the text
+    that exists there is a symbolic link. Returns the folder."""
+    def words(value: Any) -> Iterator[str]:
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, (dict, list)):
+            for part in value.values() if isinstance(value, dict) else value:
+                yield from words(part)
+    try:
+        found = {word for word in words(tomllib.loads(text)) if word and "\0" not in word and not os.path.isabs(word)}
+    except tomllib.TOMLDecodeError:
+        found = set()  # the program reports the error
+    up = max((os.path.normpath(word).split(os.sep).count("..") for word in found), default=0)
+    place = root.joinpath(*["job"] * (up + 1))
+    place.mkdir(parents=True)
+    for word in sorted(found, key=len):
+        try:
+            exists = len(word) < 1000 and (folder / word).is_file()
+        except OSError:
+            exists = False
+        link = Path(os.path.normpath(place / word))
+        if exists and not link.exists():
+            link.parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to((folder / word).resolve())
+    return place
 
 
 def reduced(folder: Path) -> Sweep:

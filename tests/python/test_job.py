@@ -80,7 +80,21 @@ class Jobs(InFolder):
         self.assertTrue(all(case.is_complete for case in whole.every_case))
         self.assertEqual((seen[-1].done, seen[-1].total, seen[-1].failed), (3, 3, 0))
         self.assertEqual(whole.folder, Path("out/resumed"))
-        self.assertEqual(list(Path.cwd().glob(".job-*")), [])
+
+    def test_a_temporary_job_lies_outside_its_folder_and_finds_relative_files(self):
+        Path("data").mkdir()
+        Path("below/study").mkdir(parents=True)
+        Path("data/cases.csv").write_text("load.peak_Pa\n50\n80\n")
+        text = program.JOB.split("[sweep]")[0] + '[sweep]\nlist = "../../data/cases.csv"\n'
+        Path("below/study/listed.toml").write_text(text)
+        made = shearwake.Job("below/study/listed.toml", name="listed")
+        os.chmod("below/study", 0o555)  # as for a job that the user may only read
+        self.addCleanup(os.chmod, "below/study", 0o755)
+        with made._file() as path:
+            self.assertFalse(path.is_relative_to(Path.cwd()))
+        self.assertFalse(path.exists())
+        self.assertEqual([c.settings["load.peak_Pa"] for c in made.run(out="out/listed").cases], [50.0, 80.0])
+        self.assertEqual(sorted(os.listdir("below/study")), ["listed.toml"])
 
     def test_a_folder_of_another_plan_is_a_usage_error(self):
         job().run(out="out/one")
