@@ -9,6 +9,7 @@ folder does not exist.
 from __future__ import annotations
 
 import argparse
+import functools
 import gc
 import json
 import os
@@ -24,6 +25,7 @@ from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, 
                fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
 from .figure import Figure
 from .in_one_piece import in_one_piece
+from .in_two import in_two
 from .load import Selection, load
 from .page import page
 from .player import player
@@ -85,6 +87,18 @@ def attempt(name: str, problems: list[Any], draw: Callable[..., Any], *arguments
         return None
 
 
+def draw_one(drawn: Drawn, name: str, draw: Callable[..., Any], *arguments: Any) -> tuple[Any, list[str], Any, OSError | None]:
+    """The result of attempt(), its sentences, the entry of the group for the next report, and an error for which the report
+    stops."""
+    problems: list[str] = []
+    selection, more = arguments
+    try:
+        result = attempt(name, problems, drawn.draw, name, draw, selection, *more)
+    except OSError as error:
+        return None, problems, None, error
+    return result, problems, drawn.new.get(name), None
+
+
 def shown_caption(selection: Selection, figure: Figure, made: list[Figure]) -> str:
     """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
     of them if each shows a single case."""
@@ -109,9 +123,18 @@ def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
     all_cases = len(groups)
     groups += [(name, draw, some) for name, draw in of_few(selection)]
     missing = sum(not case.is_complete for case in selection.cases)
-    for n, (name, draw, cases) in enumerate(groups):
-        progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
-        made = attempt(name, problems, drawn.draw, name, draw, cases, folder) or []
+    tasks = [("surface over time", player, selection, ()), *((name, draw, cases, (folder,)) for name, draw, cases in groups)]
+    results = in_two([functools.partial(draw_one, drawn, *task) for task in tasks],
+                     lambda n: progress.show(f"figures {n + 1} of {len(tasks)} ({tasks[n][0]})"))
+    for (name, *_), (_, found, entry, error) in zip(tasks, results):
+        if error:
+            raise error
+        problems += found
+        if entry:
+            drawn.new[name] = entry
+    (moving, *_), *others = results
+    for n, ((name, _, cases), (result, *_)) in enumerate(zip(groups, others)):
+        made = result or []
         for figure in made:
             if figure.cases is None:
                 figure.cases = [case.id for case in cases.cases if case.is_complete]
@@ -122,8 +145,7 @@ def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
                 figure.caption += shown_caption(selection, figure, made)
             figure.warnings = warnings_of.of_figure(selection, figure.name, figure.cases)
             figures.append(figure)
-    progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
-    return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, selection) or "", problems
+    return figures, moving or "", problems
 
 
 def collect_garbage_seldom() -> None:

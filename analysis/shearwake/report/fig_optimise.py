@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..case import Case
-from . import fig_surface, style
+from . import fig_surface, hover, style
 from .figure import Figure
-from .load import Selection
-from .optima import by_case, compared, is_study, middle, optima, title_of
+from .load import Selection, mean_square
+from .optima import along_path, by_case, compared, is_study, middle, optima, swept, title_of
 from .words import number
 
 CASES = 6  # largest number of optimised cases with panels of their own
@@ -132,12 +132,11 @@ def energy(selection: Selection, folder: Path, table: dict[str, list[dict[str, A
                    cases=[c.id for c in shown.values()])]
 
 
-def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], place: int) -> list[Figure]:
-    """The surfaces of one strength of an optimised case side by side."""
+def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], place: int, end: float) -> list[Figure]:
+    """The surfaces of one strength of an optimised case side by side, on the colour scale of all optimised cases."""
     shots = [(name, c, shot) for name, c in compared(selection, rows, middle(rows)).items() if (shot := fig_surface.snapshot(c))]
     if not shots:
         return []
-    end = fig_surface.scale([shot for _, _, shot in shots])
     limits = fig_surface.window([shot for _, _, shot in shots], end)
     rows_of_panels = -(-len(shots) // 2)
     height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])  # of a panel with its title
@@ -161,11 +160,79 @@ def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], pla
                    "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
 
 
+def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+    """The time-averaged surfaces without modulation and of the optimum, and the rms along the path."""
+    shown = []
+    for rows in table.values():
+        cases = compared(selection, rows, middle(rows))
+        pair = [(name, cases[name], m) for name in ("unmodulated", "optimum") if name in cases and (m := mean_square(cases[name]))]
+        if len(pair) == 2:
+            shown.append((rows, pair))
+    if not shown:
+        return []
+    rms = [1e6 * np.sqrt(m[2]) for _, pair in shown for _, _, m in pair]
+    end = max(float(np.nanmax(u)) for u in rms)
+    x, y, _, _ = shown[0][1][0][2]
+    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * np.ptp(y) / np.ptp(x)
+    figure, made = plt.subplots(len(shown), 2, figsize=(style.WIDTH_in, height * len(shown) + 0.6), squeeze=False, sharex=True,
+                                sharey=True, layout="constrained")
+    for (rows, pair), line in zip(shown, made):
+        for axes, (name, case, (x, y, squared, drawn)) in zip(line, pair):
+            image = axes.imshow(1e6 * np.sqrt(squared).T, origin="lower", cmap="magma", vmin=0.0, vmax=end,
+                                extent=(1e3 * x[0], 1e3 * x[-1], 1e3 * y[0], 1e3 * y[-1]))
+            for points in drawn:
+                axes.plot(*(1e3 * points).T, color="white", linewidth=0.8, linestyle=(0, (3, 2)))
+            found = along_path(case)
+            title = f"{title_of(selection, rows[0])}: {name}" if swept(rows[0]) else name
+            axes.set_title(title + (f", uniformity {number(found.uniformity, 2)}" if found else ""), loc="left", color="#555555",
+                           fontsize=9)
+            axes.grid(False)
+            hover.attach(axes, 1e6 * np.sqrt(squared).T, (1e3 * x[0], 1e3 * x[-1]), (1e3 * y[0], 1e3 * y[-1]), "rms of u", "x (mm)",
+                         "y (mm)", "µm", title=name)
+        line[0].set_ylabel("y (mm)")
+    for axes in made[-1]:
+        axes.set_xlabel("x (mm)")
+    figure.colorbar(image, ax=list(made.flat), label="rms of $u_z$ over time (µm)")
+    style.save(figure, folder / "optimise_mean.png")
+    ids = [case.id for _, pair in shown for _, case, _ in pair]
+    found = [Figure("optimise_mean", "What is drawn: the time-averaged surface", "Root of the mean of u² over complete periods, without "
+                    "modulation and with the optimum of strength "
+                    f"{number(middle(shown[0][0]), 3)}, on the same colour scale. Dashed line: the path. The uniformity is the smallest "
+                    "rms along the path relative to its mean: 1 if the whole path is equally strong, 0 if it has a gap.",
+                    "Time-averaged surface without modulation and with the optimum", maps=hover.maps_of(figure), cases=ids)]
+    return found + path_figure(selection, folder, dict(list(table.items())))
+
+
+def path_figure(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+    figure, made = panels(len(table), 1.9)
+    ids = []
+    for axes, rows in zip(made, table.values()):
+        cases = {"unmodulated": compared(selection, rows, middle(rows)).get("unmodulated")}
+        cases |= {f"optimum, strength {number(r['strength_at_least_1'], 3)}": compared(selection, rows, r["strength_at_least_1"]).get("optimum")
+                  for r in rows}
+        for colour, (name, case) in zip([style.GREY, *style.distinct(len(rows))], cases.items()):
+            if case and (found := along_path(case)):
+                axes.plot(found.distance_mm, found.rms_um, color=colour, label=name)
+                ids.append(case.id)
+        axes.set_title(title_of(selection, rows[0]), loc="left", color="#555555")
+    if not ids:
+        plt.close(figure)
+        return []
+    made[0].set_ylim(bottom=0.0)  # of all panels
+    finish(figure, made, "distance along the path (mm)", "rms of u (µm)")
+    style.save(figure, folder / "optimise_path.png")
+    return [Figure("optimise_path", "Strength along the path", "The rms of u over time along the path. Where it is close to zero, the "
+                   "drawn shape has a gap.", "Strength along the path without modulation and for each optimum", cases=ids)]
+
+
 def figures(selection: Selection, folder: Path) -> list[Figure]:
     if not is_study(selection):
         return []
     table = dict(list(by_case(selection).items())[:CASES])
-    found = [front(selection, folder, table), envelopes(selection, folder, table), *energy(selection, folder, table)]
+    found = [front(selection, folder, table), *means(selection, folder, table), envelopes(selection, folder, table),
+             *energy(selection, folder, table)]
+    ends = [fig_surface.scale(shots) for rows in table.values() if (shots := [
+        shot for c in compared(selection, rows, middle(rows)).values() if (shot := fig_surface.snapshot(c))])]
     for place, rows in enumerate(table.values(), start=1):
-        found += surfaces(selection, folder, rows, place)
+        found += surfaces(selection, folder, rows, place, max(ends, default=0.0))
     return found

@@ -252,7 +252,10 @@ def displayed_key(selection: Selection, key: str) -> str:
     for what in ("frequency_Hz", "phase_deg"):
         am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
         if key in (am, sm) and {am, sm} <= set(selection.sweep.swept_keys):
-            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(selection))
+            known = selection.__dict__.setdefault("_shared_keys", {})  # compared once, since each label asks for it
+            if what not in known:
+                known[what] = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(selection))
+            same = known[what]
             return f"load.modulation.modulation_{what}" if same else key
     return key
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 from ..case import Case
 from ..tables import read_statistics
@@ -102,7 +103,14 @@ def of_optima(selection: Selection) -> list[Number]:
     name = optima.words(optima.optima(selection).maximised)
     return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", f"{amount(row['eta_unmodulated_1'])} without modulation"),
             (amount(row["eta_ceiling_1"]), "proven upper bound for its path", f"{amount(row['ceiling_over_optimum_1'])} times the optimum"),
-            (amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", "")]
+            uniformity_or_strength(selection, rows, row)]
+
+
+def uniformity_or_strength(selection: Selection, rows: list[dict[str, Any]], row: dict[str, Any]) -> Number:
+    found, plain = (optima.uniformity(selection, rows, row["strength_at_least_1"], name) for name in ("optimum", "unmodulated"))
+    if math.isnan(found):
+        return amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", ""
+    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", f"{number(plain, 2)} without modulation"
 
 
 def numbers(selection: Selection) -> list[Number]:

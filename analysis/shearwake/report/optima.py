@@ -6,12 +6,15 @@ from __future__ import annotations
 import csv
 import html
 import math
+from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from ..case import Case
 from ..tables import Optima
 from . import layout
-from .load import Selection
+from .load import Selection, mean_square
 from .warnings_of import is_valid
 from .words import number, value_text
 
@@ -118,6 +121,43 @@ def sentence(selection: Selection) -> str:
             f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
 
 
+@dataclass
+class AlongPath:
+    """The rms of u over time along the drawn path: distances in mm, values in um, and the smallest relative to their mean."""
+    distance_mm: np.ndarray
+    rms_um: np.ndarray
+
+    @property
+    def uniformity(self) -> float:
+        return float(self.rms_um.min() / self.rms_um.mean())
+
+
+def along_path(case: Case) -> AlongPath | None:
+    """None if the case has no mean over periods or the focus rests."""
+    found = mean_square(case)
+    if found is None:
+        return None
+    x, y, squared, lines = found
+    points = np.concatenate([line for line in lines if len(line) > 1] or [np.empty((0, 2))])
+    at = [np.interp(points[:, axis], nodes, np.arange(len(nodes))) for axis, nodes in enumerate((x, y))]
+    low = [np.minimum(a.astype(int), len(nodes) - 2) for a, nodes in zip(at, (x, y))]
+    (i, j), (s, t) = low, [a - b for a, b in zip(at, low)]
+    value = ((1 - s) * (1 - t) * squared[i, j] + s * (1 - t) * squared[i + 1, j]
+             + (1 - s) * t * squared[i, j + 1] + s * t * squared[i + 1, j + 1])
+    inside = np.isfinite(value)
+    if inside.sum() < 2 or not value[inside].any():
+        return None
+    distance = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    return AlongPath(1e3 * distance[inside], 1e6 * np.sqrt(value[inside]))
+
+
+def uniformity(selection: Selection, rows: list[dict[str, Any]], strength: float, name: str) -> float:
+    """The smallest rms along the path relative to its mean, of a modulation at a strength; NaN if it is unknown."""
+    case = compared(selection, rows, strength).get(name)
+    found = along_path(case) if case else None
+    return found.uniformity if found else math.nan
+
+
 def cell(value: float | str) -> str:
     if isinstance(value, str):
         return f"<td>{html.escape(value)}</td>"
@@ -134,9 +174,12 @@ def results(selection: Selection) -> str:
     names = ["case", "strength at least", *(text for text, _ in COMPARED), "strength of SM-STM", "upper bound", "bound / optimum"]
     exported = any("eta_exported_1" in row for row in optima(selection).rows)
     names += ["exported", "its strength"] if exported else []
+    names += ["uniformity without modulation", "uniformity of the optimum"]
+    of_case = by_case(selection)
     rows = [[title_of(selection, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
              r["eta_ceiling_1"], r["ceiling_over_optimum_1"],
-             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ())] for r in optima(selection).rows]
+             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ()),
+             *(uniformity(selection, of_case[r["case"]], r["strength_at_least_1"], name) for name in ("unmodulated", "optimum"))] for r in optima(selection).rows]
     return table(names, rows)
 
 
@@ -180,5 +223,6 @@ def section(selection: Selection) -> str:
     note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
             f"another name are {html.escape(optima(selection).maximised)}. The optimum is the best of a local search from several starts. The upper bound "
             "is a proof for all envelopes from 0 to 1 that are linear between the knots, on the same path and at the same "
-            "speed as the optimum.</p>")
+            "speed as the optimum. The uniformity is the smallest rms over time along the path relative to its mean: an optimum "
+            "with a small uniformity leaves gaps in the drawn shape.</p>")
     return note + results(selection) + robustness(selection) + certificates(selection)

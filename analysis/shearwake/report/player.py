@@ -99,7 +99,7 @@ def case_data(selection: load.Selection, case: Case, limits: tuple[float, float,
     path = wake.focus_at(case, case.over_time["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
     period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
-    return {"label": warnings_of.label(selection, case, "player"), **place_of(selection, case), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
+    return {"label": warnings_of.label(selection, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -131,17 +131,24 @@ def selects_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, A
                                               for v in axis["values"]]} for axis in axes_of(selection, cases)]
 
 
-def place_of(selection: load.Selection, case: Case) -> dict[str, Any]:
-    """The position of a case on the axes, and the index of the first case with the motion of its reference."""
-    cases, axes = cases_of(selection), axes_of(selection, cases_of(selection))
-    if case.is_reference and any(not c.is_reference for c in cases):
-        return {"at": None}
-    at = [axis["values"].index(case.settings[axis["key"]] if axis["key"] else case.id) for axis in axes]
-    own = selection.reference_of(case)
-    if not own or not own.is_reference or own is case:
-        return {"at": at}
-    found = [n for n, c in enumerate(cases) if c.is_reference and (c is own or layout.have_same_motion(c, own))]
-    return {"at": at, **({"reference": found[0]} if found else {})}
+def places_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
+    """The position of each case on the axes, and the index of the first case with the motion of its reference."""
+    axes, found = axes_of(selection, cases), []
+    references = [(n, c) for n, c in enumerate(cases) if c.is_reference]
+    index: dict[str, int | None] = {}  # of the pictures of a reference
+    for case in cases:
+        if case.is_reference and len(references) < len(cases):
+            found.append({"at": None})
+            continue
+        place: dict[str, Any] = {"at": [axis["values"].index(case.settings[axis["key"]] if axis["key"] else case.id) for axis in axes]}
+        own = selection.reference_of(case)
+        if own and own.is_reference and own is not case:
+            if own.id not in index:
+                index[own.id] = next((n for n, c in references if c is own or layout.have_same_motion(c, own)), None)
+            if index[own.id] is not None:
+                place["reference"] = index[own.id]
+        found.append(place)
+    return found
 
 
 def rounded(place: np.ndarray) -> list[float]:
@@ -229,7 +236,7 @@ def player(selection: load.Selection) -> str:
         return ""
     end, peak, limits = common_view(cases)
     detail = detail_that_fits(selection, cases, limits)
-    stored = [case_data(selection, c, limits, detail) for c in cases]
+    stored = [case_data(selection, c, limits, detail) | place for c, place in zip(cases, places_of(selection, cases))]
     view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
     data: dict[str, Any] = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
             "axes": selects_of(selection, cases), "load": load_name(cases), "reference": layout.reference_name(layout.all_references(selection)),

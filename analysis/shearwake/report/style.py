@@ -124,7 +124,7 @@ def distinct(count: int) -> list:
     return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
 
 
-def readable(colour: Any) -> tuple[float, float, float]:
+def readable(colour: Any) -> tuple[float, ...]:
     """A colour, darkened until text in it has a contrast of 4.5 on white (WCAG 2)."""
     rgb = np.array(matplotlib.colors.to_rgb(colour))
     while True:

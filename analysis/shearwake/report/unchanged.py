@@ -90,9 +90,9 @@ class Drawn:
             self.new[name] = before
             self.reused += 1
         else:
-            existing = {path.name for path in self.part.iterdir()}
             result = draw(selection, *arguments)
-            files = sorted({path.name for path in self.part.iterdir()} - existing)
+            files = sorted(path.name for figure in ([] if isinstance(result, str) else result) for suffix in (".png", ".pdf")
+                           if (path := self.part / (figure.name + suffix)).exists())
             self.new[name] = {"key": key, "files": files,
                               "result": json.loads(json.dumps(result, default=plain))}
         result = self.new[name]["result"]
