@@ -182,9 +182,9 @@ def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
                                 extent=(1e3 * x[0], 1e3 * x[-1], 1e3 * y[0], 1e3 * y[-1]))
             for points in drawn:
                 axes.plot(*(1e3 * points).T, color="white", linewidth=0.8, linestyle=(0, (3, 2)))
-            found = along_path(case)
+            along = along_path(case)
             title = f"{title_of(selection, rows[0])}: {name}" if swept(rows[0]) else name
-            axes.set_title(title + (f", uniformity {number(found.uniformity, 2)}" if found else ""), loc="left", color="#555555",
+            axes.set_title(title + (f", uniformity {number(along.uniformity, 2)}" if along else ""), loc="left", color="#555555",
                            fontsize=9)
             axes.grid(False)
             hover.attach(axes, 1e6 * np.sqrt(squared).T, (1e3 * x[0], 1e3 * x[-1]), (1e3 * y[0], 1e3 * y[-1]), "rms of u", "x (mm)",

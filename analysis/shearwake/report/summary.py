@@ -162,7 +162,7 @@ def best_case(selection: Selection) -> Case | None:
     compared = [c for c in cases if not math.isnan(gain(selection, c))]
     if compared:
         return max(compared, key=lambda c: gain(selection, c))
-    return max(cases, key=lambda c: c.value("eta_period_1", math.nan), default=None)
+    return max(cases, key=lambda c: c.value("eta_period_1", math.nan)) if cases else None
 
 
 def efficiency(selection: Selection) -> str:
