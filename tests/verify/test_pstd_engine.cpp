@@ -176,11 +176,14 @@ TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pst
 
 TEST_CASE("spheres have the same effect in the engines pstd and spectral on a finer grid",
           "[long][pstd]") {
-    const double contrast = GENERATE(0.3, 4.0, 16.0);
-    const double difference = effect_apart(contrast, 6.0);
-    CAPTURE(contrast, difference);
-    // Observed 6.7 % at 16 times the stiffness, 2.5 % at 4 times, 4.0 % at .3 times.
-    CHECK(difference < 0.08);
+    struct Sphere {
+        double contrast, most;
+    };
+    // Observed 4.0, 2.5 and 6.7 %.
+    const auto of = GENERATE(Sphere{0.3, 0.05}, Sphere{4.0, 0.035}, Sphere{16.0, 0.08});
+    const double difference = effect_apart(of.contrast, 6.0);
+    CAPTURE(of.contrast, difference);
+    CHECK(difference < of.most);
 }
 
 TEST_CASE("engine pstd converges to the exact engine", "[pstd]") {

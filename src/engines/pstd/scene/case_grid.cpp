@@ -87,11 +87,11 @@ struct Cell {
     Vec3 normal{};
 };
 
-/// The normal is that of the part with the greatest contrast.
+/// The normal is that of the part, or of the layers, with the greatest contrast.
 Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
     const double top_m = centre_m.z - 0.5 * d_m, bottom_m = centre_m.z + 0.5 * d_m;
     Cell sum;
-    double layer_top_m = 0.0, per_mu = 0.0, greatest = 0.0;
+    double layer_top_m = 0.0, per_mu = 0.0, per_layer = 0.0, greatest = 0.0;
     const auto& layers = c.scene().medium.layers;
     for (std::size_t l = 0; l < layers.size(); ++l) {
         const bool last = l + 1 == layers.size();
@@ -109,6 +109,7 @@ Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
         sum.mu_Pa.along += share * part.mu_Pa;
         sum.viscosity_Pa_s += share * part.viscosity_Pa_s;
         per_mu += share / part.mu_across_Pa;
+        per_layer += share / part.mu_Pa;
         if (const double contrast = share * (1.0 - part.mu_across_Pa / part.mu_Pa);
             part.is_laminate() && contrast >= greatest) {
             greatest = contrast;
@@ -116,7 +117,11 @@ Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
         }
     }
     sum.mu_Pa.across = 1.0 / per_mu;
-    if (norm(sum.normal) == 0.0) sum.normal = {0.0, 0.0, 1.0}; // of layers
+    if (const double contrast = 1.0 - 1.0 / (per_layer * sum.mu_Pa.along);
+        contrast > std::max(greatest, 1e-9)) // of the layers
+        sum.normal = {0.0, 0.0, 1.0};
+    else if (norm(sum.normal) == 0.0)
+        sum.mu_Pa.across = sum.mu_Pa.along;
     return sum;
 }
 
@@ -232,10 +237,6 @@ StaggeredMaterial staggered_material(const Case& c, const PstdOptions& options,
                     nodes, [&](Node m) { return at_node(m).mu_Pa(); }, n, i, j);
             const Cell m = cell(n, half[i] + half[j]);
             return reduced(m.mu_Pa, shear_share(m.normal, i, j));
-        };
-        all.eta_Pa_s[a] = [=](Node n) {
-            return harmonic_between(
-                nodes, [&](Node m) { return at_node(m).eta_Pa_s; }, n, i, j);
         };
     }
     return all;

@@ -141,7 +141,8 @@ Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseG
                 const Node node{x_start + x, y, z};
                 const NodeMaterial m = material_at(c, options, grid, node);
                 e.add(m, c.domain.spacing_m);
-                for (std::size_t i = 0; i < 3 && own && !m.empty; ++i)
+                const bool inside = own || grid.node_depth_m(z) > 0.0;
+                for (std::size_t i = 0; i < 3 && inside && !m.empty; ++i)
                     e.add(m.lambda_Pa(), between.mu_Pa[i](node), between.density_kg_m3[i](node));
             }
         }

@@ -24,7 +24,8 @@ struct NodeMaterial {
 };
 using MaterialOfNode = std::function<NodeMaterial(Node)>;
 
-/// Values at the points of the staggered grid, by the storage index of their field.
+/// Values at the points of the staggered grid, by the storage index of their field. Empty functions
+/// stand for means of the adjacent nodes.
 struct StaggeredMaterial {
     using Value = std::function<double(Node)>;
     std::array<Value, 3> density_kg_m3;   // at ux, uy, uz

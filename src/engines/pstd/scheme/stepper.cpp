@@ -110,21 +110,23 @@ void Stepper<Real>::make_coefficients(const Setup& setup, const MaterialOfNode& 
     const auto coefficient = [&](const Value& value) {
         return Coefficient<Real>(slabs_, team_, value);
     };
-    constexpr std::size_t planes[3][2] = {{0, 1}, {0, 2}, {1, 2}}; // of sxy, sxz, syz
+    constexpr std::array<std::array<std::size_t, 2>, 3> planes{
+        {{0, 1}, {0, 2}, {1, 2}}}; // of sxy, sxz, syz
     const Value mu = [&](Node n) { return material(n).mu_Pa(); };
     const Value eta = [&](Node n) { return material(n).eta_Pa_s; };
     StaggeredMaterial staggered;
     if (setup.staggered) staggered = *setup.staggered;
-    for (std::size_t i = 0; i < 3 && !setup.staggered; ++i) {
-        staggered.density_kg_m3[i] = [&, i](Node n) {
-            return density_between(grid, material, n, i);
-        };
-        staggered.mu_Pa[i] = [&, i](Node n) {
-            return harmonic_between(grid, mu, n, planes[i][0], planes[i][1]);
-        };
-        staggered.eta_Pa_s[i] = [&, i](Node n) {
-            return harmonic_between(grid, eta, n, planes[i][0], planes[i][1]);
-        };
+    const auto unless_given = [](Value& given, const Value& mean) {
+        if (!given) given = mean;
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto [a, b] = planes[i];
+        unless_given(staggered.density_kg_m3[i],
+                     [&, i](Node n) { return density_between(grid, material, n, i); });
+        unless_given(staggered.mu_Pa[i],
+                     [&, a, b](Node n) { return harmonic_between(grid, mu, n, a, b); });
+        unless_given(staggered.eta_Pa_s[i],
+                     [&, a, b](Node n) { return harmonic_between(grid, eta, n, a, b); });
     }
     for (std::size_t i = 0; i < 3; ++i) {
         dt_over_rho_[i] = coefficient([&](Node n) { return dt_s / staggered.density_kg_m3[i](n); });

@@ -59,6 +59,20 @@ TEST_CASE("largest step satisfies the stability bound with equality", "[pstd]") 
     CHECK(pstd::safe_step_s(alone, d_m) < 0.6 * dt);
 }
 
+TEST_CASE("a light layer between nodes limits the step by its own density", "[pstd]") {
+    Case c = small_case();
+    c.domain.spacing_m = 1e-3;
+    Layer light = c.scene().medium.layers.front(), below = light;
+    light.density_kg_m3 = 0.5 * below.density_kg_m3;
+    light.thickness_m = 1e-3;
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin() + 1, {light, below});
+    c.scene().medium.layers.front().thickness_m = 0.5e-3;
+    const auto& options = std::get<PstdOptions>(c.solver);
+    // The nodes see half of it and half of a neighbour, the point of u_z between them all of it.
+    CHECK(pstd::extremes_of_grid(c, options, pstd::case_grid(c, options)).least_density_kg_m3 ==
+          Approx(light.density_kg_m3).epsilon(1e-12));
+}
+
 TEST_CASE("caps c_p with a note and rejects an unstable time step with its value", "[pstd]") {
     Case c = small_case();
     auto& options = std::get<PstdOptions>(c.solver);
