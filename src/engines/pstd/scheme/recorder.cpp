@@ -465,6 +465,7 @@ std::vector<double> Recorder::samples_of(const Record& record, std::size_t first
                                          const Comm& team) const {
     const auto samples = record.is_series() ? static_cast<std::size_t>(samples_) : std::size_t{1};
     std::vector<double> mine;
+    mine.reserve(count_points_ * count);
     for (std::size_t i = 0; i < count_points_; ++i)
         for (std::size_t s = 0; s < count; ++s) {
             const double value = record.values[i * samples + first + s];
@@ -502,14 +503,20 @@ std::vector<engines::SensorRecord> Recorder::results(const Stepper<Real>& steppe
             one.of = engines::SensorRecord::Of::grid;
             one.values = grid_of(record, stepper, team);
         } else if (record.is_series()) {
+            constexpr std::size_t values_at_once = std::size_t{1} << 22;
             const auto samples = static_cast<std::size_t>(samples_);
-            const std::vector<double> block = samples_of(record, 0, samples, team);
             const std::size_t points = point_order_.size();
+            const std::size_t most =
+                std::max<std::size_t>(1, values_at_once / std::max<std::size_t>(points, 1));
             one.of = engines::SensorRecord::Of::points_and_samples;
-            one.values.resize(block.size());
-            for (std::size_t p = 0; p < points && !block.empty(); ++p)
-                for (std::size_t s = 0; s < samples; ++s)
-                    one.values[p * samples + s] = block[s * points + p];
+            if (team.is_root()) one.values.resize(points * samples);
+            for (std::size_t first = 0; first < samples; first += most) {
+                const std::size_t count = std::min(most, samples - first);
+                const std::vector<double> block = samples_of(record, first, count, team);
+                for (std::size_t p = 0; p < points && !block.empty(); ++p)
+                    for (std::size_t s = 0; s < count; ++s)
+                        one.values[p * samples + first + s] = block[s * points + p];
+            }
         } else {
             one.of = engines::SensorRecord::Of::points;
             one.values = samples_of(record, 0, 1, team);
