@@ -275,5 +275,18 @@ class CheckpointWithABody(SavedCase):
         self.assertLess(self.largest_difference(), 1e-14)
 
 
+class CheckpointWithLevels(SavedCase):
+    JOB = (STEPPED.replace("time_step_us = 5.0", "time_step_us = 20.0").replace("duration_ms = 2.0", "duration_ms = 10.0")
+           .replace("at_ms = 1.0", "at_ms = 9.6\nsensation = true")
+           .replace("speed_m_s = 7.0", "speed_m_s = 2.5"))
+
+    def test_levels_of_sensation_are_resumed_on_another_number_of_ranks(self):
+        self.kill_in_the_middle(ranks=2, saves=15)  # of 25
+        self.go_on(ranks=3)  # which compares the tables
+        self.assert_resumed(300)
+        for row in table(self.out):
+            self.assertTrue(row["felt_peak_dB"] and row["felt_path_dB"] and row["felt_area_mm2"], row["note"])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -50,8 +50,14 @@ constexpr auto names_of(std::type_identity<AfferentClass>) {
     return of_each_class(&ReceptorClass::name);
 }
 /// "SA1" etc., and the class with such a name, if any.
-std::string name_of(AfferentClass kind);
-std::optional<AfferentClass> class_named(const std::string& name);
+inline std::string name_of(AfferentClass kind) {
+    return name_in_text(kind);
+}
+inline std::optional<AfferentClass> class_named(const std::string& name) {
+    for (const AfferentClass kind : all_classes)
+        if (name_of(kind) == name) return kind;
+    return std::nullopt;
+}
 
 /// A nerve fibre: the position of its receptor, its class, and the index of its fitted neuron.
 struct ListedAfferent {
