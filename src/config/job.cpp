@@ -163,7 +163,8 @@ Job read_job(std::string_view text, const std::string& file_name,
                       points, job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
-    if (!overrides.empty()) job.text = text_with_overrides(parsed.file, parsed.tree, file_name);
+    if (!overrides.empty())
+        job.text = text_with_overrides(parsed.file, parsed.tree, file_name, text);
     return job;
 }
 

@@ -34,7 +34,7 @@ class OpeningTest(Pages):
         super().setUpClass()
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
-        folder = sweep(temporary.name, job=f"# SPDX-License-Identifier: BSD-3-Clause\n# {QUESTION}\n# Ten seconds.\nschema = 1\n")
+        folder = sweep(temporary.name, job=f"#:schema ./job.schema.json\n# SPDX-License-Identifier: BSD-3-Clause\n# {QUESTION}\n# Ten seconds.\nschema = 1\n")
         for number in (1, 4):
             with h5py.File(folder.file(case_id(number)), "r+") as file:
                 file["eta_period_1_error"] = 0.01

@@ -240,11 +240,17 @@ private:
 } // namespace
 
 std::string text_with_overrides(const NodePtr& before, const NodePtr& after,
-                                const std::string& file_name) {
+                                const std::string& file_name, std::string_view file_text) {
     Writer writer(before);
-    writer.text = fmt::format("# {} with the values of the command line (-S), which are marked. "
-                              "Comments of the file are left out.\n",
-                              excerpt(std::filesystem::path(file_name).filename().string()));
+    while (file_text.starts_with('#')) {
+        const std::size_t end = std::min(file_text.find('\n'), file_text.size() - 1) + 1;
+        writer.text += file_text.substr(0, end);
+        file_text.remove_prefix(end);
+    }
+    writer.text += fmt::format("{}# {} with the values of the command line (-S), which are marked. "
+                               "Other comments of the file are left out.\n",
+                               writer.text.empty() ? "" : "\n",
+                               excerpt(std::filesystem::path(file_name).filename().string()));
     writer.write(std::get<TableNode>(after->value), {}, "");
     return writer.text;
 }

@@ -7,6 +7,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace shearwake::config {
 
@@ -24,9 +25,10 @@ Place place_of(const Override& override);
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);
 
 /// The job after overrides as TOML. A comment at each value that an override has set contains the
-/// value of `before`, the job without overrides. Other comments are not contained.
+/// value of `before`, the job without overrides. Of the other comments, only that at the beginning
+/// of `file_text` is contained, which states the question of the job.
 std::string text_with_overrides(const NodePtr& before, const NodePtr& after,
-                                const std::string& file_name);
+                                const std::string& file_name, std::string_view file_text);
 
 /// Reports swept keys and overrides that have no effect on the grid studies of a plan: those of
 /// [medium] and [load], which a study replaces.

@@ -43,8 +43,10 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
 }
 
 TEST_CASE("the text of a job with overrides is the job that is computed", "[config][override]") {
-    const std::string file = plain_and("[sweep]\n\"load.modulation.am_frequency_Hz\" = [310, 620]\n"
-                                       "[table]\nx = \"load.modulation.am_frequency_Hz\"\n");
+    const std::string comment = "# SPDX-License-Identifier: X\n# Is it felt?\n";
+    const std::string file =
+        comment + plain_and("[sweep]\n\"load.modulation.am_frequency_Hz\" = [310, 620]\n"
+                            "[table]\nx = \"load.modulation.am_frequency_Hz\"\n");
     const std::vector<config::Override> overrides = {
         {"load.peak_Pa", "87.5"},
         {"medium.layer[1].c_s_m_s", "3.25"},
@@ -56,6 +58,7 @@ TEST_CASE("the text of a job with overrides is the job that is computed", "[conf
     REQUIRE(again.plan.cases.size() == 4);
     for (std::size_t i = 0; i < again.plan.cases.size(); ++i)
         CHECK(again.plan.cases[i].id == run.plan.cases[i].id);
+    CHECK(run.text.starts_with(comment + "\n# job.toml with the values of the command line"));
     CHECK(again.plan.title == "a \"quoted\" title");
     CHECK_THAT(run.text, Catch::Contains("peak_Pa = 87.5 # -S; in the file: 100"));
     CHECK_THAT(run.text, Catch::Contains("c_s_m_s = 3.25 # -S; in the file: "));
