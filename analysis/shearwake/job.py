@@ -84,8 +84,8 @@ class Job:
         Job("jobs/quickstart.toml", load={"peak_Pa": 200.0}, name="stronger")
 
     Keywords are tables of the job, merged into the source. `name` and `title` set keys of [job]. The path of an
-    unchanged file is given to the program itself. Other jobs are written to a temporary file in `folder`, relative to which
-    paths in the job are resolved: the folder of the source file or the current folder. Raises OSError and
+    unchanged file is given to the program itself. Other jobs are written to a temporary folder with links to their files;
+    relative paths refer to `folder`, the folder of the source file or the current folder. Raises OSError and
     tomllib.TOMLDecodeError."""
 
     def __init__(self, source: Source = None, /, **tables: Any) -> None:
@@ -192,6 +192,7 @@ class Job:
         text = self.text
         with tempfile.TemporaryDirectory(prefix="shearwake-job-") as root:
             path = link_files(text, Path(self.folder).resolve(), Path(root)) / f"{self.name if is_file_name(self.name) else 'job'}.toml"
+            path.unlink(missing_ok=True)  # not the file to which a link of this name leads
             path.write_text(text, encoding="utf-8")
             try:
                 yield path
@@ -284,7 +285,7 @@ def link_files(text: str, folder: Path, root: Path) -> Path:
     except tomllib.TOMLDecodeError:
         found = set()  # the program reports the error
     up = max((os.path.normpath(word).split(os.sep).count("..") for word in found), default=0)
-    place = root.joinpath(*["job"] * (up + 1))
+    place = root.joinpath(*["root"] * (up + 1), *folder.parts[1:])
     place.mkdir(parents=True)
     for word in sorted(found, key=len):
         try:
@@ -292,9 +293,11 @@ def link_files(text: str, folder: Path, root: Path) -> Path:
         except OSError:
             exists = False
         link = Path(os.path.normpath(place / word))
-        if exists and not link.exists():
-            link.parent.mkdir(parents=True, exist_ok=True)
-            link.symlink_to((folder / word).resolve())
+        if exists:
+            for parent in (link.parent, (place / word).parent):  # a/../b needs the folder a
+                parent.mkdir(parents=True, exist_ok=True)
+            if not link.exists():
+                link.symlink_to((folder / word).resolve())
     return place
 
 

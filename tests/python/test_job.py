@@ -96,6 +96,22 @@ class Jobs(InFolder):
         self.assertEqual([c.settings["load.peak_Pa"] for c in made.run(out="out/listed").cases], [50.0, 80.0])
         self.assertEqual(sorted(os.listdir("below/study")), ["listed.toml"])
 
+    def test_links_of_a_temporary_job_lead_to_the_files_that_it_names(self):
+        for name, content in (("study/c.csv", "own"), ("job/c.csv", "other"), ("study/job/c.csv", "below"), ("study/small.toml", "kept")):
+            Path(name).parent.mkdir(parents=True, exist_ok=True)
+            Path(name).write_text(content)
+        Path("study/data").mkdir()
+        words = {"c.csv": "own", "../job/c.csv": "other", "job/c.csv": "below", "data/../c.csv": "own", "small.toml": "kept"}
+        made = shearwake.Job({"job": {"name": "small"}, "files": list(words)})
+        made.folder = Path("study")
+        with made._file() as path:
+            self.assertEqual(path.name, "small.toml")
+            self.assertIn("[job]", path.read_text())
+            for word, content in words.items():
+                if word != "small.toml":
+                    self.assertEqual((path.parent / word).read_text(), content, word)
+        self.assertEqual(Path("study/small.toml").read_text(), "kept")
+
     def test_a_folder_of_another_plan_is_a_usage_error(self):
         job().run(out="out/one")
         with self.assertRaisesRegex(shearwake.UsageError, "another plan"):
