@@ -177,7 +177,7 @@ class Functions(ProgramTest):
             self.assertGreater(numpy.abs(expected).max(), 0.0)
             numpy.testing.assert_allclose(found, expected, rtol=0, atol=limit * numpy.abs(expected).max())
 
-        nodes = numpy.array([[5, 7, 6], [10, 9, 8], [14, 11, 3]])
+        nodes = numpy.array([[14, 11, 3], [5, 7, 6], [10, 9, 8]])  # in an order of their own
         rows = numpy.ravel_multi_index(nodes.T, (20, 18, 16))
         for axis in "xyz":  # the parts of the velocity add up to it, by construction to the last bit but one
             same(everything[f"u{axis}_split_p"] + everything[f"u{axis}_split_s"], everything[f"u{axis}_non_staggered"], 1e-15)
@@ -208,7 +208,7 @@ class Functions(ProgramTest):
         same(turned["ux"].reshape(expected.shape), expected, 1e-13)  # other sums in the FFTs
 
     def test_labels_may_have_one_sample_each(self):
-        """A matrix of one column has one row per label, and is no transposed series."""
+        """A matrix of one column has one row per label, and is not a transposed series."""
         labels = numpy.zeros((20, 18, 16))
         labels[5, 7:9, 6:9] = [[1, 2, 3], [3, 2, 1]]
         mask = numpy.minimum(labels, 1.0)

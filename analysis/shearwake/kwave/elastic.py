@@ -103,7 +103,7 @@ def read_results(file, study, records, order):
     flat = {name: file[name][0].T for name in names if name not in whole}  # (point, time); one time for statistics
     flat = {name: values[:, 0] if name.endswith((*SENSOR, "_avg")) else values for name, values in flat.items()}
     if study.cuboids is None:
-        if order == "C" and study.sensor_weights is None:
+        if order == "C":
             rows = np.lexsort(study.sensor_nodes.T[::-1])
             flat = {name: values[rows] for name, values in flat.items()}
         return {**{name: np.ascontiguousarray(values) for name, values in flat.items()}, **whole}
@@ -181,7 +181,8 @@ def solve(parts, notes, order, ranks=1, launch=None, precision="double", quiet=T
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
                   "--output_precision", "double", *flags], ranks, launch, progress)
         with h5py.File(f"{folder}/out.h5", "r") as file:
-            return read_results(file, study, records, order)
+            is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
+            return read_results(file, study, records, order if is_mask else "F")
 
 
 def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None, execution_options=None, *, ranks=1, launch=None,
