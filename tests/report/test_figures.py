@@ -19,7 +19,7 @@ from PIL import Image
 from synthetic import AM, FWHM, Folder, Page, case_id, draw
 
 from shearwake.report import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
-                              fig_spectra, fig_spectrogram, fig_surface, layout, load, player, table, words)
+                              fig_spectra, fig_spectrogram, fig_surface, hover, layout, load, player, table, warnings_of, words)
 
 SPEED = "load.modulation.speed_m_s"
 SPACING = "domain.spacing_mm"
@@ -233,6 +233,19 @@ class FolderTest(unittest.TestCase):
         root = (np.asarray(image, dtype=float)[::-1].T - 127.5) / 127.5
         # half a grey level of the root: 2 * 0.5 / 127.5 of the largest value
         np.testing.assert_allclose(3.0 * root * np.abs(root), u_um, atol=3.0 * 1.0 / 127.5)
+
+
+class ValuesTest(unittest.TestCase):
+    def test_only_a_few_values_have_their_errors(self):
+        for shape, few in (((4, 5), True), ((21, 20), False)):  # up to 400 values
+            axes = plt.figure().add_subplot()
+            hover.attach(axes, np.ones(shape), (0, 1), (0, 1), "eta", "x", "y", error=np.full(shape, 0.1))
+            self.assertEqual("error" in axes.hover, few)
+            plt.close(axes.figure)
+
+    def test_warnings_of_afferents_concern_the_maps_of_their_columns(self):
+        for name, expected in (("heat_RA_total_rate_Hz", True), ("afferents_rate", True), ("heat_eta_period_1", False), ("eta", False)):
+            self.assertEqual(warnings_of.is_of_receptors(name), expected, name)
 
 
 class SpectrogramTest(unittest.TestCase):

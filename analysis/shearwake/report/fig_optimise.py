@@ -200,7 +200,7 @@ def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
                     f"{number(middle(shown[0][0]), 3)}, on the same colour scale. Dashed line: the path. The uniformity is the smallest "
                     "rms along the path relative to its mean: 1 if the whole path is equally strong, 0 if it has a gap.",
                     "Time-averaged surface without modulation and with the optimum", maps=hover.maps_of(figure), cases=ids)]
-    return found + path_figure(selection, folder, dict(list(table.items())))
+    return found + path_figure(selection, folder, table)
 
 
 def path_figure(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:

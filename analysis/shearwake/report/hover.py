@@ -20,16 +20,14 @@ def attach(axes: Axes, values: np.ndarray, x: Any, y: Any, what: str, x_label: s
     """Adds values (row, column) to the axes of a picture. x and y are the coordinates at the outer edges of the first and
     the last column and row; x_names and y_names replace the coordinates of columns and rows. `what` names the values, and
     `title` the panel. `invalid` marks values of few that are not valid, and `error` has their estimated
-    errors."""
+    errors, of at most CELLS values."""
     values = np.asarray(values, dtype=float)
     step = 1 if values.size <= CELLS else math.ceil(max(values.shape) / POINTS)
     axes.hover = {"x": [float(v) for v in x], "y": [float(v) for v in y], "title": title, "what": what, "unit": unit, "x_label": x_label,
                   "y_label": y_label, "x_names": x_names, "y_names": y_names, **stored(values[step // 2::step, step // 2::step])}
     if invalid is not None and np.any(invalid) and step == 1:
         axes.hover["invalid"] = [int(i) for i in np.flatnonzero(invalid)]
-
-
-    if error is not None and np.isfinite(error).any() and step == 1:
+    if error is not None and values.size <= CELLS and np.isfinite(error).any():
         axes.hover["error"] = stored(error)["values"]
 
 

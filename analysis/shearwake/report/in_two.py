@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -22,12 +23,18 @@ def in_two(tasks: Sequence[Callable[[], Any]], before: Callable[[int], None] = l
         child = os.fork()
         if child == 0:
             try:
+                os.close(results)  # otherwise it would wait for its own reading if this process ended
                 with os.fdopen(to_results, "wb") as file:
                     pickle.dump(_call(tasks, source, lambda n: None), file)
             finally:
                 os._exit(0)
         os.close(to_results)
-        done = _call(tasks, source, before)
+        try:
+            done = _call(tasks, source, before)
+        except BaseException:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            raise
         os.close(source)
         with os.fdopen(results, "rb") as file:
             try:

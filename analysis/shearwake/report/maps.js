@@ -52,7 +52,7 @@ function mapTables(maps) {
       const rows = Array.from({length: Math.ceil(height / down)}, (_, i) => i * down).map(y => [name(y, height, map.y, map.y_names),
         ...columns.map(x => { const k = y * width + x, value = map.numbers[k], error = map.error?.[k];
           return value === null ? "" : numberText(value) + (error != null ? " ± " + numberText(error) : "") + (map.invalid?.includes(k) ? " (not valid)" : ""); })]);
-      const thinned = down > 1 || across > 1 ? `; every ${down === across ? down : `${down} by ${across}`}th value` : "";
+      const thinned = down > 1 || across > 1 ? `; 1 of ${down} rows and 1 of ${across} columns` : "";
       part.append(scrolled(tableOf([map.title, map.what + (map.unit ? ` (${map.unit})` : "")].filter(text => text).join(", ") + thinned,
         [[map.y_label, map.x_label].filter(text => text).join(" \\ "), ...columns.map(x => name(x, width, map.x, map.x_names))], rows)));
     }

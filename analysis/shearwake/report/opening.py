@@ -25,7 +25,7 @@ def question(selection: Selection) -> str:
         if not line.startswith("#"):
             break
         lines.append(line.lstrip("#").strip())
-    words = " ".join(line for line in lines if not line.startswith("SPDX-"))
+    words = " ".join(line for line in lines if not line.startswith(("SPDX-", ":schema")))
     text = ""
     for part in SENTENCE.split(words):
         if text and len(text) + len(part) >= LONGEST:
@@ -58,7 +58,8 @@ def of_case(selection: Selection, case: Case) -> list[Number]:
     found: list[Number] = []
     eta = case.value("eta_period_1", math.nan)
     if not math.isnan(eta):
-        versus = f"{number(100 * own.value('eta_period_1', math.nan), 3)} % with {name}" if own else ""
+        other = own.value("eta_period_1", math.nan) if own else math.nan
+        versus = f"{number(100 * other, 3)} % with {name}" if math.isfinite(other) else ""
         found.append((f"{number(100 * eta, 3)} %", "of the energy at the focus (η)", versus))
     for column, unit, meaning in (("focal_rms_um", "µm", "rms of the displacement at the focus (strength)"),
                                   ("participation_period_mm2", "mm²", "area that vibrates (spread)")):
@@ -92,7 +93,7 @@ def of_samples(selection: Selection) -> list[Number]:
         if likely := sample.likeliest(selection, statistics, threshold, value):
             where, row = likely
             found.append((f"{number(100 * row['value'], 3)} %", f"probability that {sample.column_words(selection, threshold)} exceeds "
-                          f"{number(value)}", sample.label(selection, where)))
+                          f"{number(value)}", sample.label(selection, where) + str(sample.doubt(row))))
     return found
 
 
@@ -101,7 +102,8 @@ def of_optima(selection: Selection) -> list[Number]:
     rows = next(iter(optima.by_case(selection).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == optima.middle(rows))
     name = optima.words(optima.optima(selection).maximised)
-    return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", f"{amount(row['eta_unmodulated_1'])} without modulation"),
+    plain = "" if "unmodulated" in optima.invalid(selection) else f"{amount(row['eta_unmodulated_1'])} without modulation"
+    return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", plain),
             (amount(row["eta_ceiling_1"]), "proven upper bound for its path", f"{amount(row['ceiling_over_optimum_1'])} times the optimum"),
             uniformity_or_strength(selection, rows, row)]
 
@@ -110,7 +112,8 @@ def uniformity_or_strength(selection: Selection, rows: list[dict[str, Any]], row
     found, plain = (optima.uniformity(selection, rows, row["strength_at_least_1"], name) for name in ("optimum", "unmodulated"))
     if math.isnan(found):
         return amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", ""
-    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", f"{number(plain, 2)} without modulation"
+    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", (
+        f"{number(plain, 2)} without modulation" if math.isfinite(plain) else "")
 
 
 def numbers(selection: Selection) -> list[Number]:
@@ -121,15 +124,7 @@ def numbers(selection: Selection) -> list[Number]:
         return of_samples(selection)[:3]
     if optima.is_study(selection):
         return of_optima(selection) if "optimum" not in optima.invalid(selection) else []
-    best = summary.best_case(selection)
+    names_none = summary.is_incomplete(selection) or summary.sweeps_numbers_only(selection)
+    best = None if names_none else summary.best_case(selection)
     receptors = of_receptors(selection) if not valid(selection, "eta_period_1") else []
     return (receptors + (of_case(selection, best) if best else []))[:3]
-
-
-def of_whom(selection: Selection) -> str:
-    """Whose numbers these are; '' if the sweep has a single case."""
-    if selection.sweep.uncertain or optima.is_study(selection) or not selection.x:
-        return ""
-    best = summary.best_case(selection)
-    return layout.case_label(selection, best) if best else ""
-

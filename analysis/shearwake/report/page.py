@@ -229,12 +229,12 @@ def contents(made: list[tuple[str, str, str, list[Any]]]) -> str:
 def head(selection: Selection) -> str:
     """The question, the answer, three numbers, and the rest of the summary."""
     asked, (first, others) = opening.question(selection), opening.answer(summary(selection))
-    whose, items = opening.of_whom(selection), ""
+    items = ""
     for value, meaning, versus in opening.numbers(selection):
         items += (f"<div><dt>{escape(meaning)}</dt><dd><b>{escape(value)}</b></dd>"
                   + (f"<dd>{escape(versus)}</dd>" if versus else "") + "</div>")
     if items:
-        items = f'<dl class="numbers"{f" aria-label={chr(34)}{escape(whose)}{chr(34)}" if whose else ""}>{items}</dl>'
+        items = f'<dl class="numbers">{items}</dl>'
     return (f"<h1>{escape(selection.sweep.title)}</h1>" + (f'<p class="question">{escape(asked)}</p>' if asked else "")
             + f'<p class="lead">{escape(first)}</p>{items}<p class="counts">{escape(others)} {escape(counts(selection))}</p>')
 

@@ -165,6 +165,16 @@ def best_case(selection: Selection) -> Case | None:
     return max(cases, key=lambda c: c.value("eta_period_1", math.nan)) if cases else None
 
 
+def sweeps_numbers_only(selection: Selection) -> bool:
+    """Whether all swept keys are numerical settings, of which none is the best."""
+    keys = layout.axes(selection)
+    return bool(keys) and all(is_numerical(key) for key in keys)
+
+
+def is_incomplete(selection: Selection) -> bool:
+    return bool(selection.x) and any(not c.is_complete for c in selection.cases)
+
+
 def efficiency(selection: Selection) -> str:
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
     if not known(selection, "eta_period_1"):
@@ -173,10 +183,9 @@ def efficiency(selection: Selection) -> str:
     if not cases:
         return "No efficiency is stated, because no case has valid readings." + caveats(selection)
     notes = caveats(selection)
-    swept = [k for k in layout.axes(selection) if not is_numerical(k)]
-    if not swept and layout.axes(selection):
+    if sweeps_numbers_only(selection):
         return only_numerical(selection, cases) + notes
-    if selection.x and any(not c.is_complete for c in selection.cases):
+    if is_incomplete(selection):
         return without_best(selection, cases) + notes
     compared = [c for c in cases if not math.isnan(gain(selection, c))]
     if not compared:

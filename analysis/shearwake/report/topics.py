@@ -38,8 +38,8 @@ def headlines(figures: list[Figure], receptors_first: bool = False) -> list[Figu
     return [*receptors[:2], *found]
 
 
-def topic_of(figure: Figure) -> str:
-    return next(title for title, beginnings in TOPICS if figure.name.startswith(beginnings))
+def topic_of(name: str) -> str:
+    return next(title for title, beginnings in TOPICS if name.startswith(beginnings))
 
 
 def topics(figures: list[Figure], receptors_first: bool = False) -> list[tuple[str, list[Figure]]]:
@@ -47,5 +47,5 @@ def topics(figures: list[Figure], receptors_first: bool = False) -> list[tuple[s
     first = headlines(figures, receptors_first)
     rest = [f for f in figures if f not in first]
     titles = reversed(dict.fromkeys(title for title, _ in reversed(TOPICS)))
-    grouped = [(title, [f for f in rest if topic_of(f) == title]) for title in titles]
+    grouped = [(title, [f for f in rest if topic_of(f.name) == title]) for title in titles]
     return [(title, members) for title, members in grouped if members]

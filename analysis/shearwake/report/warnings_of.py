@@ -45,8 +45,8 @@ def starts_with(name: str, beginnings: tuple[Any, ...]) -> bool:
 
 
 def is_of_receptors(name: str) -> bool:
-    """Whether a figure belongs to the last topic, which has all figures that belong to no other."""
-    return name != "player" and not any(starts_with(name, beginnings) for _, beginnings in topics.TOPICS[:-1])
+    """Whether a figure belongs to the topic of the receptors, which has all figures that belong to no other."""
+    return name != "player" and topics.topic_of(name) == topics.TOPICS[-1][0]
 
 
 def concerns(case: Case, key: str, name: str) -> bool:
