@@ -50,12 +50,12 @@ def column(rows: list[Row], name: str) -> np.ndarray:
 
 
 def crossing(x: np.ndarray, y: np.ndarray, level: float) -> float:
-    """Where y first rises to the level, by linear interpolation; the last x if it does not."""
+    """Where y first rises to the level, by linear interpolation; infinite if it does not."""
     order = np.argsort(x)
     x, y = x[order], y[order]
     above = np.flatnonzero(y >= level)
     if not len(above):
-        return float(x[-1])
+        return math.inf
     n = above[0]
     return float(x[n] if n == 0 else x[n - 1] + (x[n] - x[n - 1]) * (level - y[n - 1]) / (y[n] - y[n - 1]))
 
@@ -151,6 +151,11 @@ def text_of(value: float) -> str:
     return f"{value:.3g}"
 
 
+def reported(study: dict[str, Any]) -> str:
+    low, high = study["reported"]
+    return f"{study['statement']} [{low:g} to {high:g}{' ' if study['unit'] else ''}{study['unit']}]"
+
+
 def interval(study: dict[str, Any], values: np.ndarray) -> str:
     unit = f" {study['unit']}" if study["unit"] else ""
     return f"{text_of(float(np.median(values)))} ({text_of(values.min())} to {text_of(values.max())}){unit}"
@@ -197,9 +202,9 @@ def main() -> int:
     page = ROOT / "docs/explanation/user-studies.md"
     head, tail = (ROOT / "jobs/studies/page.txt").read_text(encoding="utf-8").split("TABLE\n")
     why = dict(line.removeprefix("* ").split(": ", 1) for line in tail.splitlines() if line.startswith("* "))
-    rows = ["| study | measured | reported | predicted, median (range) | verdict | why |", "|---|---|---|---|---|---|"]
+    rows = ["| study | measured | reported [interval] | predicted, median (range) | verdict | why |", "|---|---|---|---|---|---|"]
     for study, values, result in results:
-        rows.append(f"| [{study['name']}]({study['link']}) (job `{study['job']}`) | {study['measured']} | {study['statement']} | "
+        rows.append(f"| [{study['name']}]({study['link']}) (job `{study['job']}`) | {study['measured']} | {reported(study)} | "
                     f"{interval(study, values)} | {result} | {why.get(study['name'], '')} |")
     rest = "\n".join(line for line in tail.splitlines() if not line.startswith("* "))
     text = head.format(total=len(results), inside=counts["inside"], same=counts["same order"], outside=counts["outside"]) + "\n".join(rows) + "\n" + rest.format(
