@@ -61,7 +61,7 @@ def _refuse_claims(data: h5py.Dataset, where: str) -> None:
     if claimed > max(ALLOWED_B, MOST_COMPRESSION * stored):
         raise BadLink(f"the dataset {where} has {data.size} values ({claimed / 1e6:.0f} MB) but stores {stored / 1e3:.3g} kB; at "
                       f"most {ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read: store it without "
-                      "compression if it is meant")
+                      "compression if this size is intended")
 
 
 @dataclass(frozen=True)

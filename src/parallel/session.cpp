@@ -68,7 +68,7 @@ bool has_launcher() {
                                [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
-/// How to start a separate run inside of another MPI program. All variables have to go: Open MPI
+/// How to start a separate run inside another MPI program. All variables have to go: Open MPI
 /// refuses a nested mpirun, and a part of them makes MPI_Init fail.
 constexpr const char* remedy =
     "Start each run without the variables of the other program: env -u OMPI_COMM_WORLD_SIZE $(env "
@@ -181,7 +181,7 @@ void require_one_run(const Comm& world, int argc, char** argv) {
     if (world.max(other_arguments || other_folder ? 1 : 0) != 0)
         throw UsageError(fmt::format(
             "the {} ranks of this MPI program have different {}: separate runs have joined one "
-            "world, since they were started inside of another MPI program. {}",
+            "world, since they were started inside another MPI program. {}",
             world.size(), world.max(other_arguments ? 1 : 0) != 0 ? "arguments" : "working folders",
             remedy));
 }

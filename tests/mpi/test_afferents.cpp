@@ -50,7 +50,7 @@ TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neura
                variable(shared, "spike_count").values == variable(alone, "spike_count").values &&
                variable(shared, "spike_time").values.size() > 100;
     CHECK(world.broadcast(same) == 1);
-    CHECK(alone.columns.size() == 3 * 7);
+    CHECK(alone.columns.size() == 3 * 10);
 }
 
 TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {

@@ -149,10 +149,11 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
         if (match == storage::PlanMatch::another)
             throw UsageError(
                 fmt::format("{} contains the results of another plan (its plan.json differs "
-                            "from that of this job); --extend keeps the cases that this job "
-                            "contains as well; or choose another folder with --out, or remove "
-                            "this one",
-                            folder.root.string()));
+                            "from that of this job); {}; or choose another folder with --out, or "
+                            "remove this one",
+                            folder.root.string(),
+                            extend ? "--extend requires the same job.name"
+                                   : "--extend keeps the cases that this job contains as well"));
     } else if (fs::exists(folder.root) && holds_foreign_files(folder)) {
         throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
                                      "another folder with --out",

@@ -181,10 +181,8 @@ NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view u
     if (count * sizeof(double) > std::max(always_allowed_B, most_compression * stored_B))
         throw UsageError(fmt::format(
             "the dataset \"{}\" contains {} numbers ({:.0f} MB), but stores only {:.3g} kB; at "
-            "most "
-            "{:.0f} MB, or {} times what is stored, are read: store it without compression if it "
-            "is "
-            "meant",
+            "most {:.0f} MB, or {} times what is stored, are read: store it without compression if "
+            "this size is intended",
             path, count, static_cast<double>(count) * 8e-6, static_cast<double>(stored_B) * 1e-3,
             static_cast<double>(always_allowed_B) * 1e-6, most_compression));
     block.values.resize(count);
