@@ -216,7 +216,7 @@ SensationSums::SensationSums(const Case& c, std::ptrdiff_t x_start, std::ptrdiff
     count_ = std::clamp(x_start + x_count, region_.x0, std::max(region_.x0, region_.x1)) -
              region_.x0 - first_;
     columns_ = std::max<std::ptrdiff_t>(0, region_.y1 - region_.y0);
-    frames_.assign(static_cast<std::size_t>(count_ * columns_ * line_frames), 0.0);
+    frames_.assign(static_cast<std::size_t>(count_ * columns_) * line_frames, 0.0);
     factors_.assign(lines_.frequencies_Hz.size() * 2 * line_frames, 0.0);
     sums_.assign(static_cast<std::size_t>(count_ * row_length()), 0.0);
 }

@@ -190,6 +190,26 @@ struct MeasureOptions {
     bool operator==(const MeasureOptions&) const = default;
 };
 
+template <class Walk, class Options>
+void walk_region(Walk& walk, Options& o) {
+    walk.key({.key = "region_mm",
+              .range = Range::above(0.0),
+              .type = "point or word:path|palm",
+              .fallback = "everything inside the sponge; `\"path\"` in the periodic regime",
+              .meaning =
+                  "part of the surface in which eta, the participation ratios, the peak and "
+                  "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "
+                  "(the bounding box of the path and of the foci, 30 mm wider on each side), "
+                  "or `\"palm\"` (the outline of the palm of the hand on which "
+                  "`afferents.patch_mm` places the domain). Samples on its edge count with the "
+                  "fraction of their cell inside"});
+    walk.key({.key = "region_center_mm",
+              .type = "point",
+              .fallback = "[0, 0]",
+              .meaning = "centre of a rectangle given by `region_mm`"});
+    walk(o.region_m, {.text = "region_{}_m", .in_text = !o.region_m.empty()});
+}
+
 template <class Walk, Is<MeasureOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk.section("measure");
@@ -235,22 +255,7 @@ void walk_fields(Walk& walk, Options& o) {
                    .meaning = "frequency bands `[[low, high], ...]`. For each band the table has a "
                               "column with the fraction of the spectral energy at the centre that "
                               "lies in the band; frequencies up to 1/duration are left out"});
-    walk.key({.key = "region_mm",
-              .range = Range::above(0.0),
-              .type = "point or word:path|palm",
-              .fallback = "everything inside the sponge; `\"path\"` in the periodic regime",
-              .meaning =
-                  "part of the surface in which eta, the participation ratios, the peak and "
-                  "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "
-                  "(the bounding box of the path and of the foci, 30 mm wider on each side), "
-                  "or `\"palm\"` (the outline of the palm of the hand on which "
-                  "`afferents.patch_mm` places the domain). Samples on its edge count with the "
-                  "fraction of their cell inside"});
-    walk.key({.key = "region_center_mm",
-              .type = "point",
-              .fallback = "[0, 0]",
-              .meaning = "centre of a rectangle given by `region_mm`"});
-    walk(o.region_m, {.text = "region_{}_m", .in_text = !o.region_m.empty()});
+    walk_region(walk, o);
     walk.key({.key = "sensation",
               .type = "boolean",
               .fallback = "true in the periodic regime, otherwise false",

@@ -73,7 +73,7 @@ private:
         double& size = sizes_[static_cast<std::size_t>(i)];
         if (size >= 0.0) return size;
         const double along = band_rad_m_ * i / steps * spacing_m_;
-        for (const std::size_t direction : {0, 1, 2}) {
+        for (std::size_t direction = 0; direction < sums_.size(); ++direction) {
             const Complex turn = std::polar(1.0, direction < 2 ? along : along * std::sqrt(0.5));
             Complex sum = 0.0, phase = 1.0;
             for (const double value : sums_[direction]) {

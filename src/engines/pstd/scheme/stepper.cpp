@@ -120,7 +120,7 @@ void Stepper<Real>::make_coefficients(const Setup& setup, const MaterialOfNode& 
         if (!given) given = mean;
     };
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto [a, b] = planes[i];
+        const std::size_t a = planes[i][0], b = planes[i][1];
         unless_given(staggered.density_kg_m3[i],
                      [&, i](Node n) { return density_between(grid, material, n, i); });
         unless_given(staggered.mu_Pa[i],
