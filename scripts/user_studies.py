@@ -81,6 +81,10 @@ def strongest_speed(rows: list[Row]) -> float:
     return float(speeds(rows, 0.2)[np.argmax(column(rows, "felt_path_dB"))])
 
 
+def most_sensitive_frequency(rows: list[Row]) -> float:
+    return float(column(rows, "load.modulation.am_frequency_Hz")[np.argmax(column(rows, "felt_peak_dB"))])
+
+
 def correlation_with_speed(rows: list[Row]) -> float:
     """Between the amplitude relative to the threshold, averaged over the path in dB, and the revolutions per second."""
     return float(np.corrcoef(column(rows, "load.modulation.draw_frequency_Hz"), 10**(column(rows, "felt_path_dB") / 20))[0, 1])
