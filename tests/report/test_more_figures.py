@@ -17,7 +17,7 @@ import numpy as np
 from synthetic import AM, Folder, case_id, sweep
 
 from shearwake.report import (chart, curve_chart, fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
-                              fig_surface, fig_time, fig_traces, fig_volume, layout, load, periods, style, topics)
+                              fig_spectra, fig_surface, fig_time, fig_traces, fig_volume, layout, load, periods, style, topics)
 
 MEDIUM = """
 [medium]
@@ -100,12 +100,17 @@ class FolderTest(unittest.TestCase):
                 u = group["u_z"][()]
                 for name in ("x", "y", "trace", "u_z", "amplitude"):
                     del group[name]
-                # The columns are those of the first point, the spectra those of the point nearest to the centre.
+                # The columns are those of the first point, although the second one is nearer to the centre.
                 group["x"], group["y"], group["trace"] = [0.025, 0.0115], [-0.002, 0.0], [0.0, 1.0]
-                group["u_z"], group["amplitude"] = np.vstack([u, u]), np.ones((2, 41))
+                group["u_z"], group["amplitude"] = np.vstack([u, 2 * u]), np.ones((2, 41))
         figure, = self.draw(folder, fig_frequency)
         self.assertIn("the spectrum at (25, −2) mm of", figure.caption)
         self.assertNotIn("centre", figure.caption)
+        spectra = self.draw(folder, fig_spectra)[0]
+        self.assertEqual(spectra.title, "Spectra at (25, −2) mm")
+        self.assertIn("u at (25, −2) mm", spectra.caption)
+        found = load.traces(load.load(folder.path).cases[0])
+        np.testing.assert_array_equal(found.u_z_m[found.measured], found.u_z_m[1] / 2)
         self.assertEqual(layout.place_words([(0.0, -0.0)] * 2), "at the centre")
         self.assertEqual(layout.place_words([(0.0, 0.0), (0.001, 0.0)]), "at a trace point")
 

@@ -255,7 +255,7 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
     if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
     reference = layout.reference_name(layout.all_references(selection))
-    place = layout.place_words(layout.column_place_m(c) for c in layout.ordinary(selection))
+    place = layout.place_words(traces(c).measured_m for c in layout.ordinary(selection) if traces(c))
     title, label = title.format(reference=reference, place=place), label.format(reference=reference)
     norm, colours = scale(grids, selection.is_ratio(column))
     columns = columns_of(selection, others, len(shown))
@@ -321,7 +321,7 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
         selection = combined(selection, plan[0])
     many = len(layout.groups(selection)) > style.CURVES  # otherwise the other measures are drawn as curves
     measures = list(MEASURES if many else MEASURES[:4])
-    if not all(wake.is_passed(c, *traces(c).nearest_m) for c in layout.ordinary(selection)):
+    if not all(wake.is_passed(c, *traces(c).measured_m) for c in layout.ordinary(selection)):
         measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
     else:
         measures += band_measures(selection)

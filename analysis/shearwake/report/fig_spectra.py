@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
+"""Spectra of the displacement at the trace point of the columns, for all cases and their reference."""
 from __future__ import annotations
 
 import math
@@ -41,7 +41,7 @@ def spectrum(case: Case) -> tuple[np.ndarray, np.ndarray]:
     """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
     found = traces(case)
     shown = found.frequency_Hz > 0
-    return found.frequency_Hz[shown], found.amplitude_m[found.nearest, shown]
+    return found.frequency_Hz[shown], found.amplitude_m[found.measured, shown]
 
 
 def unit_of(cases: list[Case]) -> tuple[str, float]:
@@ -51,13 +51,13 @@ def unit_of(cases: list[Case]) -> tuple[str, float]:
 
 
 def velocity_spectrum(case: Case) -> Any:
-    """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s. The skin is at rest at t = 0 or, in the
+    """One-sided spectrum of du/dt at the trace point of the columns in Hz and mm/s. The skin is at rest at t = 0 or, in the
     periodic regime, moves as at the end of the period."""
-    nearest = traces(case).u_z_m[traces(case).nearest]
+    u = traces(case).u_z_m[traces(case).measured]
     interval_s = float(case.over_time["time"][1] - case.over_time["time"][0])
-    velocity = np.diff(nearest, prepend=0.0) / interval_s
+    velocity = np.diff(u, prepend=0.0) / interval_s
     if layout.repeats(case):
-        velocity[0] = (nearest[0] - nearest[-1]) / interval_s
+        velocity[0] = (u[0] - u[-1]) / interval_s
         return np.fft.rfftfreq(len(velocity), interval_s)[1:], 2e3 * np.abs(np.fft.rfft(velocity))[1:] / len(velocity)
     frequency, amplitude = amplitude_spectrum(velocity, interval_s)
     return frequency[1:], 1e3 * amplitude[1:]
@@ -220,7 +220,7 @@ def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figu
     plain = {c.id: plain_of(selection, c) for c in drawn}
     references = [c for c in plain.values() if c and largest(c)]
     if (len(references) < len(plain) or all(plain[c.id] is c for c in drawn)
-            or not all(wake.is_passed(c, *traces(c).nearest_m) for c in references)):
+            or not all(wake.is_passed(c, *traces(c).measured_m) for c in references)):
         return None
     name = layout.reference_name(references)
 
@@ -247,7 +247,7 @@ def velocity_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figu
     how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
     text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
-    where = layout.place_words(traces(c).nearest_m for _, cases, _ in rows for c in cases)
+    where = layout.place_words(traces(c).measured_m for _, cases, _ in rows for c in cases)
     return Figure("spectra_velocity", f"Spectra of the velocity {where}", text,
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
@@ -270,20 +270,16 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
 
     alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
     text = caption(selection, cases) + own_scale(alike)
-    made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
+    where = layout.place_words(traces(c).measured_m for c in cases)
+    made = [Figure("spectra", f"Spectra {where}", text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
             velocity_figure(selection, folder, rows), relative_figure(selection, folder, rows)]
     ids = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
     return [replace(f, cases=ids) for f in made if f]
 
 
-def spectra_title(cases: list[Case]) -> str:
-    at_centre = all(math.hypot(*traces(c).nearest_m) < 1e-9 for c in cases)
-    return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
-
-
 def caption(selection: Selection, cases: list[Case]) -> str:
-    places = sorted({tuple(millimetres(1e3 * v) for v in traces(c).nearest_m) for c in cases})
+    places = sorted({tuple(millimetres(1e3 * v) for v in traces(c).measured_m) for c in cases})
     duration = {round(c.over_time["time"][-1], 9) for c in cases}
     where = listed(f"({x}, {y}) mm" for x, y in places)
     where += "" if (plane := layout.plane_name(cases)) == "the surface" else f" in {plane}"
@@ -294,7 +290,7 @@ def caption(selection: Selection, cases: list[Case]) -> str:
     if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
         run = duration.pop()
         text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(2 / run, 2)} Hz apart."
-    passing = {number(t, 3) if (t := wake.passing_ms(c, *traces(c).nearest_m)) is not None else None for c in cases}
+    passing = {number(t, 3) if (t := wake.passing_ms(c, *traces(c).measured_m)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
         text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
         if any(kind_of(c) != "STM" for c in cases):

@@ -166,12 +166,6 @@ def wrapped(title: str, width_in: float) -> str:
     return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
 
 
-def column_place_m(case: Case) -> tuple:
-    """The trace point of the columns of the signal: that in the centre, else the first one."""
-    places = traces(case).points_m
-    return (0.0, 0.0) if (0.0, 0.0) in places or not places else places[0]
-
-
 def place_words(places: Iterable[tuple]) -> str:
     """'at the centre', 'at (25, 0) mm', or 'at a trace point' if the points in m differ."""
     found = {tuple(words.millimetres(1e3 * v + 0.0) for v in place) for place in places}

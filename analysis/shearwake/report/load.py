@@ -75,14 +75,14 @@ class Traces:
         return len(self.points_m)
 
     @property
-    def nearest(self) -> int:
-        """The index of the point that is nearest to the centre."""
-        return int(np.argmin(np.hypot(*np.transpose(self.points_m))))
+    def measured(self) -> int:
+        """The index of the point whose signal the columns of the table describe: that in the centre, else the first one."""
+        return self.points_m.index((0.0, 0.0)) if (0.0, 0.0) in self.points_m else 0
 
     @property
-    def nearest_m(self) -> tuple[float, float]:
-        """The point nearest to the centre; NaN without points."""
-        return self.points_m[self.nearest] if self.points_m else (math.nan, math.nan)
+    def measured_m(self) -> tuple[float, float]:
+        """That point; NaN without points."""
+        return self.points_m[self.measured] if self.points_m else (math.nan, math.nan)
 
 
 @functools.cache
