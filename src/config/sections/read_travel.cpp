@@ -68,7 +68,9 @@ double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& 
     }
     const bool is_misspelled = reader.has_misspelled("speed_m_s") ||
                                reader.has_misspelled("draw_frequency_Hz"); // reported by finish()
-    if (!has_speed && !is_misspelled)
+    // A file that cannot be read may state the time at each point.
+    const bool may_rest = !has_path && reader.optional_table("path").has("file");
+    if (!has_speed && !is_misspelled && !may_rest)
         reader.error("speed_m_s",
                      is_closed(travel.path)
                          ? "is missing (or mach, the speed divided by c_s of the top layer, or "

@@ -249,6 +249,10 @@ TEST_CASE("errors in a file of points with times are reported", "[config][path]"
     CHECK(has(errors_of_file("x_mm,y_mm,dwell_mm\n0,0,1\n1,0,1\n"), "line 1: must name"));
     CHECK(has(errors_of_file("x_mm,y_mm,dwell_ms\n0,0,1\n1,0,1\n", "speed_m_s = 7\n"),
               "speed_m_s does not apply, since the file of the path states the time"));
+    // One error: the file may state times, which replace the speed.
+    const std::string unread = errors_of_file("x_mm,y_mm,dwell_ms\n0,0,1\n1,0,nan\n");
+    CHECK_FALSE(has(unread, "speed_m_s"));
+    CHECK(has(unread, "line 3"));
 }
 
 TEST_CASE("an error in a file of points is reported with its line", "[config][path]") {
