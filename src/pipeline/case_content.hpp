@@ -9,6 +9,7 @@
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,9 +73,11 @@ double edge_share(const Domain& domain, const std::vector<double>& mean_u2);
 /// and of the afferents (`afferents`, lines "key: message"). The computed mean of u_z^2 (empty:
 /// unknown) decides on waves that may return through periodic edges. If they carry too much energy,
 /// the severity is `error`: the readings are not valid. If they carry almost none, the warning is
-/// omitted. Not collective.
+/// omitted. The sums of the surface at each frame (empty: unknown) decide on the uplift by images.
+/// Not collective.
 std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solver,
                                   const std::vector<std::string>& afferents,
-                                  const std::vector<double>& mean_u2);
+                                  const std::vector<double>& mean_u2,
+                                  std::span<const measures::SurfaceSums> surface);
 
 } // namespace shearwake::pipeline

@@ -126,8 +126,8 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
     if (team.is_root())
-        facts.warnings =
-            case_warnings(c, recorder.solver().warnings, results.afferents, recorder.mean_u2());
+        facts.warnings = case_warnings(c, recorder.solver().warnings, results.afferents,
+                                       recorder.mean_u2(), recorder.depths().front().frames);
     facts.solver.notes.push_back(memory_text(plan.needs));
     const std::vector<std::string> files = files_read(c);
     facts.solver.notes.insert(facts.solver.notes.end(), files.begin(), files.end());

@@ -61,7 +61,8 @@ Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,
                    const std::vector<std::string>& afferents) {
     Object list = Object::array();
     for (const Remark& remark :
-         pipeline::case_warnings(c, recorder.solver().warnings, afferents, recorder.mean_u2()))
+         pipeline::case_warnings(c, recorder.solver().warnings, afferents, recorder.mean_u2(),
+                                 recorder.depths().front().frames))
         list.push_back({{"severity", remark.severity == Severity::error ? "error" : "warning"},
                         {"key", remark.key},
                         {"message", remark.message}});
