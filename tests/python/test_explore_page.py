@@ -197,6 +197,18 @@ class ExplorePage(InFolder):
         self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))
         self.assertLess(page.run("explorer.result.wake"), page.run("explorer.result.peak"))
 
+    def test_the_level_of_sensation_has_a_map_with_its_threshold_in_the_middle_of_the_scale(self):
+        page = self.open()
+        page.run("(s => { s.value = 'level'; s.dispatchEvent(new Event('change')); })(document.getElementById('style'))")
+        most, peak = page.run("(r => [Math.max(...r.level), r.column('felt_peak_dB').value])(explorer.result)")
+        self.assertAlmostEqual(most, peak, places=3)  # single precision
+        low, high = (page.run(f"document.getElementById('scale-{end}').textContent") for end in ("low", "high"))
+        self.assertRegex(low, r"^below the threshold −[1-9]0 dB$")
+        self.assertRegex(high, r"^[1-9]0 dB above it from \S+ Hz on$")
+        self.assertRegex(page.run("document.querySelector('[data-column=felt_path_dB]').textContent"),
+                         r"dB (above|below) threshold from \S+ Hz on$")
+        self.assertEqual(page.errors(), [])
+
     def test_mach_lines_need_a_straight_path_that_is_supersonic(self):
         page = self.open()
         angle = "(explorer.play(false), explorer.show(60), explorer.overlay.mach_deg)"

@@ -27,6 +27,7 @@ class Explorer {
       settings => this.use(settings));
     this.controls = CONFIGURATION.stored ? this.choices(get("controls"))
       : new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
+    if (CONFIGURATION.stored) this.parts.style.options[2].remove();  // it has no levels
     drawScale(get("scale-map"));
     if (!this.is_playing) this.play(false);
     this.listen(get);
@@ -151,7 +152,7 @@ class Explorer {
     const pinned = this.pins.all.at(-1)?.result, before = pinned ? resultsOf(pinned) : [];
     const rows = resultsOf(this.result).map(({label, name, value, text}) => {
       const other = before.find(one => one.name === name), change = other && other.value ? 100 * (value / other.value - 1) : null;
-      const versus = change === null ? "" : ` (${change < 0 ? "−" : "+"}${Math.abs(change) < 10 ? Math.abs(change).toPrecision(2) : Math.abs(change).toFixed(0)} % of the pinned)`;
+      const versus = change === null ? "" : name.endsWith("_dB") ? ` (${value < other.value ? "−" : "+"}${Math.abs(value - other.value).toPrecision(2)} dB)` : ` (${change < 0 ? "−" : "+"}${Math.abs(change) < 10 ? Math.abs(change).toPrecision(2) : Math.abs(change).toFixed(0)} % of the pinned)`;
       const shown = element("dd", {textContent: text + versus, title: this.result.column(name).meaning || ""});
       shown.dataset.column = name;
       return [element("dt", {textContent: label}), shown];
@@ -196,15 +197,18 @@ class Explorer {
     this.plots.showTime(this.frame);
   }
   draw() {
-    const scale_m = roundScale(Math.max(this.result?.wake ?? 0, this.pins.wake));
-    const relief = this.parts.style.value === "slopes";
+    const style = this.parts.style.value, is_level = style === "level";
+    // Levels: 0 dB, the threshold, is in the middle.
+    const scale = is_level ? 10 * Math.max(1, Math.ceil(0.1 * Math.max(this.result?.column("felt_peak_dB").value ?? 0, this.pins.level)))
+      : roundScale(Math.max(this.result?.wake ?? 0, this.pins.wake));
     this.overlay.fit();
     if (this.result) {
       this.surface.fit();
-      this.surface.draw(this.result, this.frame, scale_m, relief);
-      this.pins.draw(this.result.time[this.frame], scale_m, relief);
-      this.parts["scale-low"].textContent = `out of the skin −${(1e6 * scale_m).toPrecision(2)} µm`;
-      this.parts["scale-high"].textContent = `${(1e6 * scale_m).toPrecision(2)} µm into the skin`;
+      this.surface.draw(this.result, this.frame, scale, style);
+      this.pins.draw(this.result.time[this.frame], scale, style);
+      const size = `${(1e6 * scale).toPrecision(2)} µm`;
+      this.parts["scale-low"].textContent = is_level ? `below the threshold −${scale} dB` : `out of the skin −${size}`;
+      this.parts["scale-high"].textContent = is_level ? `${scale} dB above it${judged(this.result)}` : `${size} into the skin`;
     }
     this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,
       receptors: this.parts["show-receptors"].checked});

@@ -94,6 +94,7 @@ function jobText(s) {
 [domain]\nextent_mm = ${pair(covering(WIDTH_mm), covering(HEIGHT_mm))}\nspacing_mm = ${number(s.spacing)}\nedges = "open"\n
 [time]\nduration_ms = ${number(s.duration)}\noutput_interval_us = ${number(1e3 * s.duration / 120)}\n
 [solver]\nengine = "layered"\n
+[measure]\nsensation = true\n
 [record]\ntraces_mm = [[0.0, 0.0]]\nframes = true\n${receptors}`;
 }
 

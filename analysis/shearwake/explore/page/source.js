@@ -37,6 +37,20 @@ class Result {
   }
   column(name) { return this.header.columns[name] ?? {value: null, note: ""}; }
   frame(n) { return this.u.subarray(n * this.nx * this.ny, (n + 1) * this.nx * this.ny); }
+  // The level of sensation in dB on the grid of the frames, far below the threshold where nothing is measured.
+  get level() {
+    if (this.levels) return this.levels;
+    const {"sensation/x": x = [], "sensation/y": y = [], "sensation/level": found} = this.arrays;
+    this.levels = new Float32Array(this.nx * this.ny).fill(-1e3);
+    for (let i = 0; i < x.length; ++i)
+      for (let j = 0; j < y.length; ++j) {
+        const [row, column] = this.index(1e3 * x[i], 1e3 * y[j]), value = found[i * y.length + j];
+        if (isNumber(value)) this.levels[row * this.ny + column] = value;
+      }
+    return this.levels;
+  }
+  // What the map of this style shows.
+  shown(n, style) { return style === "level" ? this.level : this.frame(n); }
   focus(n) { return [1e3 * this.arrays.focus_x[n], 1e3 * this.arrays.focus_y[n]]; }
   // Index of the grid point that is nearest to a place in mm.
   index(x, y) {

@@ -17,7 +17,8 @@ precision highp float;
 in vec2 at; out vec4 shown;
 uniform highp sampler2D field;  // y along rows of x: texel (j, i) is u(x_i, y_j)
 uniform vec2 points, view;  // of the grid, and of the part that is shown
-uniform float scale, relief;  // displacement at the ends of the scale; points per mm if slopes are shown, otherwise 0
+uniform float scale, relief;  // value at the ends of the scale; points per mm if slopes are shown, otherwise 0
+uniform bool contour;  // a line at 0
 float u(ivec2 p) { return texelFetch(field, clamp(p, ivec2(0), ivec2(points) - 1).yx, 0).r / scale; }
 vec2 gradient(ivec2 p) { return 0.5 * vec2(u(p + ivec2(1, 0)) - u(p - ivec2(1, 0)), u(p + ivec2(0, 1)) - u(p - ivec2(0, 1))); }
 void main() {
@@ -31,6 +32,7 @@ void main() {
   vec2 slope = mix(mix(gradient(i), gradient(i + ivec2(1, 0)), w.x), mix(gradient(i + ivec2(0, 1)), gradient(i + ivec2(1, 1)), w.x), w.y);
   float steep = 5.0 * relief * length(slope);
   shown = vec4(colour * (1.0 - 0.3 * steep / (1.0 + steep)), 1.0);
+  if (contour && abs(value) < fwidth(value)) shown.rgb = vec3(0.0);
 }`;
 
 class Surface {
@@ -51,7 +53,7 @@ class Surface {
     }
     gl.linkProgram(program);
     gl.useProgram(program);
-    this.places = Object.fromEntries(["points", "view", "scale", "relief"].map(name => [name, gl.getUniformLocation(program, name)]));
+    this.places = Object.fromEntries(["points", "view", "scale", "relief", "contour"].map(name => [name, gl.getUniformLocation(program, name)]));
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), gl.STATIC_DRAW);
     const corner = gl.getAttribLocation(program, "corner");
@@ -69,30 +71,32 @@ class Surface {
   }
   // Without a graphics processor the time of a picture follows from the number of its pixels: fewer keep the playback smooth.
   coarsen() { this.widest = Math.max(350, Math.round(0.8 * Math.min(this.widest, this.canvas.width))); }
-  // `scale_m` is the displacement at the ends of the scale.
-  draw(result, n, scale_m, relief) {
-    if (this.gl) this.drawWithShader(result, n, scale_m, relief); else this.drawFlat(result, n, scale_m);
+  // `scale` is the value at the ends of the scale.
+  draw(result, n, scale, style) {
+    if (this.gl) this.drawWithShader(result, result.shown(n, style), scale, style);
+    else this.drawFlat(result, result.shown(n, style), scale);
   }
-  drawWithShader(result, n, scale_m, relief) {
+  drawWithShader(result, values, scale, style) {
     const gl = this.gl, {nx, ny} = result;
     if (this.nx !== nx || this.ny !== ny) {
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ny, nx, 0, gl.RED, gl.FLOAT, result.frame(n));
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ny, nx, 0, gl.RED, gl.FLOAT, values);
       Object.assign(this, {nx, ny});
     } else {
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ny, nx, gl.RED, gl.FLOAT, result.frame(n));
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ny, nx, gl.RED, gl.FLOAT, values);
     }
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.uniform2f(this.places.points, nx, ny);
-    gl.uniform1f(this.places.scale, scale_m || 1);
+    gl.uniform1f(this.places.scale, scale || 1);
     gl.uniform2f(this.places.view, WIDTH_mm / result.spacing, HEIGHT_mm / result.spacing);
-    gl.uniform1f(this.places.relief, relief ? 1 / result.spacing : 0);
+    gl.uniform1f(this.places.relief, style === "slopes" ? 1 / result.spacing : 0);
+    gl.uniform1i(this.places.contour, style === "level");
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
-  drawFlat(result, n, scale_m) {
-    const {nx, ny} = result, frame = result.frame(n), image = new ImageData(nx, ny);
+  drawFlat(result, values, scale) {
+    const {nx, ny} = result, image = new ImageData(nx, ny);
     for (let i = 0; i < nx; ++i)
       for (let j = 0; j < ny; ++j) {
-        const rgb = colour(frame[i * ny + j] / (scale_m || 1));
+        const rgb = colour(values[i * ny + j] / (scale || 1));
         image.data.set([...rgb.map(c => Math.round(255 * c)), 255], 4 * ((ny - 1 - j) * nx + i));
       }
     const small = document.createElement("canvas");
