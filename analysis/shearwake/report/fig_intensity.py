@@ -93,6 +93,7 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
         if not shot or not cell:
             continue
         image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=low, vmax=end, extent=fig_surface.extent(shot))
+        axes.set_facecolor("0.4")  # outside the measured region
         fig_surface.draw_threshold(axes, cell[1], "white")
         mean = load.mean_square(shot.case)
         draw_lines(axes, mean[3] if mean else [])
@@ -106,7 +107,7 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
     bar_axes.grid(False)
     style.save(figure, folder / "sensation.png")
     text = ("Level of the acceleration of the skin above the threshold of perception, the largest of all third octaves, in the "
-            "measured region. Solid line: 0 dB, the limit of what can be felt. Dashed lines or crosses: the shape that the focus draws. "
+            "measured region; grey is outside. Solid line: 0 dB, the limit of what can be felt. Dashed lines or crosses: the shape that the focus draws. "
             "Numbers: the largest level and the third octave that decides it.")
     return [Figure("sensation", "Level of sensation", text, "Level of sensation seen from above", maps=hover.maps_of(figure),
                    cases=[case.id for case, _ in shown])]
