@@ -85,6 +85,13 @@ def most_sensitive_frequency(rows: list[Row]) -> float:
     return float(column(rows, "load.modulation.am_frequency_Hz")[np.argmax(column(rows, "felt_peak_dB"))])
 
 
+def small_focus_minus_large(rows: list[Row]) -> float:
+    """At the same force: the peak of the pressure grows with the square of the ratio of the sizes."""
+    def level(fwhm_mm: float) -> float:
+        return float(np.mean([r["felt_peak_dB"] for r in rows if r["load.footprint.fwhm_mm"] == fwhm_mm]))
+    return level(2.46) - level(4.3) + 40 * math.log10(4.3 / 2.46)
+
+
 def correlation_with_speed(rows: list[Row]) -> float:
     """Between the amplitude relative to the threshold, averaged over the path in dB, and the revolutions per second."""
     return float(np.corrcoef(column(rows, "load.modulation.draw_frequency_Hz"), 10**(column(rows, "felt_path_dB") / 20))[0, 1])
