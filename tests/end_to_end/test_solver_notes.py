@@ -56,7 +56,7 @@ class SolverNotes(ProgramTest):
 
     def test_a_bone_is_rigid_by_default_and_the_notes_state_why(self):
         self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
-        note = "medium.body[1] is rigid because it is 1.99e+05 times stiffer than its surroundings (rigid_above = 1000) " \
+        note = "medium.body[1] is rigid because it is 1.99e+05 times stiffer than its surroundings (rigid_above = 400) " \
                "and moves with its mass: one additional background solve per step, no cap on its stiffness"
         planned = self.shearwake("plan", "job.toml").said
         self.says(planned, note)

@@ -59,8 +59,15 @@ TEST_CASE("series of a wave scattered by a rigid sphere meets the conditions", "
 }
 
 TEST_CASE("displacement around a rigid sphere in a shear wave agrees with the series", "[verify]") {
-    const double kappa = GENERATE(1.0, 2.0); // at 3 mm and 5 m/s: 270 and 530 Hz
-    RigidSphere sphere(9.0, kappa, 12.0);    // 0.07 at 6 spacings per radius
+    // At 3 mm and 5 m/s: 270 and 530 Hz. The errors of few spacings are those of which `check`
+    // warns (docs/explanation/engine-spectral.md), rounded up.
+    const auto [kappa, per_radius, allowed] =
+        GENERATE(table<double, double, double>({{1.0, 9.0, 0.03},
+                                                {2.0, 9.0, 0.03},
+                                                {1.0, 2.0, 0.57},
+                                                {1.0, 4.0, 0.085},
+                                                {1.0, 5.0, 0.055}}));
+    RigidSphere sphere(per_radius, kappa, 12.0);
     std::vector<Vec3> points;
     for (const Vec3& direction : directions())
         points.push_back((1.5 * test::body_radius_m) * direction);
@@ -81,8 +88,9 @@ TEST_CASE("displacement around a rigid sphere in a shear wave agrees with the se
             below += std::pow(norm(exact), 2);
         }
         const double error = std::sqrt(above / below);
-        CAPTURE(kappa, excess, wave.direction.x, wave.direction.y, wave.direction.z, error);
-        CHECK(error < 0.03); // required
+        CAPTURE(kappa, per_radius, excess, wave.direction.x, wave.direction.y, wave.direction.z,
+                error);
+        CHECK(error < allowed); // 0.03 is required
     }
 }
 

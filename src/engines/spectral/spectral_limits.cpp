@@ -15,19 +15,30 @@ namespace shearwake::spectral {
 
 namespace {
 
-/// Error in % of the waves that an elastic sphere scatters, by its stiffness and the spacings per
-/// radius: docs/explanation/engine-spectral.md, "Errors at bodies".
+/// Error in % of the waves that a body scatters, by its stiffness and the spacings per radius:
+/// docs/explanation/engine-spectral.md, "Errors at bodies".
 constexpr std::array per_radius = {1.0, 2.0, 4.0, 5.0, 7.5, 10.0};
+using Percent = std::array<double, per_radius.size()>;
 struct MeasuredErrors {
     double up_to; // stiffness relative to the layer
-    std::array<double, per_radius.size()> percent;
+    Percent percent;
 };
 constexpr std::array measured = {
     MeasuredErrors{0.2, {21, 8.1, 2.9, 1.9, 0.9, 0.6}},
     MeasuredErrors{20.0, {7.2, 2.7, 1.9, 1.3, 0.7, 0.6}},
     MeasuredErrors{100.0, {15, 7.5, 2.2, 1.8, 0.9, 0.8}},
     MeasuredErrors{std::numeric_limits<double>::infinity(), {25, 16, 8.2, 6.3, 4.0, 2.6}}};
+constexpr Percent rigid_sphere = {156, 56, 8.2, 5.3, 2.2, 1.1},
+                  rigid_endless = {43, 5.1, 2.9, 2.4, 2.0, 1.3};
 constexpr double good_percent = 5.0;
+
+const Percent& measured_errors(const Body& body, double contrast, const Domain& domain) {
+    if (body.rigid)
+        return endless_along(body, domain) == Endless::no ? rigid_sphere : rigid_endless;
+    return std::ranges::find_if(measured,
+                                [=](const MeasuredErrors& m) { return contrast <= m.up_to; })
+        ->percent;
+}
 
 /// `c` contains the bodies that are treated as rigid.
 std::vector<Remark> resolution_remarks(const Case& c) {
@@ -37,11 +48,11 @@ std::vector<Remark> resolution_remarks(const Case& c) {
         const double contrast = stiffness_contrast(body, c.scene().medium);
         const double width_m = lateral_thickness_m(body),
                      radius = 0.5 * width_m / c.domain.spacing_m;
-        if (body.rigid || contrast == 0.0 || contrast == 1.0 || radius < per_radius.front())
-            continue; // check_variation
-        const auto& percent = std::ranges::find_if(measured, [=](const MeasuredErrors& m) {
-                                  return contrast <= m.up_to;
-                              })->percent;
+        if (radius < per_radius.front()) continue; // check_variation
+        if (body.rigid ? !has_markers(body, c.scene().medium, c.domain)
+                       : contrast == 0.0 || contrast == 1.0)
+            continue;
+        const Percent& percent = measured_errors(body, contrast, c.domain);
         std::size_t own = 0, good = 0;
         while (own + 1 < per_radius.size() && per_radius[own + 1] <= radius)
             ++own;
@@ -50,12 +61,14 @@ std::vector<Remark> resolution_remarks(const Case& c) {
         if (own >= good) continue;
         remarks.push_back(
             {Severity::warning, fmt::format("medium.body[{}].shape", i + 1),
-             fmt::format("it is {:.2g} grid spacings wide along the surface, {:.2g} times as stiff "
-                         "as its layer, and elastic: the waves that a body scatters are then in "
-                         "error by about {:.2g} % at a width of {:.2g} spacings and {:.2g} % at "
-                         "{:.2g}; use domain.spacing_mm = {:.3g}",
-                         2.0 * radius, contrast, percent[own], 2.0 * per_radius[own], percent[good],
-                         2.0 * per_radius[good], 0.5e3 * width_m / per_radius[good])});
+             fmt::format("it is {:.2g} grid spacings wide along the surface and {}: the waves that "
+                         "a body scatters are then in error by about {:.2g} % at a width of {:.2g} "
+                         "spacings and {:.2g} % at {:.2g}; use domain.spacing_mm = {:.3g}",
+                         2.0 * radius,
+                         body.rigid ? "rigid"
+                                    : fmt::format("{:.2g} times as stiff as its layer", contrast),
+                         percent[own], 2.0 * per_radius[own], percent[good], 2.0 * per_radius[good],
+                         0.5e3 * width_m / per_radius[good])});
     }
     return remarks;
 }

@@ -60,8 +60,8 @@ struct SpectralOptions {
     SpectralMethod method = SpectralMethod::automatic;
     double residual = 1e-3; // of the iterations: its energy norm relative to that of the motion
     double contrast_cap = 1000.0; // cap on mu of bodies, as a multiple of mu of the layer
-    double rigid_above = 1000.0; // bodies with more than this multiple of mu of the layer are rigid
-    double accuracy = 1e-3;      // relative L2 error of the surface field; determines the time step
+    double rigid_above = 400.0; // bodies with more than this multiple of mu of the layer are rigid
+    double accuracy = 1e-3;     // relative L2 error of the surface field; determines the time step
     bool operator==(const SpectralOptions&) const = default;
 };
 
@@ -88,8 +88,8 @@ void walk_body_options(Walk& walk, Options& o) {
              "a body whose shear modulus is more than this multiple of that of every layer around "
              "it is rigid, as with `rigid = true`, if rigid bodies support its shape and place and "
              "if it is at least as dense as these layers. Bodies that do not cross the domain "
-             "along x or y must also be smaller than about 50 grid spacings. Other bodies are "
-             "elastic and subject to `contrast_cap`. 1e9 treats all bodies as elastic that are "
+             "along x or y must also be between 6 and about 50 grid spacings wide. Other bodies "
+             "are elastic and subject to `contrast_cap`. 1e9 treats all bodies as elastic that are "
              "not marked as rigid"});
 }
 

@@ -15,6 +15,9 @@ namespace {
 
 /// Smallest width of a rigid body in grid spacings: markers stand half a spacing inside its faces.
 constexpr double least_spacings = 2.0;
+/// Width in grid spacings below which a sphere is less accurate if it is rigid than if it is
+/// elastic, whatever its stiffness: docs/explanation/engine-spectral.md, "Rigid bodies".
+constexpr double accurate_spacings = 6.0;
 /// Samples along each axis of the box that two bodies share. Bodies that share less than a sample
 /// of this box are not recognised.
 constexpr int overlap_samples = 48;
@@ -168,6 +171,11 @@ std::string obstacle(const Case& c, std::size_t i) {
         is_light |= body.density_kg_m3.value_or(layer.density_kg_m3) < layer.density_kg_m3;
     });
     if (is_light) return "it is lighter than its surroundings";
+    const double spacings = lateral_thickness_m(body) / c.domain.spacing_m;
+    if (endless_along(body, c.domain) == Endless::no && spacings < accurate_spacings)
+        return fmt::format("it is {:.2g} grid spacings wide, and elastic bodies are more accurate "
+                           "below {:.2g}",
+                           spacings, accurate_spacings);
     Case chosen = c;
     chosen.scene().medium.bodies[i].rigid = true;
     const std::vector<Remark> limits = rigid_limits(chosen);

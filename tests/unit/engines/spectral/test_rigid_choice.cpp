@@ -48,6 +48,13 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
         bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
         CHECK(is_rigid(c));
     }
+    SECTION("unless it is small and does not cross the domain") { // 1 mm
+        bone.shape = Ellipsoid{{2.9e-3, 4e-3, 4e-3}};
+        CHECK_FALSE(is_rigid(c));
+        CHECK(spectral::obstacle(c, 0).starts_with("it is 5.8 grid spacings wide"));
+        bone.shape = Cylinder{.radius_m = 2.9e-3};
+        CHECK(is_rigid(c));
+    }
     SECTION("unless the limit is higher") {
         std::get<SpectralOptions>(c.solver).rigid_above = 2e5;
         CHECK_FALSE(is_rigid(c));
@@ -56,7 +63,7 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
     }
     SECTION("unless a layer around it is almost as stiff") {
         Layer gel = c.scene().medium.layers[0];
-        gel.c_s_m_s = 100.0;
+        gel.c_s_m_s = 120.0;
         c.scene().medium.layers[0].thickness_m = 6e-3;
         c.scene().medium.layers.push_back(gel);
         CHECK_FALSE(is_rigid(c)); // it extends from 5 to 11 mm
