@@ -19,7 +19,8 @@ from PIL import Image
 from synthetic import AM, FWHM, Folder, Page, case_id, draw
 
 from shearwake.report import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
-                              fig_spectra, fig_spectrogram, fig_surface, hover, layout, load, player, table, warnings_of, words)
+                              fig_spectra, fig_spectrogram, fig_surface, hover, labels, layout, load, player, table,
+                              warnings_of, words)
 
 SPEED = "load.modulation.speed_m_s"
 SPACING = "domain.spacing_mm"
@@ -331,7 +332,7 @@ class WordsTest(unittest.TestCase):
                 folder = Folder(root, swept=[AM, sm])
                 folder.add({AM: 100.0, sm: 100.0}, written=False)
                 folder.add({AM: 200.0, sm: second}, written=False)
-                self.assertEqual(layout.name(load.load(folder.save()), AM), expected)
+                self.assertEqual(labels.name(load.load(folder.save()), AM), expected)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import numpy as np
 from synthetic import AM, FWHM, Folder, Page, case_id
 
 from shearwake.report import (chart, curve_chart, fig_curves, fig_heat, fig_measures, fig_multiples, fig_surface,
-                              layout, load, style, warnings_of)
+                              labels, load, style, warnings_of)
 from shearwake.report.style import plt
 
 INVALID = {"severity": "error", "key": "domain.extent_mm", "message": "waves return at 4.8 ms"}
@@ -174,11 +174,11 @@ class ValidityTest(unittest.TestCase):
         for depth, other in ((0.0, 0.5), (1.0, 1.0)):
             folder.add({DEPTH: depth, CARRIER: other})
         sweep = load.load(folder.save())
-        self.assertEqual(layout.settings_text(sweep, sweep.cases[0]), "AM depth of modulation = 0, AM depth of carrier = 0.5")
-        self.assertEqual(layout.axis_label(sweep, DEPTH), "AM depth, modulation")
+        self.assertEqual(labels.settings_text(sweep, sweep.cases[0]), "AM depth of modulation = 0, AM depth of carrier = 0.5")
+        self.assertEqual(labels.axis_label(sweep, DEPTH), "AM depth, modulation")
         for case in sweep.cases:
             case.settings[CARRIER] = case.settings[DEPTH]
-        self.assertEqual(layout.settings_text(sweep, sweep.cases[0]), "AM depth 0")
+        self.assertEqual(labels.settings_text(sweep, sweep.cases[0]), "AM depth 0")
 
     def test_references_per_value_of_x_have_crosses(self):
         draw = "load.modulation.draw_frequency_Hz"

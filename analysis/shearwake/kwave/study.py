@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from .checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
-from .record import FIELDS, recorded_fields
+from .record import FIELDS, read_sensor
 from .structures import BadInput, Structure, text_of
 
 PSTD_CFL = 0.1  # of pstdElastic3D: kspaceFirstOrder_setDefaults.m
@@ -115,7 +115,7 @@ class Study:
         self.sources = []
         self.read_sources(parts["source"])
         check_spectrum(self)
-        self.read_sensor(parts.get("sensor") or Structure({}, "sensor"))
+        read_sensor(self, parts.get("sensor") or Structure({}, "sensor"))
 
     # ---- the grid and its layer
 
@@ -362,75 +362,3 @@ class Study:
         for field in ("sxx", "syy", "szz"):
             self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights,
                                  "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2)), "is_initial": True})
-
-    # ---- the sensor
-
-    def read_sensor(self, sensor):
-        """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each."""
-        self.sensor_fields = recorded_fields(sensor.texts("record", ["p"]))
-        self.sensor_nodes, self.sensor_weights, self.cuboids = np.zeros((0, 3), dtype=int), None, None
-        start = sensor.number("record_start_index", 1.0)
-        self.sensor_start = int(start)
-        if self.sensor_start != start or not 1 <= start <= self.steps:
-            raise BadInput(f"sensor.record_start_index is {start:g}; it must be a whole number from 1 to kgrid.Nt = "
-                           f"{self.steps}")
-        if "mask" not in sensor:
-            return
-        mask = np.atleast_1d(sensor.array("mask"))
-        if mask.ndim == 3:
-            self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
-        elif mask.ndim in (1, 2) and mask.shape[0] == 6:
-            self.read_corners(mask)
-        elif mask.shape[0] == 3:
-            self.read_points(mask.reshape(3, -1).T / self.spacing_m + (self.points - 2 * self.first) // 2)
-        else:
-            transposed = mask.ndim == 2 and mask.shape[1] in (3, 6)
-            raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
-                           "(corners of cuboids) or 3 rows (coordinates)" +
-                           ("; it appears to be transposed" if transposed else ""))
-        if "u_split_field" in self.sensor_fields and self.sensor_weights is not None:
-            raise BadInput("sensor.record 'u_split_field' is not available at Cartesian points")
-        if "u_split_field" in self.sensor_fields and self.cuboids is not None:  # as in k-Wave
-            self.sensor_fields.remove("u_split_field")
-            self.notes.append("sensor.record 'u_split_field' is not recorded: as in k-Wave, it is not available for cuboids")
-
-    def read_corners(self, mask):
-        """Corners of cuboids, counted from 1."""
-        if np.any(between := mask % 1.0 != 0.0):
-            raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
-                           "numbers, the indices of nodes")
-        self.check_inside(mask.reshape(2, 3, -1).transpose(0, 2, 1).reshape(-1, 3) - 1.0)
-        self.cuboids = mask.reshape(6, -1).T.astype(int) - 1
-        if np.any(self.cuboids[:, 3:] < self.cuboids[:, :3]):
-            raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
-                           "y2, z2 with x1 <= x2, y1 <= y2 and z1 <= z2, as in k-Wave")
-        self.sensor_nodes = np.concatenate([
-            np.stack([i.ravel(order="F") for i in np.meshgrid(
-                *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
-            for box in self.cuboids]) + self.first
-
-    def read_points(self, at):
-        """Cartesian points as indices from 0 that lie between the nodes, (point, axis)."""
-        points, centre = self.points - 2 * self.first, (self.points - 2 * self.first) // 2
-        interpolation = self.options.text("CartInterp", "linear")
-        if interpolation not in ("linear", "nearest"):
-            raise BadInput(f"options.CartInterp is \"{interpolation}\"; it must be \"linear\" or \"nearest\"")
-        if interpolation == "nearest":  # of the points at one node only the last remains, as in k-Wave
-            at = np.sign(at - centre) * np.floor(np.abs(at - centre) + 0.5) + centre  # round() of MATLAB
-            self.check_inside(at)
-            last = {tuple(node): number for number, node in enumerate(at.astype(int))}
-            self.sensor_nodes = np.array(sorted(last, key=last.__getitem__)) + self.first
-            return
-        if not np.all((at > -1e-9) & (at < points - 1 + 1e-9)):  # also for NaN
-            raise BadInput("sensor.mask has points outside of the grid")
-        low = np.clip(np.floor(at + 1e-9).astype(int), 0, points - 2)
-        share = np.clip(at - low, 0.0, 1.0)  # 1e-9 of a cell is a rounding error of the coordinates
-        corners = np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1).T
-        self.sensor_nodes = (low[:, None, :] + corners).reshape(-1, 3) + self.first
-        self.sensor_weights = np.prod(np.where(corners, share[:, None, :], 1.0 - share[:, None, :]), axis=2)
-        self.notes.append("sensor.mask: values at Cartesian points are interpolated linearly between nodes")
-
-    def check_inside(self, nodes):
-        """Nodes (node, axis) must lie in the grid of the study, without an absorbing layer outside of it."""
-        if not np.all((nodes >= 0) & (nodes < self.points - 2 * self.first)):  # also for NaN
-            raise BadInput("sensor.mask has points outside of the grid")

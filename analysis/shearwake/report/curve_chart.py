@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..case import Case
-from . import layout, style
+from . import labels, layout, style
 from .chart import Chart, Line
 from .load import Selection
 from .numerical_error import valid
@@ -83,6 +83,6 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
         lines += reference_lines(selection, figure, same[0], column, label, colour)
     lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(selection)
-    names = None if layout.is_numeric(selection) else [layout.value_text(selection, selection.x, v) for v in values]
-    return Chart(layout.axis_label(selection, selection.x), y_label.replace("\n", " "), lines, title, names,
+    names = None if layout.is_numeric(selection) else [labels.value_text(selection, selection.x, v) for v in values]
+    return Chart(labels.axis_label(selection, selection.x), y_label.replace("\n", " "), lines, title, names,
                  names is None and bool(layout.is_logarithmic(values)), y_log)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from ..case import Case
 from ..tables import read_adaptive
-from . import fig_heat, layout, style
+from . import fig_heat, labels, layout, style
 from .figure import Figure
 from .load import Selection
 from .warnings_of import is_valid
@@ -66,7 +66,7 @@ def draw_axis(axes: Axes, selection: Selection, axis: Any, rows: Any) -> Any:
         crossed = sorted((case.settings[key], reference.value(column, math.nan)) for case in layout.ordinary(selection)
                          if key in case.settings and (reference := selection.reference_of(case)) and is_valid(reference))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
-    axes.set_xlabel(layout.axis_label(selection, key))
+    axes.set_xlabel(labels.axis_label(selection, key))
     axes.set_ylabel(fig_heat.measure_label(selection, column))
     if axes.get_legend_handles_labels()[1] and len(shown) <= style.DIRECT_LABELS:
         axes.legend()
@@ -75,7 +75,7 @@ def draw_axis(axes: Axes, selection: Selection, axis: Any, rows: Any) -> Any:
 
 def sentence(selection: Selection, axis: Any, rows: Any) -> str:
     """What is known about an axis."""
-    name = layout.name(selection, axis["key"])
+    name = labels.name(selection, axis["key"])
     if not rows:
         return f" {name}: no curve has values."
     if axis["goal"] == "refine":

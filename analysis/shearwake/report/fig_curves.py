@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter, NullLocator
 
-from . import layout, style, warnings_of
+from . import labels, layout, style, warnings_of
 from .curve_chart import curve_chart, draw_errors, error_caption
 from .figure import Figure
 from .load import Selection
@@ -23,10 +23,10 @@ from .words import SUPERSCRIPTS, counted, is_at_instant, number
 def set_x_axis(axes: Axes, selection: Selection) -> None:
     """Puts ticks at the swept values if they fit; strings of x become labels."""
     values = layout.x_values(selection)
-    axes.set_xlabel(layout.axis_label(selection, selection.x))
+    axes.set_xlabel(labels.axis_label(selection, selection.x))
     if not layout.is_numeric(selection):
         few = len(values) <= 6
-        axes.set_xticks(range(len(values)), [style.plain(layout.value_text(selection, selection.x, v)) for v in values],
+        axes.set_xticks(range(len(values)), [style.plain(labels.value_text(selection, selection.x, v)) for v in values],
                         rotation=0 if few else 30, ha="center" if few else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
         return
@@ -225,7 +225,7 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
             draw_errors(axes, x, y, group.cases, column, colour)
         if measure.get("log") and spans_decades(selection, column):
             axes.set_yscale("log")
-        labels = reference_lines(axes, selection, curves, column, measure["name"])
+        ends = reference_lines(axes, selection, curves, column, measure["name"])
         axes.margins(y=0.12)
         widen(axes)
         axes.set_ylabel(measure["label"])
@@ -233,13 +233,13 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
         axes.yaxis.set_label_coords(-0.105, 0.5)
         axes.set_title("mean over periods" if whole_periods else instant_title(selection), loc="left",
                        color="#555555")
-        style.label_right(axes, labels)
+        style.label_right(axes, ends)
     set_x_axis(made[-1], selection)
     for axes in made if not numeric else []:
         axes.grid(False, axis="x")
     legend_above(figure, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
-    title = measure["title"].format(x=layout.name(selection, selection.x))
+    title = measure["title"].format(x=labels.name(selection, selection.x))
     charts = [curve_chart(selection, measure["name"], column, measure["label"],
                           "mean over periods" if column == period else instant_title(selection),
                           bool(measure.get("log") and spans_decades(selection, column))) for column in rows]

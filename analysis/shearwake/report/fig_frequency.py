@@ -9,7 +9,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 
 from .. import wake
-from . import fig_curves, layout, style
+from . import fig_curves, labels, layout, style
 from .figure import Figure
 from .load import Selection, traces
 from .validity import invalid_caption
@@ -129,7 +129,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     parts = ["dominant frequency"] * bool(found)
     if shown:
         parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
-    title = f"{' and '.join(parts)} against {layout.name(selection, selection.x)}"
+    title = f"{' and '.join(parts)} against {labels.name(selection, selection.x)}"
     title = title[:1].upper() + title[1:]
     columns = [*(column for column, _ in found), *(b.column for b in shown)]
     return [Figure(NAME, title, caption(selection, found, shown) + invalid_caption(selection, NAME, *columns), title)]

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from .. import wake
 from ..case import Case
-from . import hover, layout, style, warnings_of
+from . import hover, labels, layout, style, warnings_of
 from .figure import Figure
 from .curve_chart import have_errors
 from .load import Selection, traces
@@ -172,7 +172,7 @@ def ticks(axis: Any, key: str, selection: Selection, room: Any) -> None:
     values = layout.values_of(selection, key)
     every = max(1, math.ceil(len(values) / room))
     words = [number(float(v), 3) if layout.is_number(v) and (key, v) not in layout.labels(selection)
-             else textwrap.fill(layout.value_text(selection, key, v), WORDS, break_on_hyphens=False) for v in values]
+             else textwrap.fill(labels.value_text(selection, key, v), WORDS, break_on_hyphens=False) for v in values]
     axis.set_ticks(range(0, len(values), every), list(map(style.plain, words[::every])))
     longest = max(len(line) for word in words for line in word.splitlines())
     if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
@@ -278,8 +278,8 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
         made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
     ticks(made[0, 0].xaxis, x, selection, 15 // columns + 1)
     ticks(made[0, 0].yaxis, y, selection, 12 if rows == 1 else 8)
-    figure.supxlabel(layout.axis_label(selection, x), fontsize=9.5)
-    figure.supylabel(layout.axis_label(selection, y), fontsize=9.5)
+    figure.supxlabel(labels.axis_label(selection, x), fontsize=9.5)
+    figure.supylabel(labels.axis_label(selection, y), fontsize=9.5)
     bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
                           label=label, aspect=30, pad=0.02)
     if selection.is_ratio(column) and isinstance(norm, plt.matplotlib.colors.LogNorm):
@@ -288,8 +288,8 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
     bar.ax.grid(False)
     name = NAME + column
     style.save(figure, folder / (name + ".png"))
-    head = f"{title} over {layout.name(selection, x)} and {layout.name(selection, y)}"
-    text = caption(every, [layout.name(selection, k) for k in others], len(shown), of)
+    head = f"{title} over {labels.name(selection, x)} and {labels.name(selection, y)}"
+    text = caption(every, [labels.name(selection, k) for k in others], len(shown), of)
     if have_errors(selection, column):
         text += (" Corners of cells: the colours of the value plus (upper left) and minus (lower right) its estimated numerical "
                  "error.")

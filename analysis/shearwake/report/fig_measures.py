@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .. import wake
-from . import fig_curves as curves_module, fig_heat, layout, style
+from . import fig_curves as curves_module, fig_heat, labels, layout, style
 from .chart import Chart, Line
 from .curve_chart import curve_chart, draw_errors, error_caption, errors
 from .figure import Figure
@@ -106,7 +106,7 @@ def gain_figure(selection: Selection, folder: Path) -> Figure | None:
         return None
     name = layout.reference_name(layout.all_references(selection))
     charts = ratio_curves(selection, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
-    title = f"Efficiency relative to {name} against {layout.name(selection, selection.x)}"
+    title = f"Efficiency relative to {name} against {labels.name(selection, selection.x)}"
     within = "in the same medium" if curves_module.is_steady(selection) else "in the same time window and medium"
     return Figure("gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
                   f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
@@ -118,7 +118,7 @@ def strength_figure(selection: Selection, folder: Path) -> Figure | None:
     """rms over the focal disc relative to the reference; None without a reference."""
     if not selection.x or not layout.all_references(selection) or not curves_module.has_any(selection, "focal_rms_um"):
         return None
-    title = f"Strength at the focus against {layout.name(selection, selection.x)}"
+    title = f"Strength at the focus against {labels.name(selection, selection.x)}"
     name = layout.reference_name(layout.all_references(selection))
     charts = ratio_curves(selection, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
     caption = (f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed "
@@ -144,7 +144,7 @@ def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     finish(figure, made[-1], selection, curves, folder / "displacement.png")
-    title = f"Displacement in µm against {layout.name(selection, selection.x)}"
+    title = f"Displacement in µm against {labels.name(selection, selection.x)}"
     words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(selection)}.",
              "peak_um": "largest |u| within one period." if curves_module.is_steady(selection) else
              "largest |u| from the start of the run to the instant measure.at_ms."}

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..case import Case
-from . import fig_curves, layout, style, validity, warnings_of
+from . import fig_curves, labels, layout, style, validity, warnings_of
 from .curve_chart import draw_errors, error_caption
 from .figure import Figure
 from .load import Selection
@@ -105,7 +105,7 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
     else:
         fig_curves.set_x_axis(made[0, 0], selection)
         made[0, 0].set_xlabel("")
-    figure.supxlabel(layout.axis_label(selection, selection.x), fontsize=9.5)
+    figure.supxlabel(labels.axis_label(selection, selection.x), fontsize=9.5)
     figure.supylabel(label, fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(selection, colour, v))
                for v, c in zip(values, colours)]
@@ -113,9 +113,9 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
         handles.append(plt.Line2D([], [], color="#b0b0b0", linewidth=2.2, label=layout.reference_name(layout.all_references(selection))))
     style.legend_strip(figure, handles)
     style.save(figure, folder / (name + ".png"))
-    head = f"{title} against {layout.name(selection, selection.x)}"
-    text = (f"One panel per {listed(layout.name(selection, k) for k in others)} and one colour per "
-            f"{layout.name(selection, colour)}; means over periods, with the same axes in all panels.")
+    head = f"{title} against {labels.name(selection, selection.x)}"
+    text = (f"One panel per {listed(labels.name(selection, k) for k in others)} and one colour per "
+            f"{labels.name(selection, colour)}; means over periods, with the same axes in all panels.")
     if layout.all_references(selection):
         text += f" Grey: {layout.reference_name(layout.all_references(selection))}."
     if len(shown) < len(every):

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from .. import wake
 from ..case import Case
-from . import fig_frequency, fig_time, layout, style, warnings_of
+from . import fig_frequency, fig_time, labels, layout, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
 from .load import Selection, amplitude_spectrum, traces
@@ -296,7 +296,7 @@ def caption(selection: Selection, cases: list[Case]) -> str:
         if any(kind_of(c) != "STM" for c in cases):
             text += " Their heights depend on the phase of the modulation at that time."
     if any(not math.isnan(own_frequency_Hz(selection, c)) for c in cases):
-        text += f" Ticks on the axis: the {layout.name(selection, selection.x)} of each case."
+        text += f" Ticks on the axis: the {labels.name(selection, selection.x)} of each case."
     if bands(cases):
         low, high = bands(cases)[0]
         text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."

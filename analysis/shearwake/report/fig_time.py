@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..case import Case
-from . import layout, periods, style, warnings_of
+from . import labels, layout, periods, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
 from .load import Selection
@@ -214,7 +214,7 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
     values = layout.x_values(selection)
     if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(selection), cmap=style.sequential_map())
-        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(selection, selection.x),
+        bar = figure.colorbar(shown, ax=all_axes, label=labels.axis_label(selection, selection.x),
                               aspect=30, pad=0.02)
         bar.outline.set_visible(False)
         bar.ax.grid(False)
@@ -224,8 +224,8 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
             bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
         return
     found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
-    handles = [plt.Line2D([], [], color=found[v], label=layout.value_text(selection, selection.x, v)) for v in values]
-    title = textwrap.fill(layout.name(selection, selection.x), 18)
+    handles = [plt.Line2D([], [], color=found[v], label=labels.value_text(selection, selection.x, v)) for v in values]
+    title = textwrap.fill(labels.name(selection, selection.x), 18)
     if any(reference for _, _, reference in layout.rows(selection)):
         name = layout.reference_name(layout.all_references(selection))
         handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
@@ -317,7 +317,7 @@ def key_caption(selection: Selection, cases: list[Case]) -> str:
     if any(selection.reference_of(c) for c in cases):
         text += f" Dashed: {layout.reference_name(layout.all_references(selection))}."
     if selection.x:
-        text += f" The colour is the {layout.name(selection, selection.x)}."
+        text += f" The colour is the {labels.name(selection, selection.x)}."
     return text
 
 

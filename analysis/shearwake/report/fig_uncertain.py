@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..tables import read_sensitivity, read_statistics
-from . import fig_heat, layout, sample, style, warnings_of, words
+from . import fig_heat, labels, layout, sample, style, warnings_of, words
 from .figure import Figure
 from .load import Selection
 from .validity import CROSSES
@@ -48,12 +48,12 @@ def values(points: Any, name: str, part: Any = "value") -> Any:
 
 def name_x(axes: Axes, selection: Selection, found: Any, numeric: Any) -> None:
     if numeric:
-        axes.set_xlabel(layout.axis_label(selection, selection.x))
+        axes.set_xlabel(labels.axis_label(selection, selection.x))
         return
-    labels = [style.plain(sample.label(selection, where) or "all samples") for where in found]
-    axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 3 else 20,
-                    ha="center" if len(labels) < 3 else "right")
-    axes.set_xlim(-0.6, len(labels) - 0.4)
+    texts = [style.plain(sample.label(selection, where) or "all samples") for where in found]
+    axes.set_xticks(range(len(texts)), texts, rotation=0 if len(texts) < 3 else 20,
+                    ha="center" if len(texts) < 3 else "right")
+    axes.set_xlim(-0.6, len(texts) - 0.4)
 
 
 def draw_curves(axes: Axes, selection: Selection, found: Any, middle: Any, ends: Any, inner: Any = None) -> None:
@@ -142,7 +142,7 @@ def indices(selection: Selection, folder: Path) -> Any:
             ends = np.array([[b["low_95"], b["high_95"]] if b else [math.nan] * 2 for b in bars])
             axes.bar(x, y, 0.7 / len(kinds), color=colour, label=TITLES[kind])
             axes.vlines(x, ends[:, 0], ends[:, 1], color=style.INK, linewidth=1.2)
-        axes.set_xticks(range(len(keys)), [layout.name(selection, key) for key in keys])
+        axes.set_xticks(range(len(keys)), [labels.name(selection, key) for key in keys])
         axes.axhline(0.0, color="#666666", linewidth=0.7)
         axes.set_title(sample.label(selection, where) or "all samples", loc="left", color="#555555")
         axes.grid(False, axis="x")

@@ -13,7 +13,7 @@ from typing import Any
 
 from PIL import Image
 
-from . import layout, opening, optima, player, table, warnings_of
+from . import labels, layout, opening, optima, player, table, warnings_of
 from .figure import Figure
 from .load import Selection
 from .numerical_error import valid
@@ -125,7 +125,7 @@ def trouble(selection: Selection, problems: list[Any], state: str = "") -> str:
     items = []
     for case in selection.cases:
         if not case.is_complete:
-            label = f"{case.id}{' (reference)' if case.is_reference else ''} {layout.settings_text(selection, case)}".strip()
+            label = f"{case.id}{' (reference)' if case.is_reference else ''} {labels.settings_text(selection, case)}".strip()
             items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
                          f"{escape(case.reason)}</li>")
     items += [f"<li>{escape(p)}</li>" for p in problems]

@@ -20,7 +20,7 @@ from PIL import Image
 
 from .. import wake
 from ..case import Case
-from . import fig_surface, layout, load, style, summary, warnings_of
+from . import fig_surface, labels, layout, load, style, summary, warnings_of
 from .words import counted, number
 
 MOMENTS = 60             # largest number of times per case
@@ -114,7 +114,7 @@ def axes_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]
     keys = [k for k in layout.axes(selection) if all(k in c.settings for c in own)]
     places = {tuple(str(c.settings[k]) for k in keys) for c in own}
     if own and len(places) == len(own):
-        names = [layout.name(selection, k) for k in keys]
+        names = [labels.name(selection, k) for k in keys]
         return [{"key": k, "name": n[:1].upper() + n[1:], "values": [v for v in layout.values_of(selection, k) if any(c.settings[k] == v for c in own)]} for k, n in zip(keys, names)]
     return [{"key": "", "name": "Case", "values": [c.id for c in own or cases]}]
 
@@ -126,8 +126,8 @@ def load_name(cases: list[Case]) -> str:
 
 def selects_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
     """The axes in words, for the page."""
-    labels = {c.id: warnings_of.label(selection, c, "player") for c in cases}
-    return [{"name": axis["name"], "values": [layout.value_text(selection, axis["key"], v) if axis["key"] else labels[v]
+    of_case = {c.id: warnings_of.label(selection, c, "player") for c in cases}
+    return [{"name": axis["name"], "values": [labels.value_text(selection, axis["key"], v) if axis["key"] else of_case[v]
                                               for v in axis["values"]]} for axis in axes_of(selection, cases)]
 
 

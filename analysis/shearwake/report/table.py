@@ -7,7 +7,7 @@ import math
 
 from .. import wake
 from ..case import Case
-from . import layout
+from . import labels, layout
 from .figure import Figure
 from .load import Selection
 from .words import counted, number
@@ -31,9 +31,9 @@ def numeric_cell(amount: float) -> str:
 def setting_cell(selection: Selection, case: Case, key: str) -> str:
     setting = case.settings.get(key)
     if isinstance(setting, str):
-        return f'<td title="{html.escape(setting)}">{html.escape(layout.value_text(selection, key, setting))}</td>'
+        return f'<td title="{html.escape(setting)}">{html.escape(labels.value_text(selection, key, setting))}</td>'
     if (key, setting) in layout.labels(selection):
-        return f'<td class="n" data-v="{setting:.9g}" title="{setting:.9g}">{html.escape(layout.value_text(selection, key, setting))}</td>'
+        return f'<td class="n" data-v="{setting:.9g}" title="{setting:.9g}">{html.escape(labels.value_text(selection, key, setting))}</td>'
     return numeric_cell(math.nan if setting is None else float(setting))
 
 
