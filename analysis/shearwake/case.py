@@ -9,13 +9,14 @@ import html
 import json
 import math
 import tomllib
+import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Sequence
 
 import numpy as np
 
 from . import checksum, stored
-from .errors import NotRecorded
+from .errors import NotRecorded, NotValid
 from .plan import Column, first_line
 
 if TYPE_CHECKING:
@@ -41,6 +42,14 @@ def suggestion(name: str, known: list[str]) -> str:
     """The continuation of a sentence about a name that is not known."""
     near = difflib.get_close_matches(name, known, 1)
     return f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}" if known else ""
+
+
+def warn_of_invalid(warnings_of: Sequence[list[dict[str, str]]], what: str, stacklevel: int) -> None:
+    """Warns with NotValid, at a caller of this function, if some of the cases with these warnings are not valid."""
+    reasons = dict.fromkeys(w["message"] for found in warnings_of for w in found if w["severity"] == "error")
+    more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
+    if reasons:
+        warnings.warn(f"{what} not valid: {next(iter(reasons))}{more}", NotValid, stacklevel=stacklevel)
 
 
 class Case:
@@ -171,6 +180,12 @@ class Case:
         """1 if the readings are valid, 0 if they are not, and NaN if the case is not complete."""
         return float(self.is_valid) if self.status == "complete" else math.nan
 
+    @property
+    def ratio_validity(self) -> float:
+        """The validity of ratios to the reference: 1 if the readings of both are valid."""
+        reference = self.reference
+        return min(self.validity, reference.validity) if reference is not None and reference.status == "complete" else self.validity
+
     # ---- the file
 
     def _file(self) -> Path:
@@ -269,12 +284,15 @@ class Case:
         return NotRecorded(f"case {self.id} contains no {name}" + (f": {how}" if how else ""))
 
     def dataset(self, group: str = "/") -> xr.Dataset:
-        """A group of the file as a Dataset that is read when its values are needed. Raises NotRecorded."""
+        """A group of the file as a Dataset that is read when its values are needed. Its attribute `valid` is 0 if the readings of
+        the case are not valid, which NotValid warns of, else 1. Raises NotRecorded."""
         from .dataset import of_group
         try:
-            return of_group(self._file(), group)
+            found = of_group(self._file(), group)
         except KeyError:
             raise self._not_recorded(group) from None
+        warn_of_invalid([self.warnings], f"case {self.id} is", stacklevel=3)
+        return found.assign_attrs(case=self.id, valid=int(self.is_valid))
 
     @functools.cached_property
     def series(self) -> xr.Dataset:

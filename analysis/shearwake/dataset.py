@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import operator
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,21 +166,11 @@ class Builder:
                                                             item.attributes)
 
 
-def ratio_reference(sweep: Sweep, case: Case, names: Sequence[str]) -> Case | None:
-    """The complete reference of a case on which one of the columns depends; None if none does."""
-    ratios = {c.name for c in sweep.columns if c.over_reference_of}
-    reference = case.reference if ratios.intersection(names) else None
-    return reference if reference is not None and reference.status == "complete" else None
-
-
 def value_of(column: str, case: Case) -> float:
     return case.value(column)
 
 
-def validity(sweep: Sweep, names: Sequence[str], case: Case) -> float:
-    """The variable `valid` of a case, see Sweep.dataset."""
-    reference = ratio_reference(sweep, case, names)
-    return min(case.validity, reference.validity) if reference is not None else case.validity
+VALID, RATIO_VALID = operator.attrgetter("validity"), operator.attrgetter("ratio_validity")
 
 
 def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset:
@@ -191,12 +182,17 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
     builder = Builder(grid, [case for case in grid.cells.flat if case is not None and case.has_file])
     for name in names:
         add_named(builder, sweep, name)
-    if builder.complete:
-        judged = [*builder.complete, *(r for case in builder.complete if (r := ratio_reference(sweep, case, names)))]
-        sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
-    builder.variables["valid"] = lazy(Columns(grid.cells, functools.partial(validity, sweep, names)), grid.dims, {
-        "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
-        "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
+    has_ratios = not {c.name for c in sweep.columns if c.over_reference_of}.isdisjoint(names)
+    judged = list(builder.complete)
+    flags = {"valid": VALID}
+    if has_ratios:
+        judged += [case.reference for case in builder.complete if case.reference is not None]
+        flags = {"valid": RATIO_VALID, "valid_case": VALID}
+    sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
+    for name, of in flags.items():
+        builder.variables[name] = lazy(Columns(grid.cells, of), grid.dims, {
+            "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
+            "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
     return xr.Dataset(builder.variables, builder.coordinates, {"title": sweep.title, "job": sweep.name})
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import program
-from .case import suggestion
+from .case import suggestion, warn_of_invalid
 from .errors import Diagnostic, NotRecorded, ProgramError
 from .job import Job, Source
 from .keys import cf_unit
@@ -67,7 +67,8 @@ class Evaluation:
         return found
 
     def dataset(self) -> xr.Dataset:
-        """The surface and the quantities over time as a Dataset of xarray. The arrays of groups (`traces/u_z`) are in `arrays`."""
+        """The surface and the quantities over time as a Dataset of xarray, with the attribute `valid` of `Case.dataset`. The arrays of
+        groups (`traces/u_z`) are in `arrays`."""
         import xarray as xr
         variables = {entry["name"]: (entry["dimensions"], self.arrays[entry["name"]],
                                      {"units": cf_unit(entry["units"]), "long_name": entry["meaning"]})
@@ -77,7 +78,7 @@ class Evaluation:
         shape, spacing_m = self.arrays["u_z"].shape[1:], self.message["spacing_m"]
         axes = {axis: (axis, spacing_m * (np.arange(points) - points // 2), {"units": "m", "long_name": f"position along {axis}"})
                 for axis, points in zip("xy", shape)}
-        return xr.Dataset(variables, axes)
+        return xr.Dataset(variables, axes, {"case": self.case_id, "valid": int(self.is_valid)})
 
 
 class Engine:
@@ -135,7 +136,7 @@ class Engine:
 
     def evaluate(self, job: Source | Job = None, /, **tables: Any) -> Evaluation:
         """Computes the first case of a job, given as for `Job`. If the call is interrupted, the process is ended, and the next call
-        starts another one. Raises JobError with all errors, CasesFailed if the case cannot be computed, and EnvironmentFailed if the
+        starts another one. Warns with NotValid if the readings are not valid. Raises JobError with all errors, CasesFailed if the case cannot be computed, and EnvironmentFailed if the
         process has ended."""
         text = (job if isinstance(job, Job) and not tables else Job(job.tables if isinstance(job, Job) else job, **tables)).text
         with self._lock:
@@ -149,6 +150,7 @@ class Engine:
                 self._kill()
                 raise
         if message["type"] == "result":
+            warn_of_invalid([message["warnings"]], f"case {message['case']} is", stacklevel=3)
             return Evaluation(message, content)
         found = [Diagnostic(d["severity"], "<Job>", d["line"], d["column"], d["message"]) for d in message.get("diagnostics", [])]
         lines = "\n".join(str(d) for d in found if d.severity == "error")

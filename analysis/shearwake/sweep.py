@@ -7,14 +7,13 @@ import functools
 import html
 import json
 import os
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence
 
 from . import program, stored
-from .case import Case
+from .case import Case, warn_of_invalid
 from .checksum import Damaged
-from .errors import NotAnOutputFolder, NotRecorded, NotValid
+from .errors import NotAnOutputFolder, NotRecorded
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, labels_of, read_plan, read_table
 from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
@@ -109,19 +108,21 @@ class Sweep:
     @property
     def table(self) -> pd.DataFrame:
         """The table: one row per case and reference with its id as index, the swept keys, status and reason, `valid` (False:
-        the readings are not valid; NA: not complete), and the columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
+        the readings are not valid; NA: not complete), `valid_ratios` (the same for ratios to the reference, in sweeps that have
+        references), and the columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
 
         The numbers are those of `shearwake reduce`; without its table they are read from the case files."""
         import pandas as pd
         names = [column.name for column in self.columns]
+        valid = ["valid", *(["valid_ratios"] if self.references else [])]
         rows = []
         for case in self.every_case:
             values = case.values
             rows.append({**{key: case.settings.get(key) for key in self.swept_keys}, "is_reference": case.is_reference,
-                         "status": case.status, "reason": case.reason, "valid": case.validity,
+                         "status": case.status, "reason": case.reason, **dict(zip(valid, (case.validity, case.ratio_validity))),
                          **{name: values.get(name, float("nan")) for name in names}})
         table = pd.DataFrame(rows, index=pd.Index([case.id for case in self.every_case], name="id"))
-        table["valid"] = table["valid"].astype("boolean")
+        table[valid] = table[valid].astype("boolean")
         table.attrs["units"] = {**{key: unit_of(key) for key in self.swept_keys},
                                 **{column.name: column.unit for column in self.columns}}
         table.attrs["meanings"] = {column.name: column.meaning for column in self.columns}
@@ -164,7 +165,8 @@ class Sweep:
         "surface", "mean") or a variable of a group ("traces/amplitude"). A key that follows from another swept key is a
         coordinate of that dimension. Cases that were excluded or are not complete are NaN. With `references`, each cell
         contains the reference of its case. The variable `valid` is 1 where the readings of the case are valid, and those of
-        its reference if a ratio is requested, 0 where they are not, and NaN without a result. Warns with NotValid if a case
+        its reference if a ratio is requested, 0 where they are not, and NaN without a result. With a ratio, `valid_case` does
+        not depend on the reference. Warns with NotValid if a case
         is not valid, and with GridsDiffer if the cases have different grids. Raises NotRecorded and KeyError."""
         from .dataset import of_sweep
         if not names:
@@ -175,11 +177,7 @@ class Sweep:
         """Warns with NotValid, at a caller of this function, if the readings of some complete cases are not valid."""
         cases = [case for case in cases if case.status == "complete"]
         wrong = [case for case in cases if not case.is_valid]
-        if wrong:
-            reasons = dict.fromkeys(w["message"] for case in wrong for w in case.warnings if w["severity"] == "error")
-            more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
-            warnings.warn(f"{len(wrong)} of {len(cases)} cases of {self.name} are not valid: {next(iter(reasons))}{more}", NotValid,
-                          stacklevel=stacklevel)
+        warn_of_invalid([case.warnings for case in wrong], f"{len(wrong)} of {len(cases)} cases of {self.name} are", stacklevel + 1)
 
     def report(self) -> Path:
         """Draws the figures and writes the page of the sweep. Returns the path of the page. Raises ProgramError."""

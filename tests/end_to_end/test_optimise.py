@@ -103,7 +103,7 @@ class Optimise(ProgramTest):
 
     def rows(self, out="out/best.optimise"):
         with open(self.folder / out / "optimise" / "table.csv", encoding="utf-8") as file:
-            return [{k: float(v) if v and k != "case" else v for k, v in row.items()} for row in csv.DictReader(file)]
+            return [{k: float(v) if v and k not in ("case", "valid") else v for k, v in row.items()} for row in csv.DictReader(file)]
 
     def verify(self, out="out/best.optimise"):
         return subprocess.run([sys.executable, ROOT / "scripts" / "verify_certificate.py", self.folder / out],
@@ -208,6 +208,12 @@ class Optimise(ProgramTest):
         self.assertEqual(self.rows(), rows)
         self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
                   "contains the optima of another job")
+
+    def test_an_optimum_is_not_valid_if_its_waves_return(self):
+        for extent, valid in (("96.0, 64.0", "yes"), ("56.0, 36.0", "no")):
+            self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 1"), ("extent_mm = [96.0, 64.0]", f"extent_mm = [{extent}]"))
+            self.shearwake("optimise", "job.toml", "--out", valid, "--quiet")
+            self.assertEqual([row["valid"] for row in self.rows(valid)], [valid])
 
     @pytest.mark.long
     def test_a_killed_study_is_resumed_with_the_same_result(self):

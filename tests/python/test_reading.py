@@ -15,6 +15,7 @@ import pytest
 
 from study import AM, FWHM, InFolder, job, program, shearwake
 
+from shearwake.backend import Backend  # noqa: E402
 from shearwake.checksum import sealed  # noqa: E402
 
 OPENED = []
@@ -176,6 +177,14 @@ class Reading(InFolder):
         self.assertEqual(sorted(alone["valid"].values.tolist()), [0.0, 1.0])
         invalid = next(case for case in sweep.cases if not case.is_valid)
         self.assertTrue(invalid.plot.surface().get_title(loc="left").endswith("(not valid)"))
+        for opened in (lambda: invalid.surface, lambda: invalid.series, lambda: Backend().open_dataset(invalid.path),
+                       lambda: Backend().open_dataset("out/judged")):
+            with pytest.warns(shearwake.NotValid, match="not valid: "):
+                opened()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertEqual([case.dataset().attrs for case in sweep.cases if case.is_valid],
+                             [{"case": case.id, "valid": 1} for case in sweep.cases if case.is_valid])
         self.assertEqual([repr(case).endswith(", not valid>") for case in sweep.cases], [not case.is_valid for case in sweep.cases])
 
     def test_a_ratio_is_valid_if_the_case_and_its_reference_are(self):
@@ -194,6 +203,9 @@ class Reading(InFolder):
         with pytest.warns(shearwake.NotValid, match="1 of 4 cases of small are not valid: waves return"):
             data = sweep.dataset("eta_period_1", "eta_period_over_reference_1")
         self.assertEqual(data["valid"].values.tolist(), [0.0] * 3)
+        self.assertEqual(data["valid_case"].values.tolist(), [1.0] * 3)
+        table = sweep.table[~sweep.table["is_reference"]]
+        self.assertEqual((table["valid"].tolist(), table["valid_ratios"].tolist()), ([True] * 3, [False] * 3))
 
     def test_the_dimensions_of_several_keys_and_of_keys_that_vary_together(self):
         sweep = job(("name = \"small\"", "name = \"two\"")).sweep(

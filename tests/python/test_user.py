@@ -7,6 +7,7 @@ import threading
 import unittest
 
 import numpy as np
+import pytest
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
@@ -103,6 +104,10 @@ class User(InFolder):
                 thread.start()
             for thread in threads:
                 thread.join()
+            self.assertEqual(result.dataset().attrs, {"case": result.case_id, "valid": 1})
+            with pytest.warns(shearwake.NotValid, match=" is not valid: .* the readings of this case are not valid"):
+                returned = engine.evaluate(one().replace("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"))
+            self.assertEqual(returned.dataset().attrs["valid"], 0)
             np.testing.assert_allclose(max(found), 2.0 * min(found), rtol=1e-5)  # float32 planes; the load is linear
         self.assertIsNotNone(engine._process.poll())
 

@@ -20,10 +20,8 @@
 namespace shearwake::converge {
 namespace {
 
-/// The columns of the complete cases in the folder of the study.
-std::map<std::string, Values> values_in(const schedule::OutputFolder& folder,
-                                        std::size_t swept_keys) {
-    const reduce::Table table = studies::table_of(folder);
+/// The columns of the complete cases in the table of the study.
+std::map<std::string, Values> values_in(const reduce::Table& table, std::size_t swept_keys) {
     const std::size_t first = 2 + swept_keys, status = table.columns.size() - 2,
                       end = table.columns.size() - reduce::closing_columns;
     std::map<std::string, Values> values;
@@ -84,8 +82,13 @@ std::string omitted_text(const std::vector<CaseChange>& changes,
 /// Writes the result and returns it as text.
 std::string finish(const std::string& name, const RefinedPlan& refined,
                    const schedule::OutputFolder& sweep, const schedule::OutputFolder& study) {
-    const auto values = values_in(study, refined.plan.swept_keys.size());
-    const auto changes = changes_of(refined, values);
+    const reduce::Table computed = studies::table_of(study);
+    const auto values = values_in(computed, refined.plan.swept_keys.size());
+    auto changes = changes_of(refined, values);
+    for (CaseChange& change : changes)
+        for (const auto& row : computed.rows)
+            if (row[0] == reduce::Cell(change.studied->base_id))
+                change.is_valid = row[row.size() - reduce::closing_columns] != reduce::Cell("no");
     const std::string text = markdown_text(changes, headlines()) + omitted_text(changes, values);
     const std::filesystem::path table = study.root / "converge.md";
     storage::write_file(sweep.errors(), json_text(name, changes));

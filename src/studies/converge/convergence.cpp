@@ -104,6 +104,7 @@ std::string json_text(const std::string& job, const std::vector<CaseChange>& cha
                          {"settings", settings},
                          {"is_reference", c.studied->planned->is_reference},
                          {"complete", c.is_complete},
+                         {"valid", c.is_valid},
                          {"refinements", refinements},
                          {"columns", columns}});
     }
@@ -115,9 +116,10 @@ std::string markdown_text(const std::vector<CaseChange>& changes,
     std::string text;
     for (const CaseChange& c : changes) {
         const PlannedCase& planned = *c.studied->planned;
-        text += fmt::format("{}## {}{}{}{}\n\n", text.empty() ? "" : "\n", planned.id,
-                            planned.is_reference ? ", reference" : "",
-                            planned.settings.empty() ? "" : ": ", words(planned.settings));
+        text +=
+            fmt::format("{}## {}{}{}{}{}\n\n", text.empty() ? "" : "\n", planned.id,
+                        planned.is_reference ? ", reference" : "", c.is_valid ? "" : ", not valid",
+                        planned.settings.empty() ? "" : ": ", words(planned.settings));
         for (const Refinement& r : c.studied->refinements)
             text += fmt::format("* {}: {} ({})\n", r.name, r.change, order_words(r));
         text += "\n| column | value |";

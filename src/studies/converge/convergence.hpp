@@ -24,6 +24,7 @@ struct CaseChange {
     const StudiedCase* studied = nullptr;
     std::vector<ColumnChange> columns; // in alphabetical order
     bool is_complete = false;          // all refinements have results
+    bool is_valid = true;              // no stored warning rules the readings out
 };
 
 /// Compares the refined cases with the unrefined ones. Columns that count samples do not converge,

@@ -57,12 +57,14 @@ Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOp
     const Optimum& of = results.optima[i][s];
     const ResultCases cases = results.results(i, s, options);
     const Reading unmodulated = reading(computed, cases.unmodulated);
+    const Reading found = reading(computed, cases.found);
+    bool is_valid = unmodulated.is_valid && found.is_valid;
     Row row = {{"strength_at_least_1", of.strength},
                {"eta_optimum_1", of.found.eta},
                {"strength_optimum_1", of.found.strength},
                {"eta_ceiling_1", of.ceiling.eta},
                {"ceiling_over_optimum_1", of.ceiling.eta / of.found.eta},
-               {"eta_computed_1", reading(computed, cases.found).eta},
+               {"eta_computed_1", found.eta},
                {"eta_unmodulated_1", of.eta_unmodulated},
                {"eta_am_1", of.am.envelope.eta},
                {"strength_am_1", of.am.envelope.strength},
@@ -82,11 +84,13 @@ Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOp
     if (options.over.size() > 1) add_motion(row, results.moved[i][s]);
     if (cases.exported) {
         const Reading exported = reading(computed, *cases.exported);
+        is_valid = is_valid && exported.is_valid;
         row.insert(row.end(),
                    {{"eta_exported_1", exported.eta},
                     {"strength_exported_1", exported.focal_rms_um / unmodulated.focal_rms_um},
                     {"exported_loss_1", 1.0 - exported.eta / of.found.eta}});
     }
+    row.emplace_back("valid", is_valid && of_sm.is_valid ? "yes" : "no");
     return row;
 }
 
@@ -158,11 +162,12 @@ Readings readings_of(const schedule::OutputFolder& folder, const std::string& ma
         return static_cast<std::size_t>(std::ranges::find(table.columns, name) -
                                         table.columns.begin());
     };
-    const std::size_t eta = place(maximised), rms = place("focal_rms_um");
+    const std::size_t eta = place(maximised), rms = place("focal_rms_um"), valid = place("valid");
     Readings readings;
     for (const auto& row : table.rows)
         readings[std::get<std::string>(row[0])] = {std::get<double>(row.at(eta)),
-                                                   std::get<double>(row.at(rms))};
+                                                   std::get<double>(row.at(rms)),
+                                                   row.at(valid) != reduce::Cell("no")};
     return readings;
 }
 

@@ -12,6 +12,7 @@ namespace shearwake::optimise {
 /// The maximised measure and the focal rms of a computed case; NaN: none.
 struct Reading {
     double eta = 0.0, focal_rms_um = 0.0;
+    bool is_valid = true; // false: a stored warning rules the readings out
 };
 /// By id.
 using Readings = std::map<std::string, Reading>;

@@ -132,7 +132,7 @@ TEST_CASE("columns that count samples are omitted and missing values stay unknow
         {studied.refined_ids[1], {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}}},
         {studied.refined_ids[2],
          {{"eta_at_1", 0.49}, {"ipr_at_1", 9.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}}};
-    const auto changes = converge::changes_of(refined, values);
+    auto changes = converge::changes_of(refined, values);
     REQUIRE(changes.size() == 1);
     CHECK(changes[0].is_complete);
     REQUIRE(changes[0].columns.size() == 2);
@@ -143,6 +143,11 @@ TEST_CASE("columns that count samples are omitted and missing values stay unknow
     CHECK(json["cases"][0]["columns"]["focal_rms_um"]["error"].is_null());
     CHECK(json["cases"][0]["columns"]["eta_at_1"]["changes"]["domain"].get<double>() ==
           Approx(-0.01).epsilon(1e-12));
+    CHECK(json["cases"][0]["valid"] == true);
+    CHECK_THAT(converge::markdown_text(changes, {}), !Catch::Contains("valid"));
+    changes[0].is_valid = false;
+    CHECK(nlohmann::json::parse(converge::json_text("", changes))["cases"][0]["valid"] == false);
+    CHECK_THAT(converge::markdown_text(changes, {}), Catch::Contains(", not valid"));
     values.erase(studied.refined_ids[2]);
     CHECK_FALSE(converge::changes_of(refined, values)[0].is_complete);
 }
