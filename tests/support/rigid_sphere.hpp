@@ -164,8 +164,8 @@ public:
             depths_m.push_back(centre().z - height_m);
         const fft::SlabShare& share = slabs_->share();
         const auto near =
-            spectral::stress_correction(*bodies_, case_.scene().medium, case_.domain, mesh_, share,
-                                        depths_m, spectral::Corrected::zz);
+            spectral::stress_correction(*bodies_, {case_.scene().medium, case_.domain, mesh_, share,
+                                                   depths_m, spectral::Corrected::zz});
         near->take(forces);
         std::vector<Correction> all;
         for (std::size_t n = 0; n < depths_m.size(); ++n) {

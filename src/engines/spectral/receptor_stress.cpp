@@ -100,8 +100,8 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         compression_.resize(plane);
         kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
         if (bodies)
-            near_ = stress_correction(*bodies, c.scene().medium, c.domain, mesh_, slabs.share(),
-                                      depths_m_, Corrected::zz);
+            near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
+                                                depths_m_, Corrected::zz});
     });
     std::vector<Surfaces> all = std::move(surfaces_);
     surfaces_.clear();

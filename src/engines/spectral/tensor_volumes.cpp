@@ -40,8 +40,8 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
             levels_m.push_back(mesh.z_m(level));
         if (bodies)
-            near_ = stress_correction(*bodies, c.scene().medium, c.domain, mesh_, slabs.share(),
-                                      levels_m, Corrected::all_components);
+            near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
+                                                levels_m, Corrected::all_components});
     });
 }
 

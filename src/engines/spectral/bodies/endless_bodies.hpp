@@ -23,7 +23,7 @@ public:
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
     std::vector<RigidMotion> motions() const override;
 
-    const EndlessBodies* as_endless() const override { return this; }
+    Kind kind() const override { return this; }
     const std::vector<Body>& endless() const { return bodies(); }
     const SectionMarkers& markers() const { return markers_; }
     const WaveVectors& vectors() const { return vectors_; }

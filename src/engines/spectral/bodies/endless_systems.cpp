@@ -11,23 +11,9 @@
 
 namespace shearwake::spectral {
 
-/// The response of one block of wave vectors at all depths to unit forces at all depths, each
-/// [force depth][depth]: U and W due to a force on U, U and W due to a force on W, V due to one on
-/// V.
-struct EndlessSystems::Response {
-    enum Kind { uu, wu, uw, ww, vv, kinds };
-    fft::AlignedVector<Block> pencil;
-    std::vector<Block> of[kinds];
-    std::vector<double> cosine, sine; // per marker, of one wavenumber across
-};
-
-struct EndlessSystems::Matrices {
-    std::vector<Eigen::MatrixXd> inverse;
-};
-
 EndlessSystems::EndlessSystems(const SectionMarkers& markers, const WaveVectors& vectors,
                                const Comm& team)
-    : markers_(markers), vectors_(vectors), team_(team), matrices_(std::make_unique<Matrices>()) {
+    : markers_(markers), vectors_(vectors), team_(team) {
     if (markers.along_x()) {
         for (std::ptrdiff_t kx = first_block(team.rank()) * lane_count;
              kx < first_block(team.rank() + 1) * lane_count; ++kx)
@@ -38,19 +24,12 @@ EndlessSystems::EndlessSystems(const SectionMarkers& markers, const WaveVectors&
     }
 }
 
-EndlessSystems::~EndlessSystems() = default;
-EndlessSystems::EndlessSystems(EndlessSystems&&) noexcept = default;
-
-const double* EndlessSystems::inverse(std::size_t index) const {
-    return matrices_->inverse[index].data();
-}
-
 /// Four unit forces are solved for at once, in the four parts of a pencil. U, W and V of equal |k|
 /// respond independently of the direction, and V independently of the others.
 void EndlessSystems::respond(const VerticalOperator& op, const Solve& solve, std::ptrdiff_t row,
                              std::ptrdiff_t block) {
     const MarkerArrays a = markers_.arrays();
-    Response& r = *response_;
+    Response& r = response_;
     const std::ptrdiff_t levels = op.levels();
     const auto each_node = [&](std::ptrdiff_t depth, auto use) {
         const MarkerDepth& at = a.depth[depth];
@@ -100,7 +79,7 @@ void EndlessSystems::add_lane(std::ptrdiff_t row, std::ptrdiff_t block, std::ptr
     const double c = k > 0.0 ? k_along / k : (x ? 1.0 : 0.0);
     const double s = k > 0.0 ? k_across / k : (x ? 0.0 : 1.0);
     const double times = (k_across > 0.0 ? 2.0 : 1.0) / markers_.across_extent_m();
-    Response& r = *response_;
+    Response& r = response_;
     const Block* phase = markers_.phases(row, block);
     const auto count = static_cast<std::size_t>(markers_.count());
     for (std::size_t i = 0; i < count; ++i) {
@@ -135,21 +114,22 @@ void EndlessSystems::add_lane(std::ptrdiff_t row, std::ptrdiff_t block, std::ptr
 namespace {
 
 /// The inverse of a symmetric positive definite matrix given by its lower triangle.
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& lower) {
+fft::AlignedVector<double> inverse_of(const Eigen::MatrixXd& lower) {
     const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> factor(lower);
     if (factor.info() != Eigen::Success || !(factor.rcond() > 1e-13))
         throw CaseFailure("the forces at the surfaces of the rigid bodies are not determined; the "
                           "bodies may be too close to each other or to the surface, or "
                           "domain.spacing_mm too large");
-    return factor.solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols()));
+    const Eigen::MatrixXd inverse =
+        factor.solve(Eigen::MatrixXd::Identity(lower.rows(), lower.cols()));
+    return {inverse.data(), inverse.data() + inverse.size()};
 }
 
 } // namespace
 
 void EndlessSystems::assemble(const VerticalOperator& op, const Solve& solve) {
-    matrices_->inverse.clear();
-    response_ = std::make_unique<Response>();
-    Response& r = *response_;
+    inverses_.clear();
+    Response& r = response_;
     const auto depths = static_cast<std::size_t>(markers_.arrays().depths);
     r.pencil.resize(static_cast<std::size_t>(op.unknowns() * parts));
     for (auto& values : r.of)
@@ -160,7 +140,7 @@ void EndlessSystems::assemble(const VerticalOperator& op, const Solve& solve) {
         assemble_blocks(op, solve);
     else
         assemble_rows(op, solve);
-    response_.reset();
+    response_ = {};
 }
 
 void EndlessSystems::assemble_rows(const VerticalOperator& op, const Solve& solve) {
@@ -174,7 +154,7 @@ void EndlessSystems::assemble_rows(const VerticalOperator& op, const Solve& solv
                 if (vectors_.is_there(block * lane_count + lane))
                     add_lane(row, block, lane, system.data());
         }
-        matrices_->inverse.push_back(inverse_of(system));
+        inverses_.push_back(inverse_of(system));
     }
 }
 
@@ -195,7 +175,7 @@ void EndlessSystems::assemble_blocks(const VerticalOperator& op, const Solve& so
         if (block < first_block(rank) || block >= first_block(rank + 1)) continue;
         for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
             if (vectors_.is_there(block * lane_count + lane))
-                matrices_->inverse.push_back(inverse_of(Eigen::Map<const Eigen::MatrixXd>(
+                inverses_.push_back(inverse_of(Eigen::Map<const Eigen::MatrixXd>(
                     systems.data() + static_cast<std::size_t>(lane) * n * n,
                     static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n))));
     }

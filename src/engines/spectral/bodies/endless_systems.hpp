@@ -9,7 +9,6 @@
 #include "fft/aligned.hpp"
 #include "parallel/comm.hpp"
 
-#include <memory>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -73,8 +72,6 @@ class EndlessSystems {
 public:
     explicit EndlessSystems(const SectionMarkers& markers, const WaveVectors& vectors,
                             const Comm& team);
-    ~EndlessSystems();
-    EndlessSystems(EndlessSystems&&) noexcept;
 
     /// Computes all systems with B^-1 of a pencil, solve(row, block, pencil), and inverts those of
     /// this rank. Throws CaseFailure if a system is singular. Collective.
@@ -92,11 +89,18 @@ public:
         return static_cast<std::size_t>(markers_.count() * marker_components);
     }
     /// The inverse of a system of this rank (index into mine()), column by column.
-    const double* inverse(std::size_t index) const;
+    const double* inverse(std::size_t index) const { return inverses_[index].data(); }
 
 private:
-    struct Matrices;
-    struct Response;
+    /// The response of one block of wave vectors at all depths to unit forces at all depths, each
+    /// [force depth][depth]: U and W due to a force on U, U and W due to a force on W, V due to one
+    /// on V.
+    struct Response {
+        enum Kind { uu, wu, uw, ww, vv, kinds };
+        fft::AlignedVector<Block> pencil;
+        std::vector<Block> of[kinds];
+        std::vector<double> cosine, sine; // per marker, of one wavenumber across
+    };
     void respond(const VerticalOperator& op, const Solve& solve, std::ptrdiff_t row,
                  std::ptrdiff_t block);
     void add_lane(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t lane, double* matrix);
@@ -107,8 +111,8 @@ private:
     WaveVectors vectors_;
     Comm team_;
     std::vector<std::ptrdiff_t> mine_;
-    std::unique_ptr<Matrices> matrices_;
-    std::unique_ptr<Response> response_;
+    std::vector<fft::AlignedVector<double>> inverses_;
+    Response response_; // only during assemble()
 };
 
 /// Memory of the rigid bodies of a case on the rank that needs most, in bytes. Not collective.

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/bodies/endless_bodies.hpp"
-#include "engines/spectral/bodies/lump_responses.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <algorithm>
@@ -130,8 +129,7 @@ DisplacementPlanes::Runs LumpBodies::place_taps() {
 }
 
 void LumpBodies::assemble(const VerticalOperator& op, const Solve& solve) {
-    put_responses(markers_, depths_, domain_, mesh_, vectors_, slabs_, team(), clock_, op, solve,
-                  inverse_);
+    put_responses(op, solve);
     if (!inverse_.invert())
         throw CaseFailure("the forces at the surfaces of the rigid bodies are not determined; the "
                           "bodies may be too close to each other or to the surface, or "
@@ -146,18 +144,6 @@ void LumpBodies::assemble(const VerticalOperator& op, const Solve& solve) {
         motion.insert(motion.end(), column.begin(), column.end());
     }
     prepare(motion, motion.empty() ? motion : inverse_.multiply(motion));
-}
-
-void LumpBodies::evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) {
-    planes_->evaluate(row, block, pencil);
-}
-
-void LumpBodies::end_row(std::ptrdiff_t row) {
-    planes_->end_row(row);
-}
-
-void LumpBodies::begin_forces(std::ptrdiff_t row) {
-    planes_->begin_row(row);
 }
 
 void LumpBodies::add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {

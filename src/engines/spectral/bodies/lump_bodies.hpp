@@ -39,13 +39,16 @@ public:
                const WaveVectors& vectors, double step_s, const Comm& team, StepClock& clock);
 
     void assemble(const VerticalOperator& op, const Solve& solve) override;
-    void evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) override;
-    void end_row(std::ptrdiff_t row) override;
-    void begin_forces(std::ptrdiff_t row) override;
+    void clear() override {}
+    void evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) override {
+        planes_->evaluate(row, block, pencil);
+    }
+    void end_row(std::ptrdiff_t row) override { planes_->end_row(row); }
+    void begin_forces(std::ptrdiff_t row) override { planes_->begin_row(row); }
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
     std::vector<RigidMotion> motions() const override;
 
-    const LumpBodies* as_lumps() const override { return this; }
+    Kind kind() const override { return this; }
     const std::vector<Body>& lumps() const { return bodies(); }
     const std::vector<Marker>& markers() const { return markers_; }
     /// Forces [N], [marker][x, y, z], for such displacements [m] of all markers. Collective.
@@ -65,6 +68,7 @@ private:
     /// Displacements of all markers, [marker][component], for degrees of freedom.
     std::vector<double> rigid(const std::vector<double>& q) const;
     void place_markers(const Case& c, const DepthMesh& mesh);
+    void put_responses(const VerticalOperator& op, const Solve& solve);
     DisplacementPlanes::Runs place_taps();
 
     Domain domain_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/lump_responses.hpp"
+#include "engines/spectral/bodies/lump_bodies.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -136,31 +136,27 @@ private:
 
 } // namespace
 
-void put_responses(const std::vector<LumpBodies::Marker>& markers,
-                   const std::vector<DepthWeights>& depths, const Domain& domain,
-                   const DepthMesh& mesh, const WaveVectors& vectors,
-                   const fft::SlabTransform& slabs, const Comm& team, StepClock& clock,
-                   const VerticalOperator& op, const RigidBodies::Solve& solve,
-                   BlockInverse& matrix) {
-    Responses responses(markers, depths, domain, mesh, vectors, slabs, team, clock);
+/// Fills this rank's columns of G = J B^-1 J'.
+void LumpBodies::put_responses(const VerticalOperator& op, const Solve& solve) {
+    Responses responses(markers_, depths_, domain_, mesh_, vectors_, slabs_, team(), clock_);
     std::size_t begin = 0; // of the markers of a depth
-    for (std::size_t depth = 0; depth < depths.size(); ++depth) {
+    for (std::size_t depth = 0; depth < depths_.size(); ++depth) {
         std::size_t end = begin;
-        while (end < markers.size() && markers[end].depth == depth)
+        while (end < markers_.size() && markers_[end].depth == depth)
             ++end;
         for (std::size_t component = 0; component < 3; ++component) {
             responses.compute(depth, component, op, solve);
             for (std::size_t from = begin; from < end; ++from)
-                for (std::size_t to = begin; to < markers.size(); ++to) {
+                for (std::size_t to = begin; to < markers_.size(); ++to) {
                     const std::size_t column = 3 * from + component;
                     // The response from a later depth is that to it.
                     const bool twice = to >= end;
-                    if (!matrix.is_mine(column) && !(twice && matrix.is_mine(3 * to))) continue;
-                    const auto u = responses.between(markers[to], markers[from]);
+                    if (!inverse_.is_mine(column) && !(twice && inverse_.is_mine(3 * to))) continue;
+                    const auto u = responses.between(markers_[to], markers_[from]);
                     for (std::size_t c = 0; c < 3; ++c) {
-                        if (matrix.is_mine(column)) matrix.column(column)[3 * to + c] = u[c];
-                        if (twice && matrix.is_mine(3 * to + c))
-                            matrix.column(3 * to + c)[column] = u[c];
+                        if (inverse_.is_mine(column)) inverse_.column(column)[3 * to + c] = u[c];
+                        if (twice && inverse_.is_mine(3 * to + c))
+                            inverse_.column(3 * to + c)[column] = u[c];
                     }
                 }
         }

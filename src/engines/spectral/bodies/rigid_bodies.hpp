@@ -10,6 +10,7 @@
 #include "problem/case/case.hpp"
 
 #include <functional>
+#include <variant>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -56,7 +57,7 @@ public:
     virtual void assemble(const VerticalOperator& op, const Solve& solve) = 0;
 
     // Not collective.
-    virtual void clear() {}
+    virtual void clear() = 0;
     virtual void evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) = 0;
     virtual void end_row(std::ptrdiff_t row) = 0;
     virtual void begin_forces(std::ptrdiff_t row) = 0;
@@ -77,9 +78,9 @@ public:
     /// The forces at the markers in the last step, in the order of set_forces(). They balance the
     /// stress at the start of the step.
     const std::vector<double>& step_forces() const { return step_forces_; }
-    /// The bodies themselves if they are of this kind, or null.
-    virtual const LumpBodies* as_lumps() const { return nullptr; }
-    virtual const EndlessBodies* as_endless() const { return nullptr; }
+    /// The two treatments, for what depends on the places of the markers.
+    using Kind = std::variant<const EndlessBodies*, const LumpBodies*>;
+    virtual Kind kind() const = 0;
     /// The next position becomes the current one. Not collective.
     void end_step() { now_.swap(before_); }
 

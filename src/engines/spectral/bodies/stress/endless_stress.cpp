@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/stress/endless_stress.hpp"
-
 #include "base/units.hpp"
+#include "engines/spectral/bodies/endless_bodies.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "engines/spectral/bodies/stress/near_stress.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -97,28 +97,55 @@ SurfacePatches section_patches(const std::vector<Body>& turned_bodies,
     return surface_patches(bodies, all, spacing_m, section_ring);
 }
 
-} // namespace
+/// The correction around bodies across the domain. At each point along the axis it is that of
+/// forces which do not vary along it: within a few spacings of the surface, the field of the load
+/// hardly varies over such a distance.
+class EndlessStress : public StressCorrection {
+public:
+    /// Not collective.
+    EndlessStress(const EndlessBodies& bodies, CorrectedPlanes planes);
 
-EndlessStress::EndlessStress(const EndlessBodies& bodies, const Medium& medium,
-                             const Domain& domain, const DepthMesh& mesh,
-                             const fft::SlabShare& share, std::vector<double> depths_m)
-    : bodies_(bodies), domain_(domain), share_(share), rows_(depths_m.size()) {
+    void take(const std::vector<double>& step_forces) override;
+    void add_zz(std::size_t depth, double factor, double* plane) const override;
+    std::vector<Change> changes(std::size_t depth) const override;
+
+private:
+    void put_phases();
+    const double* forces_at(std::ptrdiff_t point) const;
+    /// Points along the axis: all, those of this rank, and the index of the first of these.
+    std::ptrdiff_t points_along() const;
+    std::ptrdiff_t points() const;
+    std::ptrdiff_t first_point() const;
+    /// The place of a point of the section at a point along the axis.
+    std::size_t place(std::size_t in_section, std::ptrdiff_t point) const;
+
+    const EndlessBodies& bodies_;
+    Domain domain_;
+    fft::SlabShare share_;
+    std::vector<std::vector<NearStress::Row>> rows_; // per depth
+    std::vector<double> phases_;                     // of the transform along the axis
+    std::vector<double> forces_; // [point along the axis][marker][across, along, down]
+};
+
+EndlessStress::EndlessStress(const EndlessBodies& bodies, CorrectedPlanes planes)
+    : bodies_(bodies), domain_(planes.domain), share_(planes.share), rows_(planes.depths_m.size()) {
     const SectionMarkers& markers = bodies.markers();
-    const Domain section = section_of(domain, markers.along_x());
+    const Domain section = section_of(domain_, markers.along_x());
     std::vector<Body> all;
     for (const Body& body : bodies.endless())
         all.push_back(turned(body, markers.along_x()));
-    const double lambda_per_mu = ratio_at(medium, all.front().centre_m.z);
+    const double lambda_per_mu = ratio_at(planes.medium, all.front().centre_m.z);
     std::vector<double> force_m;
     for (std::size_t m = 0; m < markers.all().size(); ++m)
         if (markers.depth_of(m) == force_m.size()) force_m.push_back(markers.all()[m].depth_m);
-    const SectionForces of_engine(mesh, domain.spacing_m, lambda_per_mu, force_m, depths_m);
+    const SectionForces of_engine(planes.mesh, domain_.spacing_m, lambda_per_mu, force_m,
+                                  planes.depths_m);
     NearSolid solid{
         .bodies = {},
         .domain = section,
-        .share = section_share(share, section, markers.along_x()),
-        .depths_m = std::move(depths_m),
-        .patches = section_patches(all, markers, domain.spacing_m, mesh.ends_m.back()),
+        .share = section_share(share_, section, markers.along_x()),
+        .depths_m = std::move(planes.depths_m),
+        .patches = section_patches(all, markers, domain_.spacing_m, planes.mesh.ends_m.back()),
         .marker_m = {},
         .of_engine =
             [&](std::size_t depth, std::ptrdiff_t x, std::ptrdiff_t, std::size_t marker) {
@@ -226,6 +253,13 @@ std::vector<StressCorrection::Change> EndlessStress::changes(std::size_t depth) 
             all.push_back(change);
         }
     return all;
+}
+
+} // namespace
+
+std::unique_ptr<StressCorrection> stress_correction(const EndlessBodies* bodies,
+                                                    CorrectedPlanes planes) {
+    return std::make_unique<EndlessStress>(*bodies, std::move(planes));
 }
 
 double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/stress/lump_stress.hpp"
-
+#include "engines/spectral/bodies/lump_bodies.hpp"
 #include "engines/spectral/bodies/lump_markers.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "engines/spectral/bodies/stress/near_stress.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,15 +65,15 @@ SurfacePatches lump_patches(const LumpBodies& lumps, const Domain& domain, doubl
     return surface_patches(bodies, markers, domain.spacing_m, patch_ring);
 }
 
-NearSolid around(const LumpBodies& lumps, double lambda_per_mu, const Domain& domain,
-                 const DepthMesh& mesh, const fft::SlabShare& share,
-                 const std::vector<double>& depths_m, const GridForces& grid) {
+NearSolid around(const LumpBodies& lumps, const CorrectedPlanes& planes, const GridForces& grid) {
+    const Domain domain = planes.domain;
+    const double lambda_per_mu = ratio_at(planes.medium, lumps.lumps().front().centre_m.z);
     NearSolid solid{
         .bodies = {},
         .domain = domain,
-        .share = share,
-        .depths_m = depths_m,
-        .patches = lump_patches(lumps, domain, mesh.ends_m.back()),
+        .share = planes.share,
+        .depths_m = planes.depths_m,
+        .patches = lump_patches(lumps, domain, planes.mesh.ends_m.back()),
         .marker_m = marker_places(lumps),
         .of_engine =
             [&lumps, &grid, domain](std::size_t depth, std::ptrdiff_t x, std::ptrdiff_t y,
@@ -87,17 +87,39 @@ NearSolid around(const LumpBodies& lumps, double lambda_per_mu, const Domain& do
     return solid;
 }
 
-} // namespace
+/// The correction around lumps.
+class LumpStress : public StressCorrection {
+public:
+    /// add_zz() is available for Corrected::zz, and changes() for all components. Not collective.
+    LumpStress(const LumpBodies& lumps, const CorrectedPlanes& planes);
 
-LumpStress::LumpStress(const LumpBodies& lumps, const Medium& medium, const Domain& domain,
-                       const DepthMesh& mesh, const fft::SlabShare& share,
-                       std::vector<double> depths_m, Corrected use)
-    : grid_(mesh, domain.spacing_m, ratio_at(medium, lumps.lumps().front().centre_m.z),
-            marker_depths(lumps), depths_m),
-      near_(around(lumps, ratio_at(medium, lumps.lumps().front().centre_m.z), domain, mesh, share,
-                   depths_m, grid_)),
-      rows_(depths_m.size()) {
-    if (use != Corrected::zz) return;
+    void take(const std::vector<double>& step_forces) override { forces_ = step_forces; }
+    void add_zz(std::size_t depth, double factor, double* plane) const override;
+    std::vector<Change> changes(std::size_t depth) const override {
+        return near_.changes(depth, forces_);
+    }
+
+private:
+    struct Entry {
+        std::size_t marker;
+        std::array<double, 3> weights;
+    };
+    struct Row {
+        std::size_t place;
+        std::vector<Entry> entries;
+    };
+    GridForces grid_;
+    NearStress near_;
+    std::vector<std::vector<Row>> rows_; // per depth: the matrix of sigma_zz
+    std::vector<double> forces_;         // [marker][x, y, z]
+};
+
+LumpStress::LumpStress(const LumpBodies& lumps, const CorrectedPlanes& planes)
+    : grid_(planes.mesh, planes.domain.spacing_m,
+            ratio_at(planes.medium, lumps.lumps().front().centre_m.z), marker_depths(lumps),
+            planes.depths_m),
+      near_(around(lumps, planes, grid_)), rows_(planes.depths_m.size()) {
+    if (planes.use != Corrected::zz) return;
     for (std::size_t depth = 0; depth < rows_.size(); ++depth)
         near_.each_row(depth, [&](NearStress::Row&& all) {
             Row row{all.place, {}};
@@ -118,8 +140,6 @@ void LumpStress::add_zz(std::size_t depth, double factor, double* plane) const {
         plane[row.place] += factor * sum;
     }
 }
-
-namespace {
 
 /// Points of a plane that are corrected, and their pairs with markers next to them.
 struct Corrections {
@@ -160,6 +180,11 @@ Corrections corrections_at(const Case& c, const std::vector<Vec3>& markers_m, do
 }
 
 } // namespace
+
+std::unique_ptr<StressCorrection> stress_correction(const LumpBodies* lumps,
+                                                    CorrectedPlanes planes) {
+    return std::make_unique<LumpStress>(*lumps, planes);
+}
 
 double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const LumpSizes sizes = lump_sizes(c, mesh);

@@ -35,11 +35,32 @@ public:
 /// What a correction is used for.
 enum class Corrected { zz, all_components };
 
-/// The correction at these depths, on this rank's part of the plane; null for bodies without
-/// markers. The bodies must outlive it. Not collective.
-std::unique_ptr<StressCorrection> stress_correction(const RigidBodies& bodies, const Medium& medium,
-                                                    const Domain& domain, const DepthMesh& mesh,
-                                                    const fft::SlabShare& share,
-                                                    std::vector<double> depths_m, Corrected use);
+/// Where and for what a correction is computed: at these depths, on this rank's part of the plane.
+struct CorrectedPlanes {
+    const Medium& medium;
+    const Domain& domain;
+    const DepthMesh& mesh;
+    const fft::SlabShare& share;
+    std::vector<double> depths_m;
+    Corrected use;
+};
+/// The correction around bodies across the domain (endless_stress.cpp) and around lumps
+/// (lump_stress.cpp), which must outlive it. Not collective.
+std::unique_ptr<StressCorrection> stress_correction(const EndlessBodies* bodies,
+                                                    CorrectedPlanes planes);
+std::unique_ptr<StressCorrection> stress_correction(const LumpBodies* lumps,
+                                                    CorrectedPlanes planes);
+/// Null for bodies without markers.
+inline std::unique_ptr<StressCorrection> stress_correction(const RigidBodies& bodies,
+                                                           CorrectedPlanes planes) {
+    if (bodies.empty() || planes.depths_m.empty()) return nullptr;
+    return std::visit(
+        [&](const auto* treated) { return stress_correction(treated, std::move(planes)); },
+        bodies.kind());
+}
+
+/// Memory of the corrections of a case on the rank that needs most, in bytes. Not collective.
+double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
+double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
 
 } // namespace shearwake::spectral
