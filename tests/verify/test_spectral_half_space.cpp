@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The absorbing bottom of engine "spectral" compared with the exact half-space of engine "layered".
-#include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"

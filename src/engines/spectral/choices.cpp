@@ -3,7 +3,6 @@
 
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
-#include "engines/spectral/stepping/step_probe.hpp"
 #include "problem/case/edges.hpp"
 #include "problem/medium/material_field.hpp"
 

@@ -3,7 +3,6 @@
 
 #include "engines/engine.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
-#include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/stepping/step_probe.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
 
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"

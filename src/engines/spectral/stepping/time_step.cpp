@@ -4,7 +4,6 @@
 #include "base/units.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
-#include "engines/spectral/stepping/step_probe.hpp"
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>

@@ -24,4 +24,26 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options);
 /// The mesh for the step of choose_time_step(). Not collective.
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options);
 
+// Estimates of the error (step_probe.cpp).
+
+/// Relative L2 error of the surface field that a time step causes in the layers, without bodies and
+/// maps. A few wave vectors of the case's load are advanced with this step and with half of it for
+/// the duration of the run. Their difference is 15/16 of an error of fourth order, and 3/4 of one
+/// of second order (viscous forces). A run of more than 2500 frames is extrapolated from its first
+/// 2500. Takes milliseconds. Not collective.
+double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
+
+/// Estimated errors of the surface field, without bodies and maps.
+struct ProbedErrors {
+    double norm = 0.0;     // relative L2 error of all frames
+    double maximum = 0.0;  // largest error near the focus, relative to the largest value there
+    double absorber = 0.0; // the part of `norm` that the absorber of a half-space causes
+};
+
+/// Estimates the errors that the step, the elements and the absorber cause, from differences: from
+/// half the step and half the length of the elements at samples of the spectrum of the footprint,
+/// and from an absorber of twice the depth at the lowest wave vectors of the domain, where it
+/// returns the most. Covers at most 2500 frames as probed_error() does. Not collective.
+ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double step_s);
+
 } // namespace shearwake::spectral

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"
 

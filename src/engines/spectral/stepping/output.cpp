@@ -33,42 +33,46 @@ void component_of(std::size_t component, const WaveBlock& waves, const Block* uw
 void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane) const {
     const auto at_level = static_cast<std::ptrdiff_t>(level);
     const LineKernels& lines = simd::kernels<LineKernels>();
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Block* u = pencil(now_, row, block);
-            const WaveBlock waves = vectors_.waves(row, block);
+    for (std::ptrdiff_t row = 0; row < state_.vectors.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < state_.vectors.blocks(); ++block) {
+            const Block* u = state_.u({row, block, row * state_.vectors.blocks() + block});
+            const WaveBlock waves = state_.vectors.waves(row, block);
             Block value[parts] = {};
-            if (at_level < operator_.levels())
+            if (at_level < state_.vertical.levels())
                 component_of(component, waves, u + 2 * at_level * parts,
-                             u + (operator_.psv() + at_level) * parts, value);
-            lines.put(waves, {}, value, plane + 2 * row * vectors_.nx());
+                             u + (state_.vertical.psv() + at_level) * parts, value);
+            lines.put(waves, {}, value, plane + 2 * row * state_.vectors.nx());
         }
     }
-    vectors_.clear_nyquist(plane);
+    state_.vectors.clear_nyquist(plane);
 }
 
 void Stepper::plane_of_w(double depth_m, double* plane) const {
-    const auto above = std::upper_bound(mesh_.ends_m.begin(), mesh_.ends_m.end() - 1, depth_m);
-    const auto element = static_cast<std::size_t>(above - mesh_.ends_m.begin()) - 1;
+    const auto above =
+        std::upper_bound(state_.mesh.ends_m.begin(), state_.mesh.ends_m.end() - 1, depth_m);
+    const auto element = static_cast<std::size_t>(above - state_.mesh.ends_m.begin()) - 1;
     const std::vector<double> weights = interpolation_weights(
-        mesh_.rule, 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0);
-    const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
+        state_.mesh.rule,
+        2.0 * (depth_m - state_.mesh.ends_m[element]) / state_.mesh.length_m(element) - 1.0);
+    const auto first = static_cast<std::ptrdiff_t>(element) * state_.mesh.degree;
     const LineKernels& lines = simd::kernels<LineKernels>();
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Block* u = pencil(now_, row, block);
+    for (std::ptrdiff_t row = 0; row < state_.vectors.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < state_.vectors.blocks(); ++block) {
+            const Block* u = state_.u({row, block, row * state_.vectors.blocks() + block});
             Block w[parts] = {};
-            for (std::ptrdiff_t i = 0; i <= mesh_.degree; ++i) {
+            for (std::ptrdiff_t i = 0; i <= state_.mesh.degree; ++i) {
                 const double weight = weights[static_cast<std::size_t>(i)];
                 const std::ptrdiff_t unknown = 2 * (first + i) + 1;
-                if (unknown >= operator_.psv() || weight == 0.0) continue; // the base does not move
+                if (unknown >= state_.vertical.psv() || weight == 0.0)
+                    continue; // the base does not move
                 for (std::ptrdiff_t part = 0; part < parts; ++part)
                     add_scaled(weight, u[unknown * parts + part], w[part]);
             }
-            lines.put(vectors_.waves(row, block), {}, w, plane + 2 * row * vectors_.nx());
+            lines.put(state_.vectors.waves(row, block), {}, w,
+                      plane + 2 * row * state_.vectors.nx());
         }
     }
-    vectors_.clear_nyquist(plane);
+    state_.vectors.clear_nyquist(plane);
 }
 
 } // namespace shearwake::spectral

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/stepping/stages.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+
+namespace shearwake::spectral {
+namespace {
+
+/// Predicts the change of a pencil and puts its strain into the planes; `scale` is the weight of
+/// the second difference. Prefetches the factor that is needed next.
+void predict(StepState& s, const Pencil& p, double scale, const Block* u, const Block* before,
+             const Block* needed) {
+    Block* change = s.predicted.change.data() + p.at * s.size();
+    Block* pressure = s.predicted.load.data() + p.at * parts;
+    s.put_forces(p, u, before, change, pressure, needed);
+    s.solve(p, change);
+    s.add_work(p, scale, u, before, change, pressure);
+    s.clock.lap(Phase::solves, s.pencil_bytes(3.0));
+    s.put_strain(p, change);
+}
+
+/// The pencils without the stress of the elastic bodies. Usually the previous step has predicted
+/// them in its pass.
+class PredictedPencils : public Stage {
+public:
+    using Stage::Stage;
+
+    void advance() override {
+        s_.load.sample(s_.step);
+        s_.clock.lap(Phase::rest);
+        if (s_.predicted.valid) return;
+        s_.kinetic.clear();
+        s_.work.clear();
+        s_.each_pencil(
+            {}, [](std::ptrdiff_t) {},
+            [&](const Pencil& p) {
+                predict(s_, p, s_.scale(), s_.u(p), s_.u_before(p), s_.factor(p.at));
+            });
+        s_.planes.get(s_.predicted.strain);
+        s_.predicted.valid = true;
+    }
+    void save(StateWriter& state) const override { s_.save_displacement(state); }
+    void restore(const StateReader& state) override {
+        s_.restore_displacement(state);
+        s_.predicted.valid = false;
+    }
+};
+
+/// With G = E B^-1 E^T, g = B^-1 (f - K u - C (u - u-)/dt) and the explicit stress s of the bodies,
+///     e = E g - G t,   t = s + S e,   d = g - B^-1 E^T t.
+/// The box yields G, so that t is known before the pass over the pencils, which applies it and
+/// predicts g of the next step while the factors are in the cache.
+class BoxStage : public Stage {
+public:
+    BoxStage(StepState& state, const BoxGrid& grid)
+        : Stage(state), iteration_(state),
+          box_(state.field, grid, state.slabs, state.team, state.clock) {
+        box_.assemble(
+            [&](std::ptrdiff_t plane, StrainPlanes& planes) { respond_to_plane(plane, planes); });
+        together(s_.team, [&] {
+            s_.predicted.change.resize(s_.now.size());
+            s_.predicted.load.resize(static_cast<std::size_t>(s_.vectors.pencils() * parts));
+            s_.predicted.strain.resize(s_.field.size());
+        });
+    }
+
+    void advance() override {
+        s_.find_stress();
+        box_.respond(s_.stress, s_.change, BoxResponse::Precision::full);
+        for (std::size_t i = 0; i < s_.change.size(); ++i)
+            s_.change[i] += s_.predicted.strain[i];
+        const auto with = [this](BoxResponse::Precision precision) {
+            return [this, precision](const StepState::Values& stress, StepState::Values& strain) {
+                box_.respond(stress, strain, precision);
+            };
+        };
+        if (iteration_.solve({.full = with(BoxResponse::Precision::full),
+                              .rounded = with(BoxResponse::Precision::rounded)}) > 0) {
+            const StepState::Values& implicit = iteration_.stress();
+            for (std::size_t i = 0; i < s_.stress.size(); ++i)
+                s_.stress[i] += implicit[i];
+        }
+        s_.clock.lap(Phase::products, s_.value_bytes(6.0));
+        s_.planes.set(s_.stress);
+        complete_and_predict();
+        iteration_.advance_strains();
+    }
+    void save(StateWriter& state) const override { iteration_.save(state); }
+    void restore(const StateReader& state) override { iteration_.restore(state); }
+
+private:
+    /// Ends the rows of `planes` from `plane` on with the strain for a unit stress in this plane.
+    /// Not collective.
+    void respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
+        const std::ptrdiff_t components = s_.transfer.components(), pitch = 2 * s_.slabs.nx();
+        const StrainPoint& point =
+            s_.transfer.points()[static_cast<std::size_t>(plane / components)];
+        const StrainTransfer one(s_.mesh, {point}, static_cast<int>(components));
+        std::vector<double> unit(static_cast<std::size_t>(components * pitch), 0.0);
+        for (std::ptrdiff_t i = 0; i < s_.slabs.nx(); ++i)
+            unit[static_cast<std::size_t>(plane % components * pitch + 2 * i)] = 1.0;
+        Block* force = s_.scratch.data();
+        for (std::ptrdiff_t row = 0; row < s_.vectors.rows(); ++row) {
+            if (s_.vectors.is_nyquist(row)) {
+                planes.end_row(row, StrainPlanes::Modes::emptied);
+                continue;
+            }
+            for (std::ptrdiff_t block = 0; block < s_.vectors.blocks(); ++block) {
+                std::fill(s_.scratch.begin(), s_.scratch.end(), Block{});
+                const WaveBlock waves = s_.vectors.waves(row, block);
+                one.add_force(waves, unit.data(), pitch, s_.per_point(), force);
+                s_.solve({row, block, row * s_.vectors.blocks() + block}, force);
+                s_.transfer.strain(planes.in_line(waves), force, planes.line(row), planes.stride());
+            }
+            planes.end_row_from(row, plane);
+        }
+    }
+
+    void complete_and_predict() {
+        const double scale = s_.scale();
+        StepState::Prediction& predicted = s_.predicted;
+        Block* response = s_.scratch.data();
+        double work = 0.0;
+        s_.kinetic.clear();
+        s_.work.clear();
+        // The sponge of the next step changes the displacement.
+        predicted.valid = !s_.sponge_acts_at(s_.step + 1);
+        if (predicted.valid) s_.load.sample(s_.step + 1);
+        s_.each_pencil({.strain = predicted.valid}, [&](const Pencil& p) {
+            const Block *u = s_.u(p), *change = predicted.change.data() + p.at * s_.size();
+            Block* before = s_.u_before(p);
+            std::fill_n(response, s_.size(), Block{});
+            s_.add_planes_force(p, response);
+            s_.solve(p, response);
+            s_.kernels.advance_by_sum(s_.size(), scale, u, change, response, before);
+            work += s_.work_of_change(p, scale, response, predicted.load.data() + p.at * parts);
+            s_.clock.lap(Phase::solves, s_.pencil_bytes(2.0));
+            if (!predicted.valid) return;
+            // The factor of the next pencil, since this one is in the cache.
+            predict(s_, p, 1.0, before, u, s_.factor(std::min(p.at + 1, s_.vectors.pencils() - 1)));
+        });
+        s_.watch.add_work(scale * work);
+        if (predicted.valid) s_.planes.get(predicted.strain);
+    }
+
+    StrainIteration iteration_;
+    BoxResponse box_;
+};
+
+} // namespace
+
+std::unique_ptr<Stage> make_predicted_pencils(StepState& state) {
+    return std::make_unique<PredictedPencils>(state);
+}
+
+std::unique_ptr<Stage> make_variation_in_box(StepState& state, const BoxGrid& grid) {
+    return std::make_unique<BoxStage>(state, grid);
+}
+
+} // namespace shearwake::spectral

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/lateral/box_response.hpp"
+#include "engines/spectral/lateral/strain_solver.hpp"
+#include "engines/spectral/stepping/step_state.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace shearwake::spectral {
+
+/// A part of a step. The order of the stages and the equation that they solve together are those of
+/// Stepper (stepper.hpp). Each stage has a file of its own and knows of the others only what is in
+/// StepState.
+class Stage {
+public:
+    explicit Stage(StepState& state) : s_(state) {}
+    virtual ~Stage() = default;
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+
+    /// Throws CaseFailure or FieldDiverges on all ranks together. Collective.
+    virtual void advance() = 0;
+    /// Save and restore what the stage carries from step to step. Collective.
+    virtual void save(StateWriter& state) const = 0;
+    virtual void restore(const StateReader& state) = 0;
+
+protected:
+    StepState& s_;
+};
+
+// The state must outlive the stages. Their allocations throw CaseFailure on all ranks together.
+// Collective.
+
+/// Removes a share of the velocity in the margin of the domain (sponge_stage.cpp).
+std::unique_ptr<Stage> make_sponge(StepState& state);
+/// Interval of the sponge in steps (0: no sponge) and the number of points of its planes.
+struct SpongePlan {
+    std::ptrdiff_t every = 0, nx = 0, ny = 0;
+};
+/// Whether the medium varies laterally.
+enum class Lateral { uniform, varies };
+/// The interval and the planes of the sponge of a case. Not collective.
+SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s);
+/// The pass over the pencils with the explicit forces (pencil_stage.cpp).
+std::unique_ptr<Stage> make_pencils(StepState& state);
+/// The kinetic energy and the work of the load, which must account for it (energy_stage.cpp).
+std::unique_ptr<Stage> make_energy(StepState& state);
+/// The forces that make the markers of the rigid bodies move rigidly (constraint_stage.cpp).
+std::unique_ptr<Stage> make_constraint(StepState& state);
+/// The stress of elastic bodies at the next step, on complete planes (variation_stage.cpp).
+std::unique_ptr<Stage> make_variation(StepState& state);
+/// Instead of pencils and variation, where a box contains the elastic bodies (box_stage.cpp).
+std::unique_ptr<Stage> make_predicted_pencils(StepState& state);
+std::unique_ptr<Stage> make_variation_in_box(StepState& state, const BoxGrid& grid);
+
+/// The energy that the scheme preserves (energy_stage.cpp), half a step before the current time,
+/// and the work of the load so far.
+struct EnergyBalance {
+    double energy_J = 0.0, work_J = 0.0;
+};
+/// Exact up to rounding and the residual of iterations. Costs about one step and overwrites the
+/// work arrays of a step. Throws FieldDiverges on all ranks together if the field diverges.
+/// Collective.
+EnergyBalance energy_of(StepState& state);
+
+/// Conjugate gradients for the strain of a step, which both treatments of elastic bodies share
+/// (variation_stage.cpp).
+class StrainIteration {
+public:
+    explicit StrainIteration(StepState& state);
+    /// On entry state.change is E B^-1 rhs, on return e = E d. Returns the number of iterations;
+    /// if there were any, stress() is S e. Collective.
+    int solve(const StrainSolver::Responses& respond);
+    const StepState::Values& stress() { return solver_->stress(); }
+    /// Replaces the previous strain by the next one. Not collective.
+    void advance_strains();
+
+    void save(StateWriter& state) const;
+    void restore(const StateReader& state);
+
+private:
+    StepState& s_;
+    const StrainKernels& kernels_;
+    std::optional<StrainSolver> solver_; // empty unless steps iterate
+};
+
+} // namespace shearwake::spectral
