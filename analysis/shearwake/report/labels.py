@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Names of swept keys, and labels of their values."""
+import functools
 import re
 from typing import Any
 
@@ -15,34 +16,49 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
+def remembered(function: Any) -> Any:
+    """The function of a selection and hashable arguments, called once for the same ones, since each label asks for it. Callers
+    must not change the results."""
+    @functools.wraps(function)
+    def first_time(selection: Selection, *arguments: Any) -> Any:
+        known = selection.__dict__.setdefault("_remembered", {})
+        place = (function, *arguments)
+        if place not in known:
+            known[place] = function(selection, *arguments)
+        return known[place]
+    return first_time
+
+
+@remembered
 def ordinary(selection: Selection) -> list[Case]:
     return [c for c in selection.cases if c.is_complete and not c.is_reference]
 
 
+@remembered
 def swept_cases(selection: Selection) -> list[Case]:
     """All cases except references, with or without a result: heat maps have a cell for each."""
     return [c for c in selection.cases if not c.is_reference]
 
 
+@remembered
 def values_of(selection: Selection, key: str) -> list:
     """All values of a key: sorted numbers, or strings in the order of the plan."""
     values = list(dict.fromkeys(c.settings[key] for c in swept_cases(selection) if key in c.settings))
     return sorted(values) if all(map(is_number, values)) else values
 
 
+@remembered
 def displayed_key(selection: Selection, key: str) -> str:
     """The key itself, or the common key of a frequency or a phase that AM and SM share."""
     for what in ("frequency_Hz", "phase_deg"):
         am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
         if key in (am, sm) and {am, sm} <= set(selection.sweep.swept_keys):
-            known = selection.__dict__.setdefault("_shared_keys", {})  # compared once, since each label asks for it
-            if what not in known:
-                known[what] = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(selection))
-            same = known[what]
+            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(selection))
             return f"load.modulation.modulation_{what}" if same else key
     return key
 
 
+@remembered
 def name(selection: Selection, key: str) -> str:
     """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
     and SM frequencies that are swept together have a common name, since a case has only one of them."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..case import Case
 from . import words
-from .labels import is_number, labels, ordinary, setting_text, swept_cases, values_of
+from .labels import is_number, labels, ordinary, remembered, setting_text, swept_cases, values_of
 from .load import Selection, traces
 
 
@@ -28,11 +28,13 @@ def repeats(case: Case) -> bool:
     return case.setting("time", "regime", default="") == "periodic"
 
 
+@remembered
 def is_numeric(selection: Selection) -> bool:
     values = [c.settings.get(selection.x) for c in selection.cases if not c.is_reference]
     return bool(selection.x) and bool(values) and all(is_number(v) and (selection.x, v) not in labels(selection) for v in values)
 
 
+@remembered
 def group_keys(selection: Selection) -> list[str]:
     """The keys that distinguish curves; all other swept keys if cases would otherwise share an x."""
     if selection.label_keys is not None:
@@ -59,6 +61,7 @@ def groups(selection: Selection) -> list[Group]:
     return made
 
 
+@remembered
 def x_values(selection: Selection) -> list:
     """All values of x of the complete cases: sorted numbers, or strings in the order of the plan."""
     cases = [c for c in ordinary(selection) if selection.x in c.settings]
@@ -87,6 +90,7 @@ def medium_label(selection: Selection, case: Case) -> str:
     return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys) or case_label(selection, case)
 
 
+@remembered
 def case_label(selection: Selection, case: Case) -> str:
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
     if case.is_reference:
@@ -137,6 +141,7 @@ def is_reading(key: str) -> bool:
     return key.startswith("measure.")
 
 
+@remembered
 def axes(selection: Selection) -> list[str]:
     """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
     cases = swept_cases(selection)

@@ -180,8 +180,13 @@ def legend_strip(figure: Any, handles: list) -> None:
 def save(figure: Any, path: Path) -> None:
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     make_texts_plain(figure)
+    if layout := figure.get_layout_engine():
+        before = figure.dpi
+        figure.set_dpi(DPI)  # of the texts that it measures
+        layout.execute(figure)  # without the additional drawing of savefig
+        figure.set_dpi(before)
+        figure.set_layout_engine("none")  # the PDF has the same places
     figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
     if PDF:
-        figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
         figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
     plt.close(figure)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Formats keys, units and numbers for figures and their captions."""
+import functools
 import math
 import re
 import tomllib
@@ -30,6 +31,7 @@ NAMES = {
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 
+@functools.cache
 def split_unit(key: str) -> tuple[str, str]:
     """The last part of a dotted key without its unit, and the unit ('' if it has none)."""
     word = key.split(".")[-1]
@@ -40,6 +42,7 @@ def split_unit(key: str) -> tuple[str, str]:
     return word[: -len(suffix)], UNITS[suffix]
 
 
+@functools.cache
 def key_name(key: str) -> str:
     """'medium.layer[1].c_s_m_s' -> 'shear-wave speed, layer 1'."""
     word, _ = split_unit(key)
