@@ -13,7 +13,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shearwake
 from program import PATIENCE_s, ROOT, ProgramTest, changed
+from scipy.interpolate import RegularGridInterpolator
 from test_resume import alive, descendants
 
 STEADY = """
@@ -162,6 +164,47 @@ class Optimise(ProgramTest):
                               "optimise_mean.png", "optimise_path.png"}, figures)
         self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py",
                   "uniformity of the optimum")
+
+    def drawn(self, out, name):
+        """The uniformity of each case of an output folder, from the time mean of u^2 of its file: {case: uniformity}."""
+        found = {}
+        for case in shearwake.Sweep(self.folder / out).cases:
+            mean = case.arrays("mean")
+            at = np.column_stack([mean["drawn_x"], mean["drawn_y"]])
+            rms = np.sqrt(RegularGridInterpolator((mean["x"], mean["y"]), mean["u_z_squared"])(at))
+            found[case.settings.get(name)] = rms.min() / rms.mean()
+        return found
+
+    def test_a_required_uniformity_keeps_the_circle_closed(self):
+        least = 0.9
+        self.job(ONE)
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "free", ranks=2)
+        self.job(ONE, ("starts = 4", f"starts = 4\nuniformity = {least}"))
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        [free], [row] = self.rows("free"), self.rows()
+        self.check_rows([row])
+        self.assertEqual(self.verify().returncode, 0)  # the bound holds with the constraint as well
+        # The constraint binds. The case is computed with other quadrature nodes than the forms, see check_rows().
+        self.assertLess(free["uniformity_optimum_1"], 0.9 * least)
+        self.assertLess(abs(row["uniformity_optimum_1"] / least - 1.0), 1e-4)
+        self.assertGreater(row["uniformity_unmodulated_1"], 0.99)  # a circle looks the same everywhere but for the grid
+        self.assertGreaterEqual(row["uniformity_am_1"], least * (1.0 - 1e-4))
+        self.assertLess(row["eta_optimum_1"], free["eta_optimum_1"])
+        self.assertGreater(row["eta_optimum_1"], row["eta_unmodulated_1"])
+        # The columns are those of the files, and the jobs of the optimum and of the exported waveform reproduce them.
+        drawn = self.drawn("out/best.optimise", "optimise.modulation")
+        for name, kind in (("optimum", "optimum"), ("unmodulated", "unmodulated"), ("am", "AM-STM"), ("exported", "exported")):
+            self.assertAlmostEqual(drawn[kind], row[f"uniformity_{name}_1"], delta=1e-8)  # nine digits in the table
+        self.check_jobs(row)
+        self.check_jobs(row, kind="exported.", column="eta_exported_1")
+        self.assertAlmostEqual(self.drawn("job-0", "")[None], row["uniformity_optimum_1"], delta=1e-6)
+        self.assertAlmostEqual(self.drawn("job-exported.0", "")[None], row["uniformity_exported_1"], delta=1e-6)
+
+    def test_a_uniformity_that_no_envelope_reaches_is_rejected(self):
+        # The rms falls at the ends of a line.
+        self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 4\nuniformity = 1.0"))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "no envelope was found", "optimise.uniformity = 1",
+                  "the unmodulated load has a uniformity of 0.")
 
     def check_waveform(self, row):
         """The waveform has the levels of the optimum, and its TOML gives the eta of the exported case."""

@@ -105,15 +105,14 @@ def of_optima(selection: Selection) -> list[Number]:
     plain = "" if "unmodulated" in optima.invalid(selection) else f"{amount(row['eta_unmodulated_1'])} without modulation"
     return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", plain),
             (amount(row["eta_ceiling_1"]), "proven upper bound for its path", f"{amount(row['ceiling_over_optimum_1'])} times the optimum"),
-            uniformity_or_strength(selection, rows, row)]
+            uniformity_or_strength(row)]
 
 
-def uniformity_or_strength(selection: Selection, rows: list[dict[str, Any]], row: dict[str, Any]) -> Number:
-    found, plain = (optima.uniformity(selection, rows, row["strength_at_least_1"], name) for name in ("optimum", "unmodulated"))
-    if math.isnan(found):
+def uniformity_or_strength(row: dict[str, Any]) -> Number:
+    found, plain = (row.get(f"uniformity_{name}_1", math.nan) for name in ("optimum", "unmodulated"))
+    if math.isnan(found):  # the focus rests
         return amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", ""
-    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", (
-        f"{number(plain, 2)} without modulation" if math.isfinite(plain) else "")
+    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", f"{number(plain, 2)} without modulation"
 
 
 def numbers(selection: Selection) -> list[Number]:

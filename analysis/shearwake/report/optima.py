@@ -151,13 +151,6 @@ def along_path(case: Case) -> AlongPath | None:
     return AlongPath(1e3 * distance[inside], 1e6 * np.sqrt(value[inside]))
 
 
-def uniformity(selection: Selection, rows: list[dict[str, Any]], strength: float, name: str) -> float:
-    """The smallest rms along the path relative to its mean, of a modulation at a strength; NaN if it is unknown."""
-    case = compared(selection, rows, strength).get(name)
-    found = along_path(case) if case else None
-    return found.uniformity if found else math.nan
-
-
 def cell(value: float | str) -> str:
     if isinstance(value, str):
         return f"<td>{html.escape(value)}</td>"
@@ -174,12 +167,12 @@ def results(selection: Selection) -> str:
     names = ["case", "strength at least", *(text for text, _ in COMPARED), "strength of SM-STM", "upper bound", "bound / optimum"]
     exported = any("eta_exported_1" in row for row in optima(selection).rows)
     names += ["exported", "its strength"] if exported else []
-    names += ["uniformity without modulation", "uniformity of the optimum"]
-    of_case = by_case(selection)
+    uniform = [(text, f"uniformity_{name}_1") for text, name in COMPARED] + [("exported", "uniformity_exported_1")] * exported
+    names += [f"uniformity: {text}" for text, _ in uniform]
     rows = [[title_of(selection, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
              r["eta_ceiling_1"], r["ceiling_over_optimum_1"],
              *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ()),
-             *(uniformity(selection, of_case[r["case"]], r["strength_at_least_1"], name) for name in ("unmodulated", "optimum"))] for r in optima(selection).rows]
+             *(r.get(column, math.nan) for _, column in uniform)] for r in optima(selection).rows]
     return table(names, rows)
 
 

@@ -22,6 +22,7 @@ struct OptimiseOptions {
     std::vector<OptimisedPart> over = {OptimisedPart::envelope};
     double knot_s = 250e-6;
     std::vector<double> strengths = {0.6, 0.7, 0.8, 0.9};
+    double uniformity = 0.0; // 0: no constraint
     int starts = 12;
     double factor_at_most = 1.5;                              // of the speed and the size
     int rounds = 6;                                           // of the search over the motion
@@ -63,6 +64,11 @@ void walk_search_fields(Walk& walk, Options& o) {
                        .range = Range::between(0.05, 1.0),
                        .meaning = "least rms over the focal disc, divided by that of the "
                                   "unmodulated load on the same path; one optimum per value"});
+    walk(o.uniformity,
+         {.key = "uniformity",
+          .range = Range::between(0.0, 1.0),
+          .meaning = "least uniformity of each optimum: the smallest rms of u over time along the "
+                     "path, divided by its mean along the path; 0: no constraint"});
     walk(o.starts, {.key = "starts",
                     .range = Range::between(1.0, 10000.0),
                     .meaning = "number of envelopes from which the search starts"});

@@ -110,4 +110,9 @@ std::vector<double> read_first_trace(const std::filesystem::path& path) {
     return values;
 }
 
+std::vector<double> read_mean_square(const std::filesystem::path& path) {
+    const h5::Id file = h5::open_file(path, h5::Access::read);
+    return h5::read_all(h5::open_dataset(file.raw(), "mean/u_z_squared"));
+}
+
 } // namespace shearwake::storage

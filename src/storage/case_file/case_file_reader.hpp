@@ -49,4 +49,8 @@ private:
 /// FileFailure. Not collective.
 std::vector<double> read_first_trace(const std::filesystem::path& path);
 
+/// The time mean of u_z^2 [m^2] on the surface, row-major, of a complete case file. Does not verify
+/// the checksum. Throws FileFailure if it was not recorded. Not collective.
+std::vector<double> read_mean_square(const std::filesystem::path& path);
+
 } // namespace shearwake::storage

@@ -34,8 +34,10 @@ void write_forms(const Study& study, const MovedCase& c) {
     for (std::ptrdiff_t knot = 0; knot < c.knots.count; ++knot)
         knots.push_back(study.basis().case_file(case_id(knot_case(c.physics, c.knots, knot))));
     const Quotient quotient = find_quotient(c.physics, study.options.maximise).value();
-    storage::write_file(study.files.forms(c.id),
-                        forms_text(c.id, c.knots, gram_forms(c.physics, quotient, knots)));
+    storage::write_file(
+        study.files.forms(c.id),
+        forms_text(c.id, c.knots,
+                   gram_forms(c.physics, quotient, study.options.uniformity > 0.0, knots)));
     for (const fs::path& knot : knots)
         fs::remove(knot);
 }

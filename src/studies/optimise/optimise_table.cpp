@@ -6,6 +6,7 @@
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "studies/optimise/optimise_job.hpp"
+#include "studies/optimise/search/gram.hpp"
 #include "studies/optimise/search/waveform.hpp"
 #include "studies/tables.hpp"
 
@@ -51,8 +52,15 @@ void add_motion(Row& row, const MovedCase& moved) {
     }
 }
 
-Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOptions& options,
+/// NaN without a complete case.
+double uniformity_in(const schedule::OutputFolder& folder, const Case& physics) {
+    const std::filesystem::path file = folder.case_file(case_id(physics));
+    return std::filesystem::exists(file) ? uniformity_of(physics, file) : not_a_number;
+}
+
+Row row_of(const Study& study, const Optima& results, std::size_t i, std::size_t s,
            const Readings& basis, const Readings& computed) {
+    const OptimiseOptions& options = study.options;
     const OptimisedCase& c = results.cases[i];
     const Optimum& of = results.optima[i][s];
     const ResultCases cases = results.results(i, s, options);
@@ -81,6 +89,11 @@ Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOp
                 {"sm_frequency_Hz", best ? best->frequency_Hz : not_a_number},
                 {"sm_deviation_m_s", best ? best->deviation_m_s : not_a_number},
                 {"sm_phase_deg", best ? degrees(best->phase_rad) : not_a_number}});
+    const auto uniform = [&](const Case& physics) { return uniformity_in(study.folder, physics); };
+    row.insert(row.end(), {{"uniformity_optimum_1", uniform(cases.found)},
+                           {"uniformity_unmodulated_1", uniform(cases.unmodulated)},
+                           {"uniformity_am_1", uniform(cases.am)},
+                           {"uniformity_sm_1", cases.sm ? uniform(*cases.sm) : not_a_number}});
     if (options.over.size() > 1) add_motion(row, results.moved[i][s]);
     if (cases.exported) {
         const Reading exported = reading(computed, *cases.exported);
@@ -88,7 +101,8 @@ Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOp
         row.insert(row.end(),
                    {{"eta_exported_1", exported.eta},
                     {"strength_exported_1", exported.focal_rms_um / unmodulated.focal_rms_um},
-                    {"exported_loss_1", 1.0 - exported.eta / of.found.eta}});
+                    {"exported_loss_1", 1.0 - exported.eta / of.found.eta},
+                    {"uniformity_exported_1", uniform(*cases.exported)}});
     }
     row.emplace_back("valid", is_valid && of_sm.is_valid ? "yes" : "no");
     return row;
@@ -122,13 +136,16 @@ std::string write_table(const std::filesystem::path& stem, const std::vector<Cas
     return text;
 }
 
-BestSm best_sm(const OptimisedCase& c, double strength, const Readings& basis) {
+BestSm best_sm(const Study& study, const OptimisedCase& c, double strength, const Readings& basis) {
+    const double uniformity = study.options.uniformity;
     BestSm chosen;
     double eta = 0.0;
     const double unmodulated = reading(basis, c.plain).focal_rms_um;
     for (std::size_t n = 0; n < c.sm.size(); ++n) {
         const Reading sm = reading(basis, c.sm[n].physics);
         if (!(sm.eta > eta) || !(sm.focal_rms_um >= strength * unmodulated)) continue;
+        if (uniformity > 0.0 && !(uniformity_in(study.basis(), c.sm[n].physics) >= uniformity))
+            continue;
         chosen = n;
         eta = sm.eta;
     }
@@ -178,7 +195,7 @@ std::vector<std::vector<BestSm>> agreed_sm(const Study& study, const Comm& world
         const Readings basis = readings_of(study.basis(), study.options.maximise);
         for (const OptimisedCase& c : study.cases)
             for (const double strength : strengths) {
-                const BestSm sm = best_sm(c, strength, basis);
+                const BestSm sm = best_sm(study, c, strength, basis);
                 chosen.push_back(sm ? static_cast<int>(*sm) : -1);
             }
     });
@@ -195,8 +212,7 @@ std::string write_optima(const Study& study, const Optima& results, const Readin
     std::vector<CaseRow> rows;
     for (std::size_t i = 0; i < results.cases.size(); ++i)
         for (std::size_t s = 0; s < results.optima[i].size(); ++s) {
-            rows.push_back(
-                {results.cases[i], row_of(results, i, s, study.options, basis, computed)});
+            rows.push_back({results.cases[i], row_of(study, results, i, s, basis, computed)});
             write_waveforms(study, results, i, s);
         }
     return write_table(study.files.root / "table", rows);

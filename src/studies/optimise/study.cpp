@@ -131,6 +131,8 @@ std::string study_text(const Plan& plan, const OptimiseOptions& options) {
     text += fmt::format("search = 2\nam_Hz = {}\nsm_Hz = {}\nsm_m_s = {}\n",
                         numbers(options.am_frequencies_Hz), numbers(options.sm_frequencies_Hz),
                         numbers(options.sm_deviations_m_s));
+    if (options.uniformity > 0.0)
+        text += fmt::format("uniformity = {}\n", exact(options.uniformity));
     for (const PlannedCase& c : plan.cases)
         text += c.id + "\n";
     return text;
@@ -163,18 +165,26 @@ Envelope best_for(const Forms& forms, double strength, const OptimiseOptions& op
     std::vector<Eigen::VectorXd> from =
         starts(forms.knots(), static_cast<std::size_t>(options.starts), seed);
     from.insert(from.end(), more.begin(), more.end());
-    return best_envelope(forms, strength, from);
+    return best_envelope(forms, {strength, options.uniformity}, from);
 }
 
 Optimum optimum(const OptimisedCase& c, const Forms& forms, const MotionChange& change,
                 const Forms& moved, double strength, const OptimiseOptions& options) {
     Optimum result{.strength = strength, .change = change};
-    result.am =
-        best_am(forms, c.knots, strength, am_frequencies_Hz(c.base.physics, c.knots, options));
+    result.am = best_am(forms, c.knots, {strength, options.uniformity},
+                        am_frequencies_Hz(c.base.physics, c.knots, options));
     result.ceiling = ceiling(moved, strength);
     std::vector<Eigen::VectorXd> more = rounded(relaxed_envelope(moved, result.ceiling));
     more.push_back(result.am.envelope.values);
     result.found = best_for(moved, strength, options, more);
+    if (!(result.found.eta > 0.0))
+        throw UsageError(
+            fmt::format("case {}: no envelope was found with a strength of {:g} and "
+                        "optimise.uniformity = {:g}; the unmodulated load has a uniformity of "
+                        "{:.4g}, so choose a smaller value",
+                        c.base.id, strength, options.uniformity,
+                        uniformity(rms_along_path(moved, Eigen::VectorXd::Ones(moved.knots())))),
+            ExitCode::bad_job);
     result.eta_unmodulated = unmodulated(forms).eta;
     return result;
 }

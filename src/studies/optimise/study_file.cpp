@@ -61,6 +61,9 @@ auto read(const std::string& text, const std::string& name, const auto& use) {
 } // namespace
 
 std::string forms_text(const std::string& id, const Knots& knots, const Forms& forms) {
+    Json path = Json::array();
+    for (const Eigen::MatrixXd& form : forms.path)
+        path.push_back(json_of(form));
     return Json({{"schema", 1},
                  {"case", id},
                  {"knots",
@@ -70,17 +73,21 @@ std::string forms_text(const std::string& id, const Knots& knots, const Forms& f
                  {"numerator", json_of(forms.numerator)},
                  {"denominator", json_of(forms.denominator)},
                  {"focal", json_of(forms.focal)},
-                 {"reference", forms.reference_energy()}})
+                 {"reference", forms.reference_energy()},
+                 {"path", std::move(path)}})
                .dump() +
            "\n";
 }
 
 Forms read_forms(const std::string& text, const std::string& name) {
     return read(text, name, [](const Json& json) {
-        return Forms{.numerator = matrix_of(json.at("numerator")),
-                     .denominator = matrix_of(json.at("denominator")),
-                     .focal = matrix_of(json.at("focal")),
-                     .reference = json.at("reference").get<double>()};
+        Forms forms{.numerator = matrix_of(json.at("numerator")),
+                    .denominator = matrix_of(json.at("denominator")),
+                    .focal = matrix_of(json.at("focal")),
+                    .reference = json.at("reference").get<double>()};
+        for (const Json& form : json.value("path", Json::array()))
+            forms.path.push_back(matrix_of(form));
+        return forms;
     });
 }
 

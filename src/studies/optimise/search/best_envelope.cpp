@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
 #if SHEARWAKE_NLOPT
 #include <nlopt.h>
@@ -17,7 +18,8 @@ namespace {
 
 struct Search {
     const Forms& forms;
-    double squared_strength;
+    Required required;
+    double rms_m; // unit of the rms along the path
 };
 
 #if SHEARWAKE_NLOPT
@@ -47,7 +49,30 @@ double constraint(unsigned count, const double* values, double* gradient, void* 
     const auto& search = *static_cast<const Search*>(data);
     const Eigen::VectorXd e = envelope_of(count, values);
     store(-squared_strength_gradient(search.forms, e), gradient);
-    return search.squared_strength - squared_strength(search.forms, e);
+    return search.required.strength * search.required.strength - squared_strength(search.forms, e);
+}
+
+/// For each point of the path, at most 0 where its rms suffices for the uniformity.
+void path_constraints(unsigned points, double* results, unsigned count, const double* values,
+                      double* gradient, void* data) {
+    const auto& search = *static_cast<const Search*>(data);
+    // Rounding in the search must not violate the exact constraint.
+    const double uniformity = std::min(1.0, search.required.uniformity * (1.0 + 1e-9));
+    const Eigen::VectorXd e = envelope_of(count, values);
+    const Eigen::VectorXd rms = rms_along_path(search.forms, e) / search.rms_m;
+    Eigen::Map<Eigen::VectorXd>(results, points) =
+        Eigen::VectorXd::Constant(points, uniformity * rms.mean()) - rms;
+    if (!gradient) return;
+    Eigen::MatrixXd slopes(count, points); // of the rms
+    for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+        if (rms(k) > 0.0)
+            slopes.col(k) = search.forms.path[static_cast<std::size_t>(k)] * e /
+                            (rms(k) * search.rms_m * search.rms_m);
+        else
+            slopes.col(k).setZero();
+    }
+    const Eigen::VectorXd of_mean = uniformity * slopes.rowwise().mean();
+    Eigen::Map<Eigen::MatrixXd>(gradient, count, points) = (-slopes).colwise() + of_mean;
 }
 
 /// Improves the values. A negative code of the solver means that rounding ended the search; the
@@ -59,6 +84,11 @@ void search_from(Search& search, Eigen::VectorXd& e) {
     nlopt_set_upper_bounds1(solver.get(), 1.0);
     nlopt_set_max_objective(solver.get(), objective, &search);
     nlopt_add_inequality_constraint(solver.get(), constraint, &search, 1e-10);
+    if (search.required.uniformity > 0.0) {
+        const std::vector<double> tolerances(search.forms.path.size(), 1e-10);
+        nlopt_add_inequality_mconstraint(solver.get(), static_cast<unsigned>(tolerances.size()),
+                                         path_constraints, &search, tolerances.data());
+    }
     nlopt_set_ftol_rel(solver.get(), 1e-9);
     nlopt_set_maxeval(solver.get(), most_evaluations);
     double reached = 0.0;
@@ -70,19 +100,23 @@ void search_from(Search&, Eigen::VectorXd&) {
 }
 #endif
 
-/// The nearest envelope on the way to the unmodulated load that satisfies all constraints, if that
-/// load does. eta does not depend on the scale, so the largest value is 1.
-Eigen::VectorXd feasible(const Forms& forms, double squared, Eigen::VectorXd e) {
-    Eigen::VectorXd ones = Eigen::VectorXd::Ones(e.size());
+/// An envelope on the way to the unmodulated load that satisfies all constraints, near the first
+/// one; none if neither that envelope nor the unmodulated load does. eta does not depend on the
+/// scale, so the largest value is 1.
+std::optional<Eigen::VectorXd> feasible(const Forms& forms, const Required& required,
+                                        Eigen::VectorXd e) {
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(e.size());
     e = e.cwiseMax(0.0).cwiseMin(1.0);
-    if (!(e.maxCoeff() > 0.0)) return ones;
-    e /= e.maxCoeff();
+    e = e.maxCoeff() > 0.0 ? Eigen::VectorXd(e / e.maxCoeff()) : ones;
+    if (required.is_met_by(forms, e)) return e;
+    // The unmodulated load may miss a strength or uniformity of its own by rounding.
+    const Required nearly{required.strength * (1.0 - 1e-12), required.uniformity * (1.0 - 1e-12)};
+    if (!nearly.is_met_by(forms, ones)) return std::nullopt;
     const auto mixed = [&](double share) -> Eigen::VectorXd { return e + share * (ones - e); };
-    if (squared_strength(forms, e) >= squared) return e;
     double low = 0.0, high = 1.0;
     for (int n = 0; n < 60; ++n) {
         const double middle = 0.5 * (low + high);
-        (squared_strength(forms, mixed(middle)) >= squared ? high : low) = middle;
+        (required.is_met_by(forms, mixed(middle)) ? high : low) = middle;
     }
     return mixed(high);
 }
@@ -137,16 +171,29 @@ Envelope unmodulated(const Forms& forms) {
     return measured(forms, Eigen::VectorXd::Ones(forms.knots()));
 }
 
-Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start) {
-    Search search{forms, strength * strength};
-    if (squared_strength(forms, Eigen::VectorXd::Ones(start.size())) <
-        search.squared_strength * (1.0 - 1e-12))
-        return {.values = Eigen::VectorXd::Ones(start.size())};
-    const Envelope first = measured(forms, feasible(forms, search.squared_strength, start));
-    Eigen::VectorXd e = first.values;
+bool Required::is_met_by(const Forms& forms, const Eigen::VectorXd& envelope) const {
+    if (squared_strength(forms, envelope) < strength * strength) return false;
+    return !(uniformity > 0.0) ||
+           optimise::uniformity(rms_along_path(forms, envelope)) >= uniformity;
+}
+
+Envelope best_from(const Forms& forms, const Required& required, const Eigen::VectorXd& start) {
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(start.size());
+    Search search{forms, required, 1.0};
+    if (required.uniformity > 0.0) search.rms_m = rms_along_path(forms, ones).mean();
+    Envelope best{.values = ones};
+    if (squared_strength(forms, ones) < required.strength * required.strength * (1.0 - 1e-12))
+        return best; // no other envelope of this motion is as strong
+    const auto keep_if_better = [&](const std::optional<Eigen::VectorXd>& e) {
+        if (!e) return;
+        if (Envelope found = measured(forms, *e); found.eta > best.eta) best = std::move(found);
+    };
+    const std::optional<Eigen::VectorXd> first = feasible(forms, required, start);
+    keep_if_better(first);
+    Eigen::VectorXd e = first ? *first : start;
     search_from(search, e);
-    Envelope last = measured(forms, feasible(forms, search.squared_strength, std::move(e)));
-    return last.eta > first.eta ? last : first;
+    keep_if_better(feasible(forms, required, std::move(e)));
+    return best;
 }
 
 std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::uint64_t seed) {
@@ -167,11 +214,11 @@ std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::
     return found;
 }
 
-Envelope best_envelope(const Forms& forms, double strength,
+Envelope best_envelope(const Forms& forms, const Required& required,
                        const std::vector<Eigen::VectorXd>& starts) {
     Envelope best;
     for (const Eigen::VectorXd& start : starts)
-        if (Envelope found = best_from(forms, strength, start);
+        if (Envelope found = best_from(forms, required, start);
             best.values.size() == 0 || found.eta > best.eta)
             best = std::move(found);
     return best;

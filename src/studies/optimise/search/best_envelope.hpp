@@ -19,18 +19,25 @@ struct Envelope {
 Envelope measured(const Forms& forms, Eigen::VectorXd values);
 Envelope unmodulated(const Forms& forms);
 
-/// Local search from one start for the largest eta with 0 <= e <= 1 and at least this strength
-/// (0 to 1), by sequential quadratic programming (SLSQP of NLopt). The result satisfies all
-/// constraints exactly and is at least as good as the start. If the unmodulated load does not have
-/// this strength (on a path that is not that of the job), its eta is 0. Not collective.
-Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start);
+/// What an envelope must reach, both from 0 to 1. A uniformity above 0 needs the forms of the path.
+struct Required {
+    double strength = 0.0, uniformity = 0.0;
+    bool is_met_by(const Forms& forms, const Eigen::VectorXd& envelope) const;
+};
+
+/// Local search from one start for the largest eta with 0 <= e <= 1 that meets the requirements, by
+/// sequential quadratic programming (SLSQP of NLopt), with one inequality per point of the path if
+/// a uniformity is required. The result satisfies all constraints exactly and is at least as good
+/// as the start. If none is found, which is possible only if the unmodulated load does not meet
+/// them, its eta is 0. Not collective.
+Envelope best_from(const Forms& forms, const Required& required, const Eigen::VectorXd& start);
 
 /// `count` different starts: the unmodulated load, pseudo-random pauses of a full force, sines of
 /// different frequencies and phases, and noise. The same for the same arguments.
 std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::uint64_t seed);
 
 /// The best of the local searches from these starts. Not collective.
-Envelope best_envelope(const Forms& forms, double strength,
+Envelope best_envelope(const Forms& forms, const Required& required,
                        const std::vector<Eigen::VectorXd>& starts);
 
 /// False if the program was built without NLopt; the searches then throw.

@@ -40,7 +40,7 @@ std::vector<double> am_frequencies_Hz(const Case& c, const Knots& knots,
     return frequencies_Hz;
 }
 
-AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
+AmEnvelope best_am(const Forms& forms, const Knots& knots, const Required& required,
                    const std::vector<double>& frequencies_Hz) {
     AmEnvelope best{.envelope = unmodulated(forms)};
     for (const double frequency_Hz : frequencies_Hz)
@@ -53,7 +53,7 @@ AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
                 for (Eigen::Index j = 0; j < knots.count; ++j)
                     values(j) = drive(am, knots.at_s(j));
                 am.envelope = measured(forms, values);
-                if (am.envelope.strength >= strength && am.envelope.eta > best.envelope.eta)
+                if (am.envelope.eta > best.envelope.eta && required.is_met_by(forms, values))
                     best = std::move(am);
             }
     return best;

@@ -22,9 +22,9 @@ struct AmEnvelope {
 std::vector<double> am_frequencies_Hz(const Case& c, const Knots& knots,
                                       const OptimiseOptions& options);
 
-/// The AM-STM with the largest eta that has at least this strength, over these frequencies and a
-/// fine grid of depths and phases.
-AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
+/// The AM-STM with the largest eta that meets the requirements, over these frequencies and a fine
+/// grid of depths and phases; the unmodulated load if none is better.
+AmEnvelope best_am(const Forms& forms, const Knots& knots, const Required& required,
                    const std::vector<double>& frequencies_Hz);
 
 /// One SM-STM on the path of the case.

@@ -8,7 +8,9 @@
 #include "problem/load/footprint.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace shearwake::optimise {
 namespace {
@@ -57,16 +59,21 @@ MatrixXd both_triangles(const MatrixXd& lower) {
 /// part of it that a quotient counts (counted), and of the mean of u^2 over the focal disc (focal).
 class FrameForms {
 public:
-    FrameForms(const Case& c, const Quotient& quotient, Index knots)
+    FrameForms(const Case& c, const Quotient& quotient, bool with_path, Index knots)
         : c_(c), region_(measures::measured_region(c.domain, c.measure)), kind_(quotient.kind),
           focal_(MatrixXd::Zero(knots, knots)), counted_(focal_), all_(focal_),
           measured_(region_.samples(), knots) {
         if (kind_ == Quotient::Kind::sharpness) find_roots();
+        if (with_path) points_ = samples_along_path(c);
+        path_.assign(points_.size(), focal_);
     }
 
     void add(const KnotFields& fields, double t_s, double weight) {
         const FocalSamples disc = focal_samples(fields, t_s);
         if (disc.weight > 0.0) add_products(focal_, disc.rows, weight / disc.weight);
+        for (std::size_t p = 0; p < points_.size(); ++p)
+            for (const WeightedSample& of : points_[p])
+                add_products(path_[p], fields.sample(of.i, of.j), weight * of.weight);
         if (kind_ == Quotient::Kind::efficiency) add_products(counted_, disc.rows, weight);
         if (kind_ != Quotient::Kind::efficiency && kind_ != Quotient::Kind::sharpness) return;
         Index filled = 0;
@@ -84,6 +91,11 @@ public:
     MatrixXd focal() const { return both_triangles(focal_); }
     MatrixXd counted() const { return both_triangles(counted_); }
     MatrixXd all() const { return both_triangles(all_); }
+    std::vector<MatrixXd> path() const {
+        std::vector<MatrixXd> forms;
+        std::ranges::transform(path_, std::back_inserter(forms), both_triangles);
+        return forms;
+    }
 
 private:
     /// The samples of the focal discs, multiplied by the roots of their weights.
@@ -126,7 +138,22 @@ private:
     Quotient::Kind kind_;
     MatrixXd focal_, counted_, all_, measured_;
     Eigen::VectorXd roots_; // of the weights of the drawn shape
+    std::vector<std::array<WeightedSample, 4>> points_;
+    std::vector<MatrixXd> path_;
 };
+
+/// Where a coordinate is between two neighbouring samples. A path may pass the last sample by up to
+/// half a spacing and has its value there.
+struct CellPlace {
+    std::ptrdiff_t low;
+    double share;
+};
+CellPlace place_in(std::ptrdiff_t count, double spacing_m, double at_m) {
+    const double at = std::min(std::max(at_m / spacing_m + static_cast<double>(count / 2), 0.0),
+                               static_cast<double>(count - 1));
+    const std::ptrdiff_t low = std::min(static_cast<std::ptrdiff_t>(at), count - 2);
+    return {low, at - static_cast<double>(low)};
+}
 
 /// The form of the energy of the traces of all knots in a band, by polarisation.
 MatrixXd band_form(const TimeAxis& time, const MatrixXd& traces, const FrequencyBand& band) {
@@ -159,7 +186,35 @@ MatrixXd traces_of(const TimeAxis& time, const Quotient& quotient,
 
 } // namespace
 
-Forms gram_forms(const Case& c, const Quotient& quotient,
+std::vector<std::array<WeightedSample, 4>> samples_along_path(const Case& c) {
+    const Domain& d = c.domain;
+    std::vector<std::array<WeightedSample, 4>> points;
+    for (const std::vector<Vec2>& line : drawn_shape(c.scene().load.modulation, d.spacing_m)) {
+        if (line.size() < 2) continue; // a focus at rest
+        for (const Vec2 point : line) {
+            const CellPlace x = place_in(d.nx, d.spacing_m, point.x),
+                            y = place_in(d.ny, d.spacing_m, point.y);
+            points.push_back({{{x.low, y.low, (1.0 - x.share) * (1.0 - y.share)},
+                               {x.low + 1, y.low, x.share * (1.0 - y.share)},
+                               {x.low, y.low + 1, (1.0 - x.share) * y.share},
+                               {x.low + 1, y.low + 1, x.share * y.share}}});
+        }
+    }
+    return points;
+}
+
+double uniformity_of(const Case& c, const std::filesystem::path& file) {
+    const std::vector<double> mean_u2 = storage::read_mean_square(file);
+    const auto points = samples_along_path(c);
+    Eigen::VectorXd squares = Eigen::VectorXd::Zero(std::ssize(points));
+    for (std::size_t p = 0; p < points.size(); ++p)
+        for (const WeightedSample& of : points[p])
+            squares(static_cast<Index>(p)) +=
+                of.weight * mean_u2.at(static_cast<std::size_t>(of.i * c.domain.ny + of.j));
+    return uniformity(squares.cwiseSqrt());
+}
+
+Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
                  const std::vector<std::filesystem::path>& knot_files) {
     const Modulation& modulation = c.scene().load.modulation;
     const measures::PeriodWindow window = measures::period_window(
@@ -167,7 +222,7 @@ Forms gram_forms(const Case& c, const Quotient& quotient,
     const std::vector<double> weights =
         measures::window_weights(c.time, window.from_s, window.to_s);
     KnotFields fields(c, knot_files);
-    FrameForms frames(c, quotient, std::ssize(knot_files));
+    FrameForms frames(c, quotient, with_path, std::ssize(knot_files));
     for (std::size_t n = 0; n < weights.size(); ++n) {
         if (weights[n] == 0.0) continue;
         fields.read(n);
@@ -175,12 +230,16 @@ Forms gram_forms(const Case& c, const Quotient& quotient,
     }
     const MatrixXd focal = frames.focal();
     if (quotient.kind == Quotient::Kind::efficiency || quotient.kind == Quotient::Kind::sharpness)
-        return {.numerator = frames.counted(), .denominator = frames.all(), .focal = focal};
+        return {.numerator = frames.counted(),
+                .denominator = frames.all(),
+                .focal = focal,
+                .path = frames.path()};
     const MatrixXd traces = traces_of(c.time, quotient, knot_files);
     const measures::ShareBands bands = measures::share_bands(c.time, quotient.band);
     return {.numerator = band_form(c.time, traces, bands.part),
             .denominator = band_form(c.time, traces, bands.whole),
-            .focal = focal};
+            .focal = focal,
+            .path = frames.path()};
 }
 
 } // namespace shearwake::optimise

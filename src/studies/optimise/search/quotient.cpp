@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/search/quotient.hpp"
 
+#include "base/units.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
@@ -59,6 +62,18 @@ double squared_strength(const Forms& forms, const Eigen::VectorXd& envelope) {
 
 Eigen::VectorXd squared_strength_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
     return 2.0 / forms.reference_energy() * (forms.focal * envelope);
+}
+
+Eigen::VectorXd rms_along_path(const Forms& forms, const Eigen::VectorXd& envelope) {
+    Eigen::VectorXd rms(std::ssize(forms.path));
+    for (Eigen::Index k = 0; k < rms.size(); ++k)
+        rms(k) = std::sqrt(std::max(
+            0.0, envelope.dot(forms.path[static_cast<std::size_t>(k)] * envelope))); // rounding
+    return rms;
+}
+
+double uniformity(const Eigen::VectorXd& rms) {
+    return rms.size() > 0 ? rms.minCoeff() / rms.mean() : not_a_number;
 }
 
 } // namespace shearwake::optimise

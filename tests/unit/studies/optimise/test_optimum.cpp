@@ -73,7 +73,7 @@ TEST_CASE("an optimum satisfies its constraints and lies between its starts and 
     const double strength = GENERATE(0.5, 0.8, 1.0);
     const Forms forms = forms_with_memory(24, GENERATE(3.0, 12.0));
     const std::vector<VectorXd> from = starts(24, 8, 1);
-    const optimise::Envelope best = best_envelope(forms, strength, from);
+    const optimise::Envelope best = best_envelope(forms, {strength}, from);
     CHECK(best.values.minCoeff() >= 0.0);
     CHECK(best.values.maxCoeff() <= 1.0);
     CHECK(best.strength >= strength * (1.0 - 1e-14));
@@ -107,7 +107,7 @@ TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise][n
     const Certificate bound = ceiling(forms, s);
     CHECK(bound.eta >= known);
     CHECK(bound.eta < known * (1.0 + 3e-4)); // the accuracy of the bisection, 1e-4, and a margin
-    CHECK(best_envelope(forms, s, starts(n, 6, 1)).eta == Approx(known).epsilon(1e-6));
+    CHECK(best_envelope(forms, {s}, starts(n, 6, 1)).eta == Approx(known).epsilon(1e-6));
 }
 
 TEST_CASE("the ceiling of few knots excludes what only negative values reach",
@@ -128,9 +128,71 @@ TEST_CASE("the ceiling of few knots excludes what only negative values reach",
     CHECK(is_valid(forms, bound));
     CHECK(bound.eta >= best);
     CHECK(bound.eta < best_with_signs);
-    const optimise::Envelope found = best_envelope(forms, s, starts(3, 8, 1));
+    const optimise::Envelope found = best_envelope(forms, {s}, starts(3, 8, 1));
     CHECK(found.eta >= best * (1.0 - 1e-9)); // the grid is coarser than the search
     CHECK(found.eta <= bound.eta);
+}
+
+TEST_CASE("a required uniformity limits how weak a knot may be", "[optimise][nlopt]") {
+    // Two knots with F = N = 1, D = diag(1, 4), and a point of the path at each: the rms there is
+    // the value of the knot. The optimum is (1, b) with the least b that the strength,
+    // 1 + b^2 >= 2 s^2, and the uniformity, 2 b >= u (1 + b), permit.
+    const MatrixXd one = MatrixXd::Identity(2, 2);
+    const Forms forms{.numerator = one,
+                      .denominator = Eigen::Vector2d(1.0, 4.0).asDiagonal().toDenseMatrix(),
+                      .focal = one,
+                      .path = {Eigen::Vector2d(1.0, 0.0).asDiagonal().toDenseMatrix(),
+                               Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix()}};
+    const double s = GENERATE(0.72, 0.75, 0.9), u = GENERATE(0.0, 0.3, 0.8, 1.0);
+    const double b = std::max(std::sqrt(2.0 * s * s - 1.0), u / (2.0 - u));
+    const optimise::Envelope best = best_envelope(forms, {s, u}, starts(2, 6, 1));
+    CHECK(Required{s, u}.is_met_by(forms, best.values));
+    // The accuracy of the search, 1e-9, times the number of its steps, and the margin of rounding.
+    CHECK(best.eta == Approx((1.0 + b * b) / (1.0 + 4.0 * b * b)).epsilon(1e-7));
+}
+
+TEST_CASE("no envelope of a fine grid with the required uniformity exceeds the optimum",
+          "[optimise][nlopt]") {
+    Forms forms = forms_with_memory(3, 4.0);
+    // Points that every knot moves, the first knot most at the first point.
+    for (Index k = 0; k < 5; ++k) {
+        VectorXd near(3), far(3);
+        for (Index j = 0; j < 3; ++j) {
+            near(j) = 1e-4 * std::exp(-std::abs(static_cast<double>(k) / 2.0 - double(j)));
+            far(j) = 3e-5 * std::cos(static_cast<double>(k + 2 * j));
+        }
+        forms.path.emplace_back(near * near.transpose() + far * far.transpose());
+    }
+    const Required required{GENERATE(0.5, 0.7), GENERATE(0.9, 0.95)};
+    double best = 0.0, unconstrained = 0.0;
+    for (int i = 0; i <= 40; ++i)
+        for (int j = 0; j <= 40; ++j)
+            for (int k = 0; k <= 40; ++k) {
+                const VectorXd e = Eigen::Vector3d(i, j, k) / 40.0;
+                if (!Required{required.strength, 0.0}.is_met_by(forms, e)) continue;
+                unconstrained = std::max(unconstrained, eta(forms, e));
+                if (required.is_met_by(forms, e)) best = std::max(best, eta(forms, e));
+            }
+    const optimise::Envelope found = best_envelope(forms, required, starts(3, 8, 1));
+    CHECK(required.is_met_by(forms, found.values));
+    CHECK(found.eta >= best * (1.0 - 1e-9)); // the grid is coarser than the search
+    CHECK(found.eta < unconstrained);        // the constraint binds
+}
+
+TEST_CASE("a uniformity that the unmodulated load misses is reached if an envelope reaches it",
+          "[optimise][nlopt]") {
+    const MatrixXd one = MatrixXd::Identity(2, 2);
+    const Forms forms{.numerator = one,
+                      .denominator = one,
+                      .focal = one,
+                      .path = {Eigen::Vector2d(4.0, 0.0).asDiagonal().toDenseMatrix(),
+                               Eigen::Vector2d(0.0, 1.0).asDiagonal().toDenseMatrix()}};
+    CHECK(uniformity(rms_along_path(forms, VectorXd::Ones(2))) == Approx(2.0 / 3.0));
+    const optimise::Envelope found = best_envelope(forms, {0.5, 0.9}, starts(2, 6, 1));
+    CHECK(found.eta == Approx(1.0));
+    CHECK(Required{0.5, 0.9}.is_met_by(forms, found.values));
+    // At full strength only the unmodulated load is left.
+    CHECK(best_envelope(forms, {1.0, 0.9}, starts(2, 6, 1)).eta == 0.0);
 }
 
 TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
@@ -155,16 +217,18 @@ TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
 }
 
 TEST_CASE("forms and optima are read back exactly", "[optimise][nlopt]") {
-    const Forms forms = forms_with_memory(5, 3.0);
+    Forms forms = forms_with_memory(5, 3.0);
+    forms.path = {2.0 * forms.focal, forms.denominator};
     const Knots knots{.count = 5, .interval_s = 1e-3, .repeat = true};
     const Forms read = read_forms(forms_text("id", knots, forms), "file");
     CHECK(read.numerator == forms.numerator);
     CHECK(read.denominator == forms.denominator);
     CHECK(read.focal == forms.focal);
+    CHECK(read.path == forms.path);
     Optimum optimum{.strength = 0.8, .eta_unmodulated = 0.123456789123456789};
-    optimum.found = best_envelope(forms, 0.8, starts(5, 3, 1));
+    optimum.found = best_envelope(forms, {0.8}, starts(5, 3, 1));
     optimum.ceiling = ceiling(forms, 0.8);
-    optimum.am = best_am(forms, knots, 0.8, {200.0});
+    optimum.am = best_am(forms, knots, {0.8}, {200.0});
     const Optimum again = read_optimum(optimum_text("id", "other", optimum), "file");
     CHECK(again.found.values == optimum.found.values);
     CHECK(again.ceiling.weights == optimum.ceiling.weights);
