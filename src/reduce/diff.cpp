@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
+#include <numbers>
 
 namespace shearwake::reduce {
 
@@ -32,7 +33,8 @@ std::optional<double> number(const std::string& text) {
 struct Column {
     std::size_t now, reference;
     Tolerance tolerance;
-    double largest = 0.0; // largest magnitude of the references
+    double largest = 0.0;  // largest magnitude of the references
+    bool is_level = false; // in dB: a change is that of the amplitude, wherever 0 dB is
 };
 
 /// The difference of the cell, if any. If the whole column of the reference is 0, any change
@@ -43,12 +45,14 @@ std::optional<MovedCell> moved_cell(const std::string& now, const std::string& r
     const auto a = number(now), b = number(reference);
     if (!a || !b) return MovedCell{"", now, reference, not_a_number, infinite};
     const double away = std::abs(*a - *b);
-    const double allowed =
-        *b != 0.0 ? column.tolerance.relative * std::abs(*b)
-                  : column.tolerance.absolute.value_or(column.tolerance.relative * column.largest);
+    const double scale = column.is_level ? 20.0 / std::numbers::ln10
+                         : *b != 0.0     ? std::abs(*b)
+                                         : column.largest;
+    double allowed = column.tolerance.relative * scale;
+    if (column.is_level || *b == 0.0) allowed = column.tolerance.absolute.value_or(allowed);
     if (away <= allowed) return std::nullopt;
-    const double scale = *b != 0.0 ? std::abs(*b) : column.largest;
-    return MovedCell{"", now, reference, scale > 0.0 ? (*a - *b) / scale : not_a_number,
+    const double change = column.is_level ? std::expm1((*a - *b) / scale) : (*a - *b) / scale;
+    return MovedCell{"", now, reference, scale > 0.0 ? change : not_a_number,
                      allowed > 0.0 ? away / allowed : infinite};
 }
 
@@ -116,7 +120,8 @@ Differences compare(const TextTable& now, const TextTable& reference,
             found.missing_columns.push_back(name);
             continue;
         }
-        const Column column{*there, i, tolerances.of(name), largest_of(reference, i)};
+        const Column column{*there, i, tolerances.of(name), largest_of(reference, i),
+                            name.ends_with("_dB")};
         found.compared.push_back({name, column.tolerance});
         MovedColumn moved{name, column.tolerance, {}};
         for (const RowPair& pair : rows.pairs) {

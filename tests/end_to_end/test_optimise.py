@@ -365,6 +365,8 @@ class Optimise(ProgramTest):
         self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has an envelope, which would be replaced")
         self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "share_40_400_1"'))
         self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1"', "bands_Hz")
+        self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "felt_path_dB"'))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1", but is "felt_path_dB"')
         self.job(("knot_us = 500.0", 'knot_us = 500.0\nover = ["speed"]'))
         self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
         self.job(("knot_us = 500.0", "knots_us = 500.0"))

@@ -7,6 +7,7 @@ Run: python3 -m pytest tests/report/test_compare_fields.py    (unittest, numpy, 
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from synthetic import lone_case
 
 from shearwake.report import compare_words
+from shearwake.report.compare import compare_columns
 from shearwake.report.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                              place_of_largest, relative_l2)
 from shearwake.report.compare_sensors import compare_sensors
@@ -51,6 +53,13 @@ def sensor_case(folder, spacing_m, factor, nodes, points=None):
 
 
 class CompareFields(unittest.TestCase):
+    def test_changes_in_dB_are_those_of_the_amplitude(self):
+        def case(level):
+            return SimpleNamespace(values={"felt_path_dB": level}, value=lambda name: level,
+                                   parameters={"domain": {"nx": 2, "ny": 2, "spacing_m": 0.001}})
+        rows, _ = compare_columns(case(20 * np.log10(2)), case(0.0), set())  # 0 dB is not a reference of 0
+        self.assertAlmostEqual(rows[0]["change"], 1.0)
+
     def test_coinciding_points_are_copied_exactly(self):
         fine, coarse = axis(64, 0.5e-3), axis(32, 1e-3)
         matrix = interpolation(coarse[1:-1], fine)

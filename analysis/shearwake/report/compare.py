@@ -121,7 +121,10 @@ def compare_columns(a: Case, b: Case, counting: set[str]) -> tuple[list[dict[str
         x, y = a.value(name), b.value(name)
         if name in excluded or (math.isnan(x) and math.isnan(y)):
             continue
-        change = (x - y) / abs(y) if y else (0.0 if same_value(x, y) else math.nan)
+        if name.endswith("_dB"):  # the change of the amplitude
+            change = math.expm1((x - y) * math.log(10.0) / 20.0)
+        else:
+            change = (x - y) / abs(y) if y else (0.0 if same_value(x, y) else math.nan)
         rows.append({"column": name, "first": x, "second": y, "change": change})
     rows.sort(key=lambda row: -abs(row["change"]) if math.isfinite(row["change"]) else -math.inf)
     return rows, excluded

@@ -35,9 +35,16 @@ ColumnChange change_of(const StudiedCase& studied, const std::string& column, do
     return change;
 }
 
-/// The peak is the largest of all samples and frames: both grids may miss it by the same amount.
+/// A peak is the largest of all samples: both grids may miss it by the same amount.
 bool has_estimate(const std::string& column) {
-    return !measures::counts_samples(column) && !column.starts_with("peak_um");
+    return !measures::counts_samples(column) && !column.starts_with("peak_um") &&
+           !column.starts_with("felt_peak_");
+}
+
+/// Errors of levels are those of the amplitude, which do not depend on where 0 dB is.
+double relative_error(const ColumnChange& change) {
+    return change.column.ends_with("_dB") ? std::pow(10.0, change.error / 20.0) - 1.0
+                                          : change.error / std::abs(change.value);
 }
 
 std::string signed_number(double value) {
@@ -136,11 +143,11 @@ std::string markdown_text(const std::vector<CaseChange>& changes,
                 for (const double change : column.changes)
                     text += " " + signed_number(change) + " |";
                 const bool known = !std::isnan(column.error);
-                text += fmt::format(
-                    " {} | {} |\n", known ? fmt::format("{:.2g}", column.error) : "",
-                    known && column.value != 0.0
-                        ? fmt::format("{:.2g} %", 100.0 * column.error / std::abs(column.value))
-                        : "");
+                text +=
+                    fmt::format(" {} | {} |\n", known ? fmt::format("{:.2g}", column.error) : "",
+                                known && (column.value != 0.0 || column.column.ends_with("_dB"))
+                                    ? fmt::format("{:.2g} %", 100.0 * relative_error(column))
+                                    : "");
             }
     }
     return text;

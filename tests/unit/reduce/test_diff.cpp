@@ -54,6 +54,26 @@ TEST_CASE("a number may differ from the reference by at most its tolerance", "[d
     CHECK(found.moved[0].cells[0].change == Approx(1e-3).epsilon(1e-4));
 }
 
+TEST_CASE("changes and tolerances in dB are those of the amplitude, also at 0 dB", "[diff]") {
+    const auto found = [](const std::string& level, const std::string& tolerance) {
+        const auto table = [](const std::string& value) {
+            return reduce::read_csv("id,reference,load.peak_Pa,felt_path_dB,status\na,,100," +
+                                        value + ",complete\n",
+                                    "t.csv");
+        };
+        reduce::Tolerances tolerances;
+        if (!tolerance.empty()) reduce::add_tolerance(tolerances, "felt_path_dB=" + tolerance);
+        return reduce::compare(table(level), table("0.001"), tolerances);
+    };
+    // The default is 1e-7 of the amplitude, 8.7e-7 dB, not 1e-7 of 0.001 dB.
+    CHECK(found("0.0010008", "").none());
+    CHECK_FALSE(found("0.0010009", "").none());
+    CHECK(found("0.0870", "0.01").none()); // 0.086 dB
+    const auto louder = found("6.0215999", "0.01");
+    REQUIRE(louder.moved.size() == 1);
+    CHECK(louder.moved[0].cells[0].change == Approx(1.0).epsilon(1e-5)); // 6.0206 dB: twice
+}
+
 TEST_CASE("if the reference is 0, the largest value of the column or an absolute tolerance applies",
           "[diff]") {
     const auto with_zero = [&](const std::string& zero, const reduce::Tolerances& tolerances) {

@@ -152,4 +152,21 @@ TEST_CASE("columns that count samples are omitted and missing values stay unknow
     CHECK_FALSE(converge::changes_of(refined, values)[0].is_complete);
 }
 
+TEST_CASE("errors in dB are relative to the amplitude, and largest levels have none",
+          "[converge]") {
+    const Plan plan = plan_of("");
+    const auto refined = converge::refined_plan(plan, {}, 1);
+    const converge::StudiedCase& studied = refined.cases[0];
+    const converge::Values values = {{"felt_path_dB", 0.0}, {"felt_peak_dB", 3.0}};
+    std::map<std::string, converge::Values> all = {{studied.base_id, values}};
+    for (const std::string& id : studied.refined_ids)
+        all[id] = values;
+    all[studied.refined_ids[2]]["felt_path_dB"] =
+        4.0137333; // no order: 1.5 times this is 6.0206 dB
+    const auto changes = converge::changes_of(refined, all);
+    REQUIRE(changes[0].columns.size() == 1);
+    CHECK_THAT(converge::markdown_text(changes, {"felt_path_dB"}),
+               Catch::Contains("| 6 | 1e+02 % |")); // twice the amplitude
+}
+
 } // namespace test_refinement
