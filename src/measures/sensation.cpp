@@ -13,45 +13,30 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 
 namespace shearwake::measures {
 namespace {
 
 constexpr double rounding = 1e-9; // relative, for rounding
 
-constexpr std::array<Vec2, 17> hand = {{{8.0, 0.095},
-                                        {10.0, 0.1},
-                                        {12.5, 0.095},
-                                        {16.0, 0.108},
-                                        {20.0, 0.15},
-                                        {25.0, 0.16},
-                                        {31.5, 0.109},
-                                        {40.0, 0.065},
-                                        {50.0, 0.072},
-                                        {63.0, 0.049},
-                                        {80.0, 0.028},
-                                        {100.0, 0.023},
-                                        {125.0, 0.022},
-                                        {160.0, 0.021},
-                                        {200.0, 0.029},
-                                        {250.0, 0.032},
-                                        {315.0, 0.061}}};
+// The threshold of the hand: centres [Hz] and rms accelerations [m/s^2].
+constexpr std::array centres_Hz = {8.0,  10.0, 12.5,  16.0,  20.0,  25.0,  31.5,  40.0, 50.0,
+                                   63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0};
+constexpr std::array hand_m_s2 = {0.095, 0.1,   0.095, 0.108, 0.15,  0.16,  0.109, 0.065, 0.072,
+                                  0.049, 0.028, 0.023, 0.022, 0.021, 0.029, 0.032, 0.061};
+static_assert(centres_Hz.size() == hand_m_s2.size());
 constexpr std::array<double, 2> continued_Hz = {400.0, 500.0};
 
 double number_of(double centre_Hz) {
     return std::round(10.0 * std::log10(centre_Hz));
 }
 
-/// Thresholds are straight lines over log f.
+/// The slope between 160 and 315 Hz, three third octaves, over log f.
 double continued(double centre_Hz) {
-    const Vec2 from = hand[13], to = hand[16];
-    const double slope =
-        std::log(to.y / from.y) / (number_of(to.x) - number_of(from.x)); // a third octave
-    return to.y * std::exp(slope * (number_of(centre_Hz) - number_of(to.x)));
+    const double thirds = number_of(centre_Hz) - number_of(centres_Hz.back());
+    return hand_m_s2.back() * std::pow(hand_m_s2.back() / hand_m_s2[13], thirds / 3.0);
 }
 
 /// Periods of its centre that a window must contain to judge a band.
@@ -62,8 +47,8 @@ constexpr double hann_lines = 4.0;
 /// The weights of a window of whole periods or of a Hann window, and its duration.
 struct Window {
     std::vector<double> weights;
-    double duration_s = 0.0, lines = 1.0;
-    double power = 1.0;
+    double duration_s = 0.0;
+    bool is_tapered = false;
     std::string reason;
 };
 
@@ -87,7 +72,7 @@ Window window_of(const Case& c) {
         window.weights = window_weights(time, std::max(0.0, to_s - window.duration_s), to_s);
     } else {
         window.duration_s = std::min(settled_s, to_s);
-        window.lines = hann_lines;
+        window.is_tapered = true;
         window.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
         const double from_s = to_s - window.duration_s;
         for (std::ptrdiff_t n = 0; n < time.frames; ++n)
@@ -96,19 +81,6 @@ Window window_of(const Case& c) {
                     std::pow(std::sin(std::numbers::pi * (t_s - from_s) / window.duration_s), 2);
     }
     return window;
-}
-
-/// Divides by the sum; the power that the weights of equal mean let pass.
-double normalised(std::vector<double>& weights, bool is_tapered) {
-    const double sum = std::reduce(weights.begin(), weights.end());
-    double squares = 0.0;
-    for (double& weight : weights) {
-        weight /= sum;
-        squares += weight * weight;
-    }
-    // By Parseval's theorem, sums over lines 1/T apart have the power N sum w^2 / (sum w)^2, where
-    // N is the number of frames of the window: 3/2 for a Hann window.
-    return is_tapered ? squares : 1.0;
 }
 
 } // namespace
@@ -120,9 +92,11 @@ std::vector<SensationBand> sensation_bands(std::span<const Vec2> table) {
         bands.push_back({centre_Hz, std::pow(10.0, 0.1 * (n - 0.5)),
                          std::pow(10.0, 0.1 * (n + 0.5)), threshold_m_s2, is_extrapolated});
     };
-    for (const Vec2 row : table.empty() ? std::span<const Vec2>(hand) : table)
+    for (const Vec2 row : table)
         add(row.x, row.y, false);
     if (!table.empty()) return bands;
+    for (std::size_t n = 0; n < centres_Hz.size(); ++n)
+        add(centres_Hz[n], hand_m_s2[n], false);
     for (const double centre_Hz : continued_Hz)
         add(centre_Hz, continued(centre_Hz), true);
     bands.front().low_Hz = bands.front().centre_Hz;
@@ -156,10 +130,19 @@ SensationLines sensation_lines(const Case& c) {
         lines.reason = window.reason;
         if (!lines.reason.empty()) return lines;
         lines.window_s = window.duration_s;
-        dense = window.lines;
         lines.weights = std::move(window.weights);
-        const double squares = normalised(lines.weights, dense > 1.0);
-        if (dense > 1.0) lines.power = lines.interval_s / (squares * lines.window_s * dense);
+        const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
+        double squares = 0.0;
+        for (double& weight : lines.weights) {
+            weight /= sum;
+            squares += weight * weight;
+        }
+        // By Parseval's theorem, a Hann window of N frames has the power N sum w^2 / (sum w)^2,
+        // 3/2, in lines 1/T apart.
+        if (window.is_tapered) {
+            dense = hann_lines;
+            lines.power = lines.interval_s / (squares * lines.window_s * dense);
+        }
         std::erase_if(lines.bands, [&](const SensationBand& band) {
             return band.centre_Hz * lines.window_s < fewest_periods * (1.0 - rounding);
         });
@@ -252,7 +235,7 @@ void SensationSums::flush() {
     const RowSumKernels& kernels = simd::kernels<RowSumKernels>();
     for (std::ptrdiff_t i = 0; i < count_; ++i)
         kernels.add_lines(frames_.data() + i * static_cast<std::ptrdiff_t>(line_frames) * columns_,
-                          columns_, factors_.data(),
+                          waiting_, columns_, factors_.data(),
                           2 * static_cast<std::ptrdiff_t>(lines_.frequencies_Hz.size()),
                           sums_.data() + i * row_length());
     waiting_ = 0;

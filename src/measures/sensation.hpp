@@ -41,7 +41,8 @@ constexpr double jnd_dB = 2.3, least_jnd_dB = 1.65, largest_jnd_dB = 2.98;
 /// Otherwise those of a window before `measure.at`: the largest whole number of periods of the
 /// load after `settled_after`, or, if the load has no period or none fits, a Hann window over the
 /// settled part, with lines four times as dense as those of its length. Such a window judges only
-/// bands of whose centre it contains at least three periods.
+/// bands of whose centre it contains at least three periods. A Hann window loses 3.2 dB of a tone
+/// at the centre of a band to its neighbours with three periods, 0.6 dB with 7.5, 0.05 dB with 12.
 struct SensationLines {
     std::vector<SensationBand> bands; // those that are judged
     std::vector<double> frequencies_Hz;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 namespace shearwake::measures {
@@ -121,25 +122,18 @@ std::vector<double> prominences(const std::vector<double>& line) {
             ++end;
         if (end + 1 == line.size() || !(line[n] > line[n - 1] && line[end] > line[end + 1]))
             continue;
-        // Of equal maxima, the last is taken as the highest.
+        // The lowest value before a higher one. Of equal maxima, the last is taken as the highest.
         const auto saddle = [&](auto value, auto last, bool or_equal) {
             double low = line[n];
-            for (; value != last; ++value) {
-                if (*value > line[n] || (or_equal && *value == line[n]))
-                    return std::pair{low, true};
-                low = std::min(low, *value);
-            }
-            return std::pair{low, false};
+            for (; value != last; low = std::min(low, *value++))
+                if (*value > line[n] || (or_equal && *value == line[n])) return low;
+            return -std::numeric_limits<double>::infinity();
         };
-        const auto left =
-            saddle(std::make_reverse_iterator(line.begin() + static_cast<std::ptrdiff_t>(n)),
-                   line.rend(), false);
-        const auto right =
-            saddle(line.begin() + static_cast<std::ptrdiff_t>(end) + 1, line.end(), true);
-        const double low = left.second && right.second ? std::max(left.first, right.first)
-                           : left.second               ? left.first
-                           : right.second              ? right.first
-                                                       : std::min(left.first, right.first);
+        const auto at = line.begin() + static_cast<std::ptrdiff_t>(n);
+        double low =
+            std::max(saddle(std::make_reverse_iterator(at), line.rend(), false),
+                     saddle(line.begin() + static_cast<std::ptrdiff_t>(end) + 1, line.end(), true));
+        if (std::isinf(low)) low = std::ranges::min(line);
         depths.push_back(line[n] - low);
     }
     std::ranges::sort(depths, std::greater<>{});

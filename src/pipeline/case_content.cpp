@@ -164,13 +164,7 @@ VariableGroup sensation_group(const Case& c, const measures::SensationMap& map) 
               "dB",
               "level of the acceleration above the threshold of perception",
               ""},
-             {"band", {"x", "y"}, map.band_Hz, "Hz", "third octave that decides the level", ""},
-             {"level_of_sum",
-              {"x", "y"},
-              map.sum_dB,
-              "dB",
-              "level of the sum of the power of all third octaves",
-              ""}}};
+             {"band", {"x", "y"}, map.band_Hz, "Hz", "third octave that decides the level", ""}}};
 }
 
 } // namespace

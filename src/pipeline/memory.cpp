@@ -130,7 +130,7 @@ double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors,
     }
     if (computes_sensation(c)) {
         const measures::Region region = measures::measured_region(c.domain, c.measure);
-        numbers += 3.0 * static_cast<double>((region.x1 - region.x0) * (region.y1 - region.y0));
+        numbers += 2.0 * static_cast<double>((region.x1 - region.x0) * (region.y1 - region.y0));
         groups += 1.0;
     }
     if (c.afferents) groups += 3.0;

@@ -48,43 +48,48 @@ void row_sums(const double* values, std::ptrdiff_t count, RowSums8& sums) {
     }
 }
 
-void add_lines(const double* frames, std::ptrdiff_t count, const double* factors,
-               std::ptrdiff_t lines, double* sums) {
-    static_assert(line_frames == 4);
-    const double *u0 = frames, *u1 = u0 + count, *u2 = u1 + count, *u3 = u2 + count;
-    // Two rows of sums, the parts of a complex one, share the loads of the frames.
-    for (std::ptrdiff_t k = 0; k < lines; k += 2, factors += 2 * line_frames, sums += 2 * count) {
-        const double *re = factors, *im = factors + line_frames;
-        const Vector re0 = kept(all_lanes(re[0])), re1 = kept(all_lanes(re[1])),
-                     re2 = kept(all_lanes(re[2])), re3 = kept(all_lanes(re[3])),
-                     im0 = kept(all_lanes(im[0])), im1 = kept(all_lanes(im[1])),
-                     im2 = kept(all_lanes(im[2])), im3 = kept(all_lanes(im[3]));
-        std::ptrdiff_t j = 0;
-        for (; j + width <= count; j += width) {
-            Vector sum_re = load(sums + j), sum_im = load(sums + count + j);
-            const Vector v0 = load(u0 + j), v1 = load(u1 + j), v2 = load(u2 + j), v3 = load(u3 + j);
-            sum_re += re0 * v0;
-            sum_im += im0 * v0;
-            sum_re += re1 * v1;
-            sum_im += im1 * v1;
-            sum_re += re2 * v2;
-            sum_im += im2 * v2;
-            sum_re += re3 * v3;
-            sum_im += im3 * v3;
-            store(sum_re, sums + j);
-            store(sum_im, sums + count + j);
-        }
-        for (; j < count; ++j)
-            for (std::ptrdiff_t part = 0; part < 2; ++part) {
-                const double* f = part == 0 ? re : im;
-                double sum = sums[part * count + j];
-                sum += f[0] * u0[j];
-                sum += f[1] * u1[j];
-                sum += f[2] * u2[j];
-                sum += f[3] * u3[j];
-                sums[part * count + j] = sum;
-            }
+/// Adds four frames to two rows of sums, the parts of a complex one, which share the loads.
+void add_four(const double* u0, std::ptrdiff_t count, const double* re, const double* im,
+              double* sums) {
+    const double *u1 = u0 + count, *u2 = u1 + count, *u3 = u2 + count;
+    const Vector re0 = kept(all_lanes(re[0])), re1 = kept(all_lanes(re[1])),
+                 re2 = kept(all_lanes(re[2])), re3 = kept(all_lanes(re[3])),
+                 im0 = kept(all_lanes(im[0])), im1 = kept(all_lanes(im[1])),
+                 im2 = kept(all_lanes(im[2])), im3 = kept(all_lanes(im[3]));
+    std::ptrdiff_t j = 0;
+    for (; j + width <= count; j += width) {
+        Vector sum_re = load(sums + j), sum_im = load(sums + count + j);
+        const Vector v0 = load(u0 + j), v1 = load(u1 + j), v2 = load(u2 + j), v3 = load(u3 + j);
+        sum_re += re0 * v0;
+        sum_im += im0 * v0;
+        sum_re += re1 * v1;
+        sum_im += im1 * v1;
+        sum_re += re2 * v2;
+        sum_im += im2 * v2;
+        sum_re += re3 * v3;
+        sum_im += im3 * v3;
+        store(sum_re, sums + j);
+        store(sum_im, sums + count + j);
     }
+    for (; j < count; ++j)
+        for (std::ptrdiff_t part = 0; part < 2; ++part) {
+            const double* f = part == 0 ? re : im;
+            double sum = sums[part * count + j];
+            sum += f[0] * u0[j];
+            sum += f[1] * u1[j];
+            sum += f[2] * u2[j];
+            sum += f[3] * u3[j];
+            sums[part * count + j] = sum;
+        }
+}
+
+void add_lines(const double* frames, std::ptrdiff_t used, std::ptrdiff_t count,
+               const double* factors, std::ptrdiff_t lines, double* sums) {
+    static_assert(line_frames % 4 == 0);
+    constexpr auto all = static_cast<std::ptrdiff_t>(line_frames);
+    for (std::ptrdiff_t k = 0; k < lines; k += 2, factors += 2 * all, sums += 2 * count)
+        for (std::ptrdiff_t n = 0; n < used; n += 4) // the sums stay in the cache
+            add_four(frames + n * count, count, factors + n, factors + all + n, sums);
 }
 
 constexpr RowSumKernels table = {row_sums, add_lines};

@@ -14,16 +14,17 @@ struct RowSums8 {
 };
 
 /// Number of frames that add_lines() adds together.
-constexpr std::size_t line_frames = 4;
+constexpr std::size_t line_frames = 16;
 
 struct RowSumKernels {
     /// Overwrites `sums` with those of `count` values.
     void (*row_sums)(const double* values, std::ptrdiff_t count, RowSums8& sums);
-    /// Adds to row k of `sums` (lines x count) the sum over four rows of `frames` (4 x count) times
-    /// their factors (lines x 4), one frame after the other, so that a value does not depend on
-    /// which frames are added together. The number of lines is even.
-    void (*add_lines)(const double* frames, std::ptrdiff_t count, const double* factors,
-                      std::ptrdiff_t lines, double* sums);
+    /// Adds to row k of `sums` (lines x count) the sum over the first `used` rows of `frames`
+    /// (line_frames x count) times their factors (lines x line_frames), one frame after the other,
+    /// so that a value does not depend on which frames are added together. The number of lines is
+    /// even, and the factors of the rows up to the next multiple of four are zero.
+    void (*add_lines)(const double* frames, std::ptrdiff_t used, std::ptrdiff_t count,
+                      const double* factors, std::ptrdiff_t lines, double* sums);
 };
 
 } // namespace shearwake::measures

@@ -158,6 +158,32 @@ TEST_CASE("a window of a signal has the level of its lines", "[sensation]") {
     }
 }
 
+TEST_CASE("a Hann window loses a part of a tone to other bands unless it contains twelve periods",
+          "[sensation]") {
+    Case run = periodic_case();
+    run.measure.sensation = Sensation::on;
+    run.scene().load.modulation.envelope.gains.clear();
+    run.domain.nx = run.domain.ny = 4;
+    run.time = {.frames = 1400, .interval_s = 100e-6};
+    run.measure.at_s = 139e-3;
+    const auto periods = GENERATE(3.0, 5.0, 7.5, 12.0);
+    run.measure.settled_after_s = run.measure.at_s - 10e-3 * periods;
+    const auto map = map_of(run, [](Vec2, double t) { return tone_m(0.23, 100.0, t); });
+    // The spectrum of the window is sinc(x) / (1 - x^2), where x is the distance in 1/T; the sum of
+    // its squares over all lines, four per 1/T, is 6.
+    double part = 1.0 / 6.0;
+    for (double x = 0.25; x < 4.0; x += 0.25) {
+        const double spectrum =
+            x == 1.0 ? 0.5 : std::sin(0.5 * two_pi * x) / (0.5 * two_pi * x * (1.0 - x * x));
+        for (const double f_Hz : {100.0 - 100.0 * x / periods, 100.0 + 100.0 * x / periods})
+            if (f_Hz > 89.13 && f_Hz < 112.2) part += spectrum * spectrum / 6.0;
+    }
+    // 0.01 dB: the window is sampled every tenth of a millisecond.
+    CHECK(map.level_dB.front() == Approx(20.0 + 10.0 * std::log10(part)).margin(0.01));
+    CHECK((part > 0.977) == (periods == 12.0)); // 0.1 dB
+    CHECK(map.band_Hz.front() == 100.0);
+}
+
 TEST_CASE("a window judges bands with at least three periods in it", "[sensation]") {
     Case run = periodic_case();
     run.time = {.frames = 600, .interval_s = 100e-6};
