@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""jobs/quickstart.toml gives the same table with the engines layered and spectral."""
+"""jobs/quickstart.toml gives the same table with the engines layered and spectral, and levels of sensation agree."""
 import re
 import unittest
 
@@ -9,6 +9,34 @@ from program import ROOT, ProgramTest, is_literal_ipr, is_number, table
 
 SWEEP = re.compile(r'"load.modulation.am_frequency_Hz" = \[100.*\]')
 STEPPED = ("-S", 'solver.engine="spectral"', "-S", "solver.spectral.time_step_us=50")
+
+LEVELS = """schema = 1
+[job]
+name = "levels"
+[medium]
+base = "{base}"
+[[medium.layer]]
+{thickness}density_kg_m3 = 1000.0
+c_p_m_s = 50.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 125.0
+footprint = {{ shape = "gaussian", fwhm_mm = 9.0 }}
+modulation = {{ kind = "AM", am_frequency_Hz = 200.0 }}
+[domain]
+extent_mm = [72.0, 72.0]
+spacing_mm = 3.0
+[time]
+duration_ms = 26.0
+output_interval_us = 250.0
+[measure]
+at_ms = 25.0
+settled_after_ms = 10.0
+sensation = true
+[sweep]
+"solver.engine" = {engines}
+"""
 
 
 class EnginesAgree(ProgramTest):
@@ -56,6 +84,25 @@ class EnginesAgree(ProgramTest):
             ('kind = "AM-STM"', 'kind = "SM-STM"\nspeed_deviation_m_s = 2.0'),
             ("am_frequency_Hz", "sm_frequency_Hz"), ("to_mm = [49.0, 0.0]", "to_mm = [56.0, 0.0]")),
             begins_gently=False)
+
+    def largest_difference_dB(self, base, engines):
+        """Of felt_peak_dB and felt_path_dB of the engines from the first one."""
+        self.write_job(LEVELS.format(base=base, engines=engines, thickness="" if base == "half-space" else "thickness_mm = 12.0\n"))
+        self.shearwake("run", "job.toml", "--out", base, "--quiet", ranks=2)
+        self.shearwake("reduce", base)
+        exact, *others = table(self.folder / base)
+        return max(abs(float(other[name]) - float(exact[name])) for other in others for name in ("felt_peak_dB", "felt_path_dB"))
+
+    def test_the_level_of_sensation_of_spectral_is_that_of_layered(self):
+        for base in ("half-space", "rigid"):
+            with self.subTest(base):
+                # The accuracy of the step, 0.1 % of the field, is 0.009 dB.
+                self.assertLess(self.largest_difference_dB(base, ["layered", "spectral"]), 0.009)
+
+    @pytest.mark.long
+    def test_the_level_of_sensation_of_pstd_differs_by_the_error_of_its_surface(self):
+        # docs/explanation/engine-pstd.md: 0.44 dB at 3 points per FWHM
+        self.assertLess(self.largest_difference_dB("half-space", ["layered", "pstd"]), 0.5)
 
 
 if __name__ == "__main__":
