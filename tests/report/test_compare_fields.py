@@ -125,6 +125,12 @@ class CompareFields(unittest.TestCase):
         self.assertEqual((entry["at_node"], entry["nodes"], entry["times"], entry["unit"]), ([4, 5, 6], 1, 2, "m/s"))
         self.assertEqual(note, "")
 
+    def test_points_between_nodes_are_not_taken_for_the_node_below(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (entry,), _ = compare_sensors(*(sensor_case(Path(folder) / name, 0.001, 1.0, nodes) for name, nodes in (
+                ("a", [(4.25, 5, 6), (4.75, 5, 6)]), ("b", [(4.75, 5, 6)]))))
+        self.assertEqual((entry["nodes"], entry["at_node"], entry["largest"]), (1, [4.75, 5, 6], 0.0))
+
     def test_sensors_of_two_resolutions_are_compared_at_equal_positions(self):
         coarse, fine = [(5, 4, 3), (6, 4, 3)], [(12, 8, 6), (13, 8, 6)]  # (6, 4, 3) of 1 mm lies at (12, 8, 6) of 0.5 mm
         with tempfile.TemporaryDirectory() as folder:

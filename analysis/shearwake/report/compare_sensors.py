@@ -21,7 +21,7 @@ VELOCITIES = ("ux", "uy", "uz")
 @dataclass
 class Sensor:
     time_s: np.ndarray
-    nodes: list   # (i, j, k) from 0, one per row of the fields
+    nodes: list   # (i, j, k) from 0, one per row of the fields; not integers at Cartesian points
     fields: dict  # name -> (unit, values of nodes and times)
     step_s: float
 
@@ -37,7 +37,7 @@ def sensor(case: Case) -> Sensor | None:
     """The sensor of a case; None without one."""
     try:
         found, units = case.arrays("sensor"), case.units("sensor")
-        nodes = [tuple(int(index) for index in node) for node in zip(*(found[axis] for axis in "ijk"))]
+        nodes = [tuple(round(float(index), 9) for index in node) for node in zip(*(found[axis] for axis in "ijk"))]
         fields = {name: (units[name], values) for name, values in found.items() if values.ndim == 2}
         time_s = found["time"]
         return Sensor(time_s, nodes, fields, float(time_s[1] - time_s[0]) if len(time_s) > 1 else math.nan)

@@ -110,7 +110,7 @@ def sensor_lines(pair: dict[str, Any]) -> list[Any]:
     """Nodes are counted from 1, as import-kwave does."""
     lines = [f"  sensor, {s['field']} at {counted(s['nodes'], 'node')}: "
              + difference(s, f"{s['largest']:.3g} {s['unit']}",
-                          f"at node {[index + 1 for index in s['at_node']]} and {s['time_ms']:.6g} ms")
+                          f"at node [{', '.join(f'{index + 1:.6g}' for index in s['at_node'])}] and {s['time_ms']:.6g} ms")
              for s in pair["sensors"]]
     if pair["sensors_note"]:
         lines.append(f"  {'note on the sensors' if lines else 'sensors not compared'}: {pair['sensors_note']}")
