@@ -18,6 +18,7 @@ EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p
 ACOUSTIC = ("c0", "rho0", "c_ref", "rho0_sgx", "pml_x_size", "p_source_flag", "p0_source_flag", "sensor_mask_type")
 MOST_IN_RANGE = 1e7  # numbers of a range, which takes 24 bytes in a file
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
+MOST_ITEMS = 20_000  # arrays, cells and fields of all structures
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
 
@@ -60,14 +61,31 @@ def characters(values):
     return rows[0] if len(rows) == 1 else rows
 
 
-def of_octave(group, level):
+class Budget:
+    """Limits the number of items that are read and the size of those that are read repeatedly, since any number of links and
+    references can lead to one item."""
+
+    def __init__(self):
+        self.items, self.again_B, self.seen = MOST_ITEMS, ALLOWED_B, set()
+
+    def spend(self, item):
+        address = h5py.h5o.get_info(item.id).addr
+        self.items -= 1
+        if address in self.seen and isinstance(item, h5py.Dataset):
+            self.again_B -= item.nbytes
+        self.seen.add(address)
+        if self.items < 0 or self.again_B < 0:
+            raise BadInput(f"its structures have more than {MOST_ITEMS} fields and cells, or refer to the same arrays repeatedly")
+
+
+def of_octave(group, level, left):
     """A value in the format of Octave: datasets or groups `type` and `value`."""
     kind, value = decoded(group["type"][()]), group["value"]
     if isinstance(value, h5py.Group):
         if "cell" in kind:
-            return [of_hdf5(value[name], level + 1) for name in sorted(value) if name != "dims"]
+            return [of_hdf5(value[name], left, level + 1) for name in sorted(value) if name != "dims"]
         if "struct" in kind:
-            return {name: of_hdf5(value[name], level + 1) for name in value}
+            return {name: of_hdf5(value[name], left, level + 1) for name in value}
         return Unreadable(f"Octave has stored it as {kind}")
     if group.attrs.get("OCTAVE_EMPTY_MATRIX") is not None or value.attrs.get("OCTAVE_EMPTY_MATRIX") is not None:
         return None
@@ -83,14 +101,14 @@ def of_octave(group, level):
     return of_array(np.asarray(value[()]).T)
 
 
-def of_dataset(item, level):
+def of_dataset(item, level, left):
     kind = class_of(item)
     if item.attrs.get("MATLAB_empty", 0) or item.shape is None or item.size == 0:
         return None
     if kind not in ("", "char", "cell", "logical", "double", "single") and not kind.startswith(("int", "uint")):
         return Unreadable(OBJECT)
     if h5py.check_ref_dtype(item.dtype):
-        return [of_hdf5(item.file[reference], level + 1) for reference in item[()].T.ravel() if reference] or None
+        return [of_hdf5(item.file[reference], left, level + 1) for reference in item[()].T.ravel() if reference] or None
     if kind == "char":
         return characters(item[()])
     if item.dtype.kind == "V":
@@ -99,16 +117,17 @@ def of_dataset(item, level):
     return of_array(np.asarray(item[()]).T)
 
 
-def of_hdf5(item, level=0):
+def of_hdf5(item, left, level=0):
+    left.spend(item)
     if level > DEEPEST:
         raise BadInput(f"{item.name} is nested deeper than {DEEPEST} levels")
     if isinstance(item, h5py.Dataset):
-        return of_dataset(item, level)
+        return of_dataset(item, level, left)
     if "type" in item and "value" in item:
-        return of_octave(item, level)
+        return of_octave(item, level, left)
     fields = {name: of_array(value) for name, value in item.attrs.items()
               if not name.startswith(("MATLAB_", "OCTAVE_", "H5PATH"))}
-    fields.update({name: of_hdf5(item[name], level + 1) for name in item})
+    fields.update({name: of_hdf5(item[name], left, level + 1) for name in item})
     return fields
 
 
@@ -129,7 +148,8 @@ def read_hdf5(path):
             raise BadInput(f"{path} is an input file of the acoustic C++ code of k-Wave (it contains {', '.join(acoustic)}), which has "
                            "no shear waves; save the structures kgrid, medium and source of a simulation for pstdElastic3D instead")
         chosen, notes = chosen_variables(path, [name for name in file if not name.startswith("#")])
-        structures = {name: of_hdf5(file[variable]) for name, variable in chosen.items()}
+        left = Budget()
+        structures = {name: of_hdf5(file[variable], left) for name, variable in chosen.items()}
         if not has_known_order(file) and is_cubic(structures.get("kgrid")):
             notes.append("kgrid.Nx and Nz are equal: the arrays of the file are taken as (z, y, x), as MATLAB and k-Wave store them; "
                          "compare the places below")
@@ -156,6 +176,8 @@ def of_mat(value, level=0):
     if level > DEEPEST:
         raise BadInput(f"a cell is nested deeper than {DEEPEST} levels")
     if hasattr(value, "toarray"):  # a sparse matrix
+        if 8 * np.prod(value.shape, dtype=float) > max(ALLOWED_B, 8 * MOST_COMPRESSION * value.nnz):
+            return Unreadable(f"it is a sparse matrix of {value.shape[0]} x {value.shape[1]} numbers")
         value = value.toarray()
     if type(value).__name__ in ("MatlabOpaque", "MatlabFunction", "MatlabObject"):
         return Unreadable(OBJECT)
