@@ -2,6 +2,7 @@
 """Files of users: the links that no reader follows, maps of material properties and imported k-Wave studies."""
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,9 +21,10 @@ class BadLink(OSError):
 def open_self_contained(path: Path) -> h5py.File:
     """Opens the HDF5 file of a user for reading. Raises OSError, and BadLink if one of its links leads to another file, if
     the values of a dataset are in other files, or if a compressed or unwritten dataset claims more than ALLOWED_B and
-    MOST_COMPRESSION times what it stores."""
+    MOST_COMPRESSION times what it stores, or if the file is sparse."""
     if not Path(path).is_file():
         raise OSError(f"{path} is not a regular file" if Path(path).exists() else f"{path} does not exist")
+    refuse_holes(path)
     file = h5py.File(path, "r")
     try:
         _refuse_links(file)
@@ -30,6 +32,19 @@ def open_self_contained(path: Path) -> h5py.File:
         file.close()
         raise
     return file
+
+
+def refuse_holes(path: Path) -> None:
+    """Raises BadLink if the file system stores less than a MOST_COMPRESSION-th of a file above ALLOWED_B."""
+    with open(path, "rb") as file:
+        size, stored, end = os.fstat(file.fileno()).st_size, 0, 0
+        while size > ALLOWED_B and MOST_COMPRESSION * stored < size:
+            try:
+                start = os.lseek(file.fileno(), end, os.SEEK_DATA)
+            except OSError as error:  # nothing but a hole is left
+                raise BadLink(f"it is a sparse file: it has {size / 1e6:.0f} MB but stores {stored / 1e3:.3g} kB") from error
+            end = os.lseek(file.fileno(), start, os.SEEK_HOLE)
+            stored += end - start
 
 
 def _refuse_links(file: h5py.File) -> None:

@@ -5,6 +5,7 @@
 (version 5 through scipy, 7.3 through h5py) and HDF5; `write_scan` writes UFF, CSV and HDF5 that MATLAB and
 Octave read. Units are SI.
 """
+import array
 import codecs
 import csv
 import difflib
@@ -15,14 +16,14 @@ import os
 import pickle
 import resource
 import signal
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
-from ..inputs import ALLOWED_B, BadLink, open_self_contained
-from .scan import MOST_VALUES, BadScan, Scan, plain_step_s, rounding_of
+from ..inputs import ALLOWED_B, BadLink, open_self_contained, refuse_holes
+from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, plain_step_s, rounding_of
 from .scan_uff import LENGTHS, TIMES, UNLABELLED, plain_unit, read_uff, speed_of, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
@@ -70,6 +71,7 @@ def read_scan(path: str | Path) -> Scan:
         raise BadScan("it is not a regular file")
     if size > MOST_BYTES:
         raise BadScan(f"it has {size} bytes, but at most {MOST_BYTES} are supported")
+    refuse_holes(path)
     with path.open("rb") as file:
         start = file.read(128).removeprefix(codecs.BOM_UTF8)
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
@@ -77,8 +79,8 @@ def read_scan(path: str | Path) -> Scan:
     if start.startswith(b"MATLAB 5.0"):
         return checked(in_child(read_mat5, path, "scipy.io"))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
-        return checked(read_uff(path.read_bytes().removeprefix(codecs.BOM_UTF8)))
-    return read_csv(path.read_bytes())
+        return checked(in_child(read_uff, path, "csv"))
+    return in_child(read_csv, path, "csv")
 
 
 def limit_child(seconds: int, more_B: int) -> None:
@@ -292,39 +294,61 @@ def read_mat5(path: Path) -> Scan:
 
 MOST_ROUNDING = 0.2  # of the spacing of printed times
 CSV_HEADER = ["x_m", "y_m", "quality"]
+# A CSV file within these limits is read in about 10 s and 300 MB.
+MOST_CSV_VALUES, MOST_CSV_LINES, LONGEST_CSV_LINE, MOST_REMARKS = 8_000_000, 2_000_000, 32_000_000, 1000
+LARGER = "; larger scans are read from HDF5 and MATLAB files"
 
 
-def read_csv(data: bytes) -> Scan:
-    """Lines of x, y, quality and one velocity per time; the header contains the times in seconds."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise BadScan(NOT_A_SCAN + "it is neither text nor a known binary format") from error
-    remarks: dict[str, Any] = {}
-    notes: list[str] = []
-    lines = []
-    for line in text.splitlines():
+def csv_lines(file: IO[str], remarks: dict[str, Any], notes: list) -> Iterator[str]:
+    """The lines of a CSV file that are neither empty nor remarks."""
+    count = 0
+    while line := file.readline(LONGEST_CSV_LINE + 1):
+        count += 1
+        if len(line) > LONGEST_CSV_LINE or line.count(",") > MOST_POINTS:
+            raise BadScan(f"line {count} has more than {LONGEST_CSV_LINE} characters or {MOST_POINTS} fields{LARGER}")
+        if count > MOST_CSV_LINES:
+            raise BadScan(f"it has more than {MOST_CSV_LINES} lines{LARGER}")
         if line.startswith("#"):
             read_remark(line[1:].strip(), remarks, notes)
+            if max(len(remarks), len(notes)) > MOST_REMARKS:
+                raise BadScan(f"it has more than {MOST_REMARKS} remarks")
         elif line.strip():
-            lines.append(line)
+            yield line
+
+
+def read_csv(path: Path) -> Scan:
+    """Lines of x, y, quality and one velocity per time; the header contains the times in seconds."""
+    remarks: dict[str, Any] = {}
+    notes: list[str] = []
+    header: list[str] = []
+    values = array.array("d")
     try:
-        rows = list(csv.reader(lines))
+        with path.open(encoding="utf-8-sig") as file:
+            for row in csv.reader(csv_lines(file, remarks, notes)):
+                if not header:
+                    header = row
+                    if [word.strip() for word in header[:3]] != CSV_HEADER:
+                        break
+                    continue
+                if len(row) != len(header):
+                    raise BadScan(f"every line must have {len(header)} fields, as the first one")
+                values.extend(map(float, row))
+                if len(values) > MOST_CSV_VALUES:
+                    raise BadScan(f"it has more than {MOST_CSV_VALUES} values{LARGER}")
+        is_scan = [word.strip() for word in header[:3]] == CSV_HEADER
+        times = np.array([float(word) for word in header[3:] if is_scan])
+    except UnicodeDecodeError as error:
+        raise BadScan(NOT_A_SCAN + "it is neither text nor a known binary format") from error
     except csv.Error as error:
         raise BadScan(f"{NOT_A_SCAN}{error}") from error
-    if not rows or [word.strip() for word in rows[0][:3]] != CSV_HEADER:
-        raise BadScan(NOT_A_SCAN + "the first line must begin with x_m,y_m,quality, followed by the times in seconds")
-    width = len(rows[0])
-    if any(len(row) != width for row in rows):
-        raise BadScan(f"every line must have {width} fields, as the first one")
-    try:
-        numbers = np.array([[float(word) for word in row] for row in rows[1:]]).reshape(-1, width)
-        times = np.array([float(word) for word in rows[0][3:]])
     except ValueError as error:
-        raise BadScan(f"it contains a field that is not a number: {error}") from error
+        raise BadScan(f"it contains a field that is not a number: {str(error)[:80]}") from error
+    if not is_scan:
+        raise BadScan(NOT_A_SCAN + "the first line must begin with x_m,y_m,quality, followed by the times in seconds")
+    numbers = np.frombuffer(values).reshape(-1, len(header))
     scan = Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
                 **settings(remarks, lambda value, _: value, notes))
-    rounding_s = rounding_of(rows[0][3:])
+    rounding_s = rounding_of(header[3:])
     scan = checked(scan, min(rounding_s, MOST_ROUNDING * float(np.mean(np.diff(times)))) if len(times) > 1 else 0.0)
     step_s = (times[-1] - times[0]) / (len(times) - 1)
     scan.rate_rounding = 2.0 * rounding_s / (times[-1] - times[0])

@@ -5,10 +5,13 @@ units of type 164, as documented by the Structural Dynamics Research Laboratory 
 The step of the abscissa has six digits in the format. The fifth identification line therefore repeats it exactly,
 together with the quality of the point; files of other programs do without.
 """
+import codecs
 import datetime
+import os
 import re
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 
@@ -19,6 +22,7 @@ TIME, UNKNOWN, GENERAL_QUANTITY = 17, 0, 1
 DISPLACEMENT, VELOCITY, ACCELERATION = 8, 11, 12
 SINGLE, DOUBLE = 2, 4
 HEADER_LINES = 11
+LONGEST_LINE, MOST_LINES = 10_000, 500_000  # of a data set
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 UNLABELLED = ("", "none", "unknown")
@@ -93,24 +97,22 @@ def uff_bytes(scan: Scan, binary: bool) -> bytes:
 class Lines:
     """The bytes of a file, line by line."""
 
-    def __init__(self, data: bytes) -> None:
-        self.data, self.at = data, 0
+    def __init__(self, file: IO[bytes]) -> None:
+        self.file, self.size = file, os.fstat(file.fileno()).st_size
+        if file.read(3) != codecs.BOM_UTF8:
+            file.seek(0)
 
     def next(self) -> str | None:
-        if self.at >= len(self.data):
-            return None
-        end = self.data.find(b"\n", self.at)
-        end = len(self.data) if end < 0 else end
-        line = self.data[self.at:end].rstrip(b"\r").decode("latin-1")
-        self.at = end + 1
-        return line
+        line = self.file.readline(LONGEST_LINE + 1)
+        if len(line) > LONGEST_LINE:
+            raise BadScan(f"a line has more than {LONGEST_LINE} characters")
+        return line.removesuffix(b"\n").rstrip(b"\r").decode("latin-1") if line else None
 
     def take(self, count: int) -> bytes:
-        if count < 0 or self.at + count > len(self.data):
-            raise BadScan(f"the file is truncated: a record claims {count} bytes, but {len(self.data) - self.at} are left")
-        part = self.data[self.at:self.at + count]
-        self.at += count
-        return part
+        left = self.size - self.file.tell()
+        if not 0 <= count <= left:
+            raise BadScan(f"the file is truncated: a record claims {count} bytes, but {left} are left")
+        return self.file.read(count)
 
 
 def field(line: str, start: int, width: int, what: str, kind: type = int) -> Any:
@@ -135,6 +137,8 @@ def body(lines: Lines) -> list[str]:
         if is_mark(line):
             return content
         content.append(line)
+        if len(content) > MOST_LINES:
+            raise BadScan(f"a data set has more than {MOST_LINES} lines; store larger ones in binary form")
     raise BadScan("the file is truncated: a data set has no end")
 
 
@@ -216,16 +220,11 @@ def exact(head: list[str]) -> dict[str, list[float]]:
 
 def numbers_of(content: list[str], count: int, width: int) -> np.ndarray:
     """`count` numbers of fixed width; blanks between them may be missing."""
-    values = []
-    for line in content:
-        line = line.rstrip()
-        for start in range(0, len(line), width):
-            values.append(field(line, start, width, "a value", float))
-            if len(values) > count:
-                raise BadScan(f"a data set claims {count} values, but contains more")
+    values = np.fromiter((field(line, start, width, "a value", float) for line in map(str.rstrip, content)
+                          for start in range(0, len(line), width)), float)
     if len(values) != count:
-        raise BadScan(f"a data set claims {count} values, but contains {len(values)}")
-    return np.array(values)
+        raise BadScan(f"a data set claims {count} values, but contains {'more' if len(values) > count else len(values)}")
+    return values
 
 
 class Function:
@@ -352,10 +351,20 @@ def binary_function(first: str, lines: Lines) -> Function:
     raise BadScan("the file is truncated: a data set has no end")
 
 
-def read_uff(data: bytes) -> Scan:
-    lines, nodes, functions = Lines(data), {}, []
+def read_uff(path: Path) -> Scan:
+    with path.open("rb") as file:
+        return scan_in(Lines(file))
+
+
+def scan_in(lines: Lines) -> Scan:
+    nodes: dict[int, tuple[float, ...]] = {}
+    functions: list[Function] = []
     per_metre: float | None = None
+    count = 0
     while (line := lines.next()) is not None:
+        count += 1
+        if count > 2 * MOST_POINTS:
+            raise BadScan(f"it has more than {2 * MOST_POINTS} data sets and lines outside of them")
         if not is_mark(line):
             continue
         first = lines.next()
