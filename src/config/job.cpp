@@ -117,6 +117,7 @@ Plan read_plan(const ParsedJob& parsed, std::span<const Override> overrides,
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
     plan.adaptive = sweep.adaptive;
+    check_overrides(tree, overrides, plan.swept_keys, diagnostics);
     plan.cases = expand(tree, sweep, table.reference, files, diagnostics);
     check_study_keys(plan, sweep, overrides, diagnostics);
     return plan;

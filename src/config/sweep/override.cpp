@@ -79,38 +79,35 @@ bool is_number(const Node& node) {
            std::holds_alternative<std::int64_t>(node.value);
 }
 
-/// Warns of an override of a swept key, and rejects a value of another type than those of the
-/// sweep.
-void check_if_swept(const NodePtr& root, const Override& override, const Node& value,
-                    const Place& at, DiagnosticList& diagnostics) {
-    const NodePtr sweep = find(root, {{"sweep"}});
-    const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
-    if (!table) return;
-    const auto values_in = [&](const TableNode& keys) {
-        const Entry* entry = keys.find(override.key);
-        return entry ? entry->value : nullptr;
-    };
-    NodePtr values = values_in(*table);
-    const bool has_own_axis = values != nullptr;
-    const Entry* zip = table->find("zip");
-    const auto* zipped = zip ? std::get_if<ListNode>(&zip->value->value) : nullptr;
-    for (std::size_t i = 0; zipped && i < zipped->size(); ++i) {
-        const NodePtr flat = flattened_sweep((*zipped)[i]);
-        const auto* keys = std::get_if<TableNode>(&flat->value);
-        if (!values && keys) values = values_in(*keys);
-    }
-    if (!values) return;
-    const NodePtr swept = first_of(values);
-    if (swept && is_number(*swept) && !is_number(value))
-        return diagnostics.error(
-            at, fmt::format("{} must be a number, like the values of its sweep, but is {}",
-                            override.key, excerpt(render(value))));
-    diagnostics.warning(
-        at, fmt::format("{} is swept, so this override has no effect; {}", override.key,
-                        has_own_axis
-                            ? fmt::format("to compute only this value, use -S 'sweep.\"{}\"=[{}]'",
-                                          override.key, excerpt(render(value)))
-                            : "change its values in sweep.zip of the job file"));
+/// The values that [sweep] states for a key, in a list of its own or in `zip`; null without any.
+NodePtr swept_values(const NodePtr& root, const std::string& key) {
+    const NodePtr own = find(root, {{"sweep"}, {key}}), zip = find(root, {{"sweep"}, {"zip"}});
+    const auto* zipped = zip ? std::get_if<ListNode>(&zip->value) : nullptr;
+    for (std::size_t i = 0; !own && zipped && i < zipped->size(); ++i)
+        if (const NodePtr values = find(flattened_sweep((*zipped)[i]), {{key}})) return values;
+    return own;
+}
+
+/// Rejects a value of another type than those of the sweep of its key. Returns whether it fits.
+bool check_type(const NodePtr& root, const Override& override, const Node& value, const Place& at,
+                DiagnosticList& diagnostics) {
+    const NodePtr swept = first_of(swept_values(root, override.key));
+    if (!swept || !is_number(*swept) || is_number(value)) return true;
+    diagnostics.error(at,
+                      fmt::format("{} must be a number, like the values of its sweep, but is {}",
+                                  override.key, excerpt(render(value))));
+    return false;
+}
+
+/// How to change the values of a key that varies.
+std::string advice(const NodePtr& root, const std::string& key, const NodePtr& value) {
+    if (find(root, {{"sweep"}, {key}}) && value)
+        return fmt::format("to compute only this value, use -S 'sweep.\"{}\"=[{}]'", key,
+                           excerpt(render(*value)));
+    if (find(root, {{"uncertain"}, {key}})) return "change its distribution in [uncertain]";
+    if (find(root, {{"sweep"}, {key}})) return "change its values in [sweep]";
+    return swept_values(root, key) ? "change its values in sweep.zip of the job file"
+                                   : "change its values in the file of the sweep";
 }
 
 /// Whether the key begins with the name of a table or key of a job.
@@ -143,12 +140,31 @@ NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticL
     }
     const NodePtr value = parse_value(override.value, find(root, *path), at, diagnostics);
     if (!value) return root;
-    check_if_swept(root, override, *value, at, diagnostics);
+    if (!check_type(root, override, *value, at, diagnostics)) return root;
     std::string problem;
     const NodePtr changed =
         with(root, joined_below_sweep(root, *path, override.key), value, at, problem);
     if (!changed) diagnostics.error(at, problem);
     return changed ? changed : root;
+}
+
+void check_overrides(const NodePtr& root, std::span<const Override> overrides,
+                     std::span<const std::string> varied, DiagnosticList& diagnostics) {
+    for (const Override& override : overrides)
+        for (const std::string& key : varied) {
+            const Place at = place_of(override);
+            const auto path = split_path(key);
+            const NodePtr value = path ? find(root, *path) : nullptr;
+            const bool is_set = value && value->at.file && *value->at.file == *at.file;
+            const bool is_part =
+                override.key.starts_with(key + ".") || override.key.starts_with(key + "[");
+            if (!is_set && !is_part) continue;
+            diagnostics.warning(
+                at, fmt::format("{} is {}, so this override has no effect{}; {}", key,
+                                find(root, {{"uncertain"}, {key}}) ? "uncertain" : "swept",
+                                is_part || override.key == key ? "" : " on it",
+                                advice(root, key, is_part ? nullptr : value)));
+        }
 }
 
 namespace {

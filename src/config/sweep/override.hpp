@@ -24,6 +24,11 @@ Place place_of(const Override& override);
 /// unchanged and reports a diagnostic.
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);
 
+/// Warns of overrides of keys that vary, of parts of them, and of tables that contain them: each
+/// case has its own value. `root` is the job after the overrides.
+void check_overrides(const NodePtr& root, std::span<const Override> overrides,
+                     std::span<const std::string> varied, DiagnosticList& diagnostics);
+
 /// The job after overrides as TOML. A comment at each value that an override has set contains the
 /// value of `before`, the job without overrides. Of the other comments, only that at the beginning
 /// of `file_text` is contained, which states the question of the job.

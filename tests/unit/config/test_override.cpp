@@ -83,6 +83,35 @@ TEST_CASE("an override of a swept key has no effect and is reported", "[config][
                 "sweep, but is \"loud\""});
 }
 
+TEST_CASE("an override of a part of a swept table, of a table with a swept key and of an uncertain "
+          "key has no effect and is reported",
+          "[config][override]") {
+    const auto with = [](const std::string& more, const config::Override& override) {
+        return diagnostics_of(plain_and(more), {override});
+    };
+    const std::string gaussian = "{ shape = \"gaussian\", fwhm_mm = 6 }";
+    const config::Override table{"load.footprint", gaussian}, part{"load.footprint.fwhm_mm", "5.5"};
+    CHECK(with("[sweep]\n\"load.footprint.fwhm_mm\" = [4.5, 5]", table) ==
+          Texts{"-S load.footprint: warning: load.footprint.fwhm_mm is swept, so this override has "
+                "no effect on it; to compute only this value, use -S "
+                "'sweep.\"load.footprint.fwhm_mm\"=[6]'"});
+    CHECK(any_contains(with("[sweep]\nzip = [{ \"load.footprint\" = [" + gaussian + "] }]", part),
+                       "load.footprint is swept, so this override has no effect; change its values "
+                       "in sweep.zip"));
+    CHECK(any_contains(with("[sweep]\n\"load.footprint\" = [" + gaussian + "]", part),
+                       "load.footprint is swept, so this override has no effect; change its values "
+                       "in [sweep]"));
+    CHECK(any_contains(with("[uncertain]\nsamples = 8\n\"load.footprint.fwhm_mm\" = { distribution "
+                            "= \"uniform\", min = 4, max = 6 }",
+                            part),
+                       "load.footprint.fwhm_mm is uncertain, so this override has no effect; "
+                       "change its distribution in [uncertain]"));
+    CHECK_FALSE(any_contains(with("[sweep]\n\"load.peak_Pa\" = [1, 2]", table), "has no effect"));
+    CHECK_FALSE(any_contains(diagnostics_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]"),
+                                            {{"load.peak_Pa", "7"}, {"sweep", "{}"}}),
+                             "has no effect"));
+}
+
 TEST_CASE("keys of other kinds are ignored if an override replaces the sweep of the kind",
           "[config][override]") {
     const std::string sweep = "[sweep]\n\"load.modulation.kind\" = [\"STM\", \"AM-STM\"]\n";
