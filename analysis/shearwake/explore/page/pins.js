@@ -14,8 +14,9 @@ const RESULTS = [["Energy at the focus", ["eta_period_1", "eta_at_1"], value => 
 
 // Label, column, value and text of the results that a setting has.
 function resultsOf(result) {
+  const mark = result.header.warnings.some(w => w.severity === "error") ? " (not valid)" : "";
   return RESULTS.map(([label, names, text]) => [label, names.find(name => isNumber(result.column(name).value)), text])
-    .filter(([, name]) => name).map(([label, name, text]) => ({label, name, value: result.column(name).value, text: text(result.column(name).value, result)}));
+    .filter(([, name]) => name).map(([label, name, text]) => ({label, name, value: result.column(name).value, text: text(result.column(name).value, result) + mark}));
 }
 
 const digits = value => value === null || value === undefined ? "–" : Number(value).toPrecision(4);
