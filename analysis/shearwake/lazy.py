@@ -2,9 +2,9 @@
 """Arrays of xarray that are read from case files when their values are needed."""
 from __future__ import annotations
 
-import functools
 import math
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +128,7 @@ def lazy(array: BackendArray, dims: list[str], attributes: dict[str, Any]) -> xr
 class Columns(BackendArray):
     """Numbers of cases on a grid, which are computed when they are needed. `value` is a picklable function of a case."""
 
-    def __init__(self, cells: np.ndarray, value: functools.partial[float]) -> None:
+    def __init__(self, cells: np.ndarray, value: Callable[[Any], float]) -> None:
         self.cells, self.value, self.shape, self.dtype = cells, value, cells.shape, np.dtype(float)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
