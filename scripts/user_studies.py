@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import csv
 import math
+import re
 import sys
 import tomllib
 from collections.abc import Callable
@@ -215,7 +216,9 @@ def main() -> int:
     why = dict(line.removeprefix("* ").split(": ", 1) for line in tail.splitlines() if line.startswith("* "))
     rows = ["| study | measured | reported [interval] | predicted, median (range) | verdict | why |", "|---|---|---|---|---|---|"]
     for study, values, result in results:
-        rows.append(f"| [{study['name']}]({study['link']}) (job `{study['job']}`) | {study['measured']} | {reported(study)} | "
+        authors = re.match(r".*?\d{4}", study["source"])
+        rows.append(f"| [{study['name']}]({study['link']}), {authors[0] if authors else study['source']} (job `{study['job']}`, "
+                    f"`{study['quantity']}`) | {study['measured']} | {reported(study)} | "
                     f"{interval(study, values)} | {result} | {why.get(study['name'], '')} |")
     rest = "\n".join(line for line in tail.splitlines() if not line.startswith("* "))
     text = head.format(total=len(results), inside=counts["inside"], same=counts["same order"], outside=counts["outside"]) + "\n".join(rows) + "\n" + rest.format(
