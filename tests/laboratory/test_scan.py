@@ -164,8 +164,40 @@ class Names(ScanTest):
         import scipy.io
 
         path = self.folder / "more.mat"
-        scipy.io.savemat(path, {**self.arrays(), "velocity_unit": "mm/s", "dir_z": -1.0})
+        scipy.io.savemat(path, {**self.arrays(), "velocity_unit": "m/s", "dir_z": -1.0})
         self.assertIn("without effect: velocity_unit, dir_z", read_scan(path).notes)
+
+    def test_a_unit_that_would_be_ignored_is_refused(self):
+        import h5py
+        import scipy.io
+
+        for name, unit in (("velocity_unit", "mm/s"), ("Units", "mm"), ("unit", "\u00b5m/s")):
+            with self.subTest(name=name):
+                path = self.folder / "units.mat"
+                scipy.io.savemat(path, {**self.arrays(), name: unit})
+                with self.assertRaisesRegex(BadScan, f"{name} is \"{unit}\", but values are read in m, s and m/s"):
+                    read_scan(path)
+                with h5py.File(self.folder / "units.h5", "w") as file:
+                    for key, value in {**self.arrays(), name: unit}.items():
+                        file[key] = value
+                with self.assertRaisesRegex(BadScan, "but values are read in m, s and m/s"):
+                    read_scan(self.folder / "units.h5")
+        lines = self.written("csv").read_text()
+        for remark in ("velocity unit: mm/s", "units = cm", "velocity_units mm/s"):
+            self.refused(f"# {remark}\n{lines}", "values are read in m, s and m/s", ".csv")
+        for remark in ("velocity unit: m/s", "community gel, 60 mm", "unit 5 of the laboratory", "range: 100 mm/s"):
+            self.assertTrue(any("without effect" in note for note in read_scan(self.file(f"# {remark}\n{lines}", ".csv")).notes))
+
+    def test_coordinates_in_mm_times_in_ms_and_velocities_along_the_surface_are_refused(self):
+        scan = some_scan()
+        for changes, reason in (({"x_m": 1e3 * scan.x_m}, "coordinates must be in metres"),
+                                ({"time_s": 1e3 * scan.time_s}, "times must be in seconds"),
+                                ({"direction": (1.0, 0.0, 0.0)}, "nearly parallel to the surface")):
+            with self.subTest(reason=reason):
+                path = self.folder / "wrong.csv"
+                write_scan(path, replace(scan, **changes), "csv")
+                with self.assertRaisesRegex(BadScan, reason):
+                    read_scan(path)
 
 
 class Order(ScanTest):

@@ -49,8 +49,6 @@ class Alignment:
             if abs(scan.trigger_delay_s - self.delay_s) > 1e-9 and scan.trigger_delay_s != 0.0:
                 self.notes.append(f"the trigger delay of the job, {1e3 * self.delay_s:.6g} ms, is used instead of that of the "
                                   f"file, {1e3 * scan.trigger_delay_s:.6g} ms")
-        if abs(self.direction[2]) < 0.1:
-            raise BadScan("the line of sight is nearly parallel to the surface, so it contains no displacement along z")
 
     def text(self) -> str:
         return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "

@@ -14,6 +14,7 @@ import io
 import math
 import os
 import pickle
+import re
 import resource
 import signal
 from collections.abc import Callable, Iterable, Iterator
@@ -31,6 +32,10 @@ SLOWEST_B_S = 20_000_000  # libraries that need longer are caught in a loop
 BUFFERS_B = 50_000_000  # address space of the buffers of a library
 Getter = Callable[[str], Any]
 NOT_A_SCAN = "it is not a scan: "
+
+
+LONGEST_M = 2.0  # between points on skin or on a gel
+LOWEST_Hz = 150.0  # vibrations that are felt have some 100 Hz; scans of more than 150 kHz whose times are in ms are not found
 
 
 def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
@@ -55,9 +60,15 @@ def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
         raise BadScan("the times are not uniformly spaced in ascending order")
     if np.max(np.abs(np.concatenate((scan.x_m, scan.y_m)))) > 10.0:
         raise BadScan("a point is more than 10 m from the origin; coordinates must be in metres")
+    if max(np.ptp(scan.x_m), np.ptp(scan.y_m)) > LONGEST_M:
+        raise BadScan(f"its points are {max(np.ptp(scan.x_m), np.ptp(scan.y_m)):.4g} m apart; coordinates must be in metres")
+    if scan.rate_Hz < LOWEST_Hz:
+        raise BadScan(f"its sampling rate is {scan.rate_Hz:.4g} Hz, which resolves no vibration; times must be in seconds")
     with np.errstate(invalid="ignore"):
         if np.nanmax(np.abs(velocity), initial=0.0) > 1000.0:
             raise BadScan("a velocity exceeds 1000 m/s; velocities must be in m/s")
+    if abs(scan.direction[2]) < 0.1 * np.linalg.norm(scan.direction):
+        raise BadScan("the line of sight is nearly parallel to the surface, so it contains no displacement along z")
     if scan.direction[2] < 0.0:
         scan.notes.append(f"positive velocities point out of the skin (direction_z = {scan.direction[2]:.6g}); they are negated")
     return scan.along_z()
@@ -168,6 +179,15 @@ def settings(given: dict[str, Any], one: Callable[[Any, str], float], notes: lis
             "states_direction": any(name in given for name in SETTINGS[1:])}
 
 
+def check_unit(name: str, value: Any) -> None:
+    """Rejects a stated unit that is not one of SI: it would be ignored."""
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    unit = plain_unit(text)
+    if re.search(r"(?<![a-z])units?(?![a-z])", name.lower()) and (unit in LENGTHS or unit in TIMES or "/" in unit) \
+            and unit not in ("m", "s", "m/s"):
+        raise BadScan(f"{name} is \"{text.strip()[:20]}\", but values are read in m, s and m/s; convert them and remove it")
+
+
 KNOWN = ("time", "t", "x", "y", "velocity", "v", "quality", "point", *DELAYS, *SETTINGS)
 
 
@@ -207,6 +227,9 @@ def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: b
 
     given = {name: get(name) for name in names if name in DELAYS or name in SETTINGS}
     others = {name: None for name in names if name not in given}
+    for name in others:
+        if name.lower().endswith(("unit", "units")) and (stated := np.asarray(get(name))).size == 1:
+            check_unit(name, stated.item())
     if unread := [name for name in others if name not in KNOWN and not name.startswith("__")]:
         notes.append(f"without effect: {', '.join(unread)[:120]}")
     return Scan(time, x, y, np.ascontiguousarray(velocity), None if quality is None else numbers(quality, "quality").ravel(),
@@ -363,6 +386,7 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     """A line "name = number" or "name: number" of a CSV file; other remarks are noted."""
     name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
     name = name.strip()
+    check_unit(name if is_pair else text, value if is_pair else text.rpartition(" ")[2])
     if not is_pair and text:
         name, _, value = text.replace("\t", " ").partition(" ")
         if name not in (*DELAYS, *SETTINGS):
