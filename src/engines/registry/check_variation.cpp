@@ -118,6 +118,13 @@ void check_map(const Case& c, std::vector<Remark>& remarks) {
             milli(map_x.low_m), milli(map_x.high_m), milli(map_y.low_m), milli(map_y.high_m),
             milli(map_z.low_m), milli(map_z.high_m));
     };
+    const Vec3 step_m = map.spacing_m;
+    if (step_m.x > 20.0 * half_x_m || step_m.y > 20.0 * half_y_m || step_m.z > 10.0 * z.high_m)
+        remarks.push_back({Severity::warning, "medium.map",
+                           fmt::format("its points are {:.4g}, {:.4g} and {:.4g} mm apart along x, "
+                                       "y and z, more than ten times the domain or the layers: are "
+                                       "its coordinates in m?",
+                                       milli(step_m.x), milli(step_m.y), milli(step_m.z))});
     if (!map_x.overlaps(x) || !map_y.overlaps(y) || !map_z.overlaps(z))
         remarks.push_back({Severity::error, "medium.map",
                            fmt::format("it covers {}, but no part of the domain, {:.4g} x {:.4g} "

@@ -121,13 +121,32 @@ std::vector<std::string> scales_of(hid_t dataset, std::size_t dimensions) {
 
 /// The factor from the unit of a dataset, such as "mm/s", to `unit`; 1 if it states none.
 double factor_of(hid_t dataset, const std::string& path, std::string_view unit) {
-    std::string text = "_" + text_of(dataset, "units");
-    for (const auto& [written, read] :
-         {std::pair{"\u00b5", "u"}, {"\u03bc", "u"}, {"/", "_"}, {" ", "_"}})
+    const std::string attribute = text_of(dataset, "units");
+    if (attribute.empty() || attribute == "1" || attribute == "none" || attribute == "SI")
+        return 1.0;
+    std::string text = "_" + attribute;
+    for (const auto& [written, read] : {std::pair{"\u00b5", "u"},
+                                        {"\u03bc", "u"},
+                                        {"/", "_"},
+                                        {" ", "_"},
+                                        {"*", "_"},
+                                        {"^", ""},
+                                        {"s-1", "s"},
+                                        {"m-3", "m3"},
+                                        {"meters", "m"},
+                                        {"metres", "m"},
+                                        {"meter", "m"},
+                                        {"metre", "m"},
+                                        {"seconds", "s"},
+                                        {"second", "s"}})
         for (std::size_t at = 0; (at = text.find(written)) != std::string::npos;)
             text.replace(at, std::strlen(written), read);
     const auto stated = unit_of("value" + text), expected = unit_of(fmt::format("value{}", unit));
-    if (!stated || !expected || stated->suffix != text) return 1.0;
+    if (!expected) return 1.0;
+    if (!stated || stated->suffix != text)
+        throw UsageError(fmt::format("{} has the units {:.40}, which cannot be read; convert it to "
+                                     "{}",
+                                     path, attribute, unit.substr(1)));
     if (stated->quantity != expected->quantity)
         throw UsageError(fmt::format("{} has the units {}, but must be a {}", path, text.substr(1),
                                      expected->quantity));

@@ -207,6 +207,9 @@ TEST_CASE("a map that does not cover the domain is reported", "[check_variation]
     c.scene().medium.map = map_over(30e-3, 90e-3);
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(has(only_remark(c).message, "no part of the domain"));
+    c.scene().medium.map = map_over(30.0); // mm
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(has(only_remark(c).message, "are its coordinates in m?"));
 }
 
 } // namespace test_check_variation

@@ -167,16 +167,26 @@ TEST_CASE("a map whose only possible order is (z, y, x) is read in it", "[map_fi
     CHECK(has(map.contents, "have the order (z, y, x), as h5write of MATLAB stores"));
 }
 
-TEST_CASE("a unit that a map states is used", "[map_file]") {
-    const test::TemporaryFolder folder;
-    Datasets in_mm = good();
-    in_mm["x_m"].values = {-1.0, 1.0};
-    write(folder / "map.h5", in_mm);
-    {
-        const h5::Id file = h5::open_file(folder / "map.h5", h5::Access::read_write);
-        h5::put_attribute(h5::open_dataset(file.raw(), "x_m").raw(), "units", std::string("mm"));
-    }
-    CHECK(storage::read_map_file(folder / "map.h5").origin_m.x == Approx(-1e-3));
+TEST_CASE("a unit that a map states is used, or rejected if it cannot be read", "[map_file]") {
+    const auto read = [](const std::string& name, const std::string& unit) {
+        const test::TemporaryFolder folder;
+        Datasets datasets = good();
+        datasets["x_m"].values = {-1.0, 1.0};
+        write(folder / "map.h5", datasets);
+        {
+            const h5::Id file = h5::open_file(folder / "map.h5", h5::Access::read_write);
+            h5::put_attribute(h5::open_dataset(file.raw(), name).raw(), "units", unit);
+        }
+        return storage::read_map_file(folder / "map.h5");
+    };
+    CHECK(read("x_m", "mm").origin_m.x == Approx(-1e-3));
+    for (const char* unit : {"m", "metres", "1", "", "SI"})
+        CHECK(read("x_m", unit).origin_m.x == -1.0);
+    for (const char* unit : {"m s-1", "m/s", "m s^-1", "m*s-1"})
+        CHECK(read("c_s_m_s", unit).c_s_m_s == good()["c_s_m_s"].values);
+    CHECK_THROWS_WITH(read("x_m", "inch"),
+                      Catch::Contains("has the units inch, which cannot be read; convert it to m"));
+    CHECK_THROWS_WITH(read("c_s_m_s", "ft/s"), Catch::Contains("which cannot be read"));
 }
 
 TEST_CASE("the content of the file matters, not its name", "[map_file]") {
