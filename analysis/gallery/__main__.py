@@ -29,6 +29,7 @@ WIDTHS_px, LIMIT_B = (900, 800, 700, 600), 150_000
 GALLERY = {
     "adaptive-gain": "adaptive",
     "am-on-force-or-pressure": "gain",
+    "best-circle": "optimise_mean",
     "best-modulation": "optimise_front",
     "best-motion": "optimise_front",
     "bone-under-palm": "surface",
@@ -84,7 +85,7 @@ BEST = {name: ("best-modulation", f"optimise_{figure}")
 BEST["motion"] = ("best-motion", "optimise_energy")
 PAGES = {"thesis": THESIS, "best-modulation": BEST}
 # Jobs that shearwake optimise runs, and those that only produce numbers.
-OPTIMISED = ("best-modulation", "best-motion")
+OPTIMISED = ("best-circle", "best-modulation", "best-motion")
 WITHOUT_PICTURE = ("bounds-am", "bounds-sm")
 
 # Jobs that take more than a few minutes are shortened as scripts/quickstart does it.

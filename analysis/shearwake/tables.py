@@ -58,6 +58,12 @@ class Optima:
         """The column that was maximised. Raises OSError and IndexError."""
         return (self.folder / "study.txt").read_text(encoding="utf-8").splitlines()[0].partition(" = ")[2]
 
+    @property
+    def uniformity(self) -> float:
+        """The required uniformity along the path; 0 without one. Raises OSError."""
+        lines = (self.folder / "study.txt").read_text(encoding="utf-8").splitlines()
+        return next((float(line.partition(" = ")[2]) for line in lines if line.startswith("uniformity = ")), 0.0)
+
     def optimum(self, case_id: str, strength: float) -> dict[str, Any]:
         """The optimum of a case at a strength, as in its JSON file. Raises OSError and ValueError."""
         return self._json(f"{case_id}.strength-{strength:g}.json")

@@ -14,9 +14,10 @@ from ..case import Case
 from . import fig_surface, hover, style
 from .figure import Figure
 from .load import Selection, mean_square
-from .optima import along_path, by_case, compared, is_study, middle, optima, swept, title_of
+from .optima import along_path, by_case, compared, is_study, middle, optima, swept, title_of, words
 from .words import number
 
+LEAST = 0.1  # of the largest rms: what the time-averaged surfaces show
 CASES = 6  # largest number of optimised cases with panels of their own
 KINDS = (("optimum", "optimum"), ("AM-STM", "am"), ("SM-STM", "sm"))
 NAMES = {"eta_period_1": "efficiency η (1)"}
@@ -36,7 +37,7 @@ def panels(count: int, height: float, **more: Any) -> tuple[Any, list[Axes]]:
 
 def draw_front(selection: Selection, axes: Axes, rows: list[dict[str, Any]]) -> None:
     axes.plot([r["strength_at_least_1"] for r in rows], [r["eta_ceiling_1"] for r in rows], color=style.INK,
-              linestyle="--", label="upper bound")
+              linestyle="--", label="upper bound", marker="_" if len(rows) == 1 else "", markersize=14, clip_on=False)
     for label, name in KINDS:
         points = sorted({(r[f"strength_{name}_1"], r[f"eta_{name}_1"]) for r in rows if r[f"eta_{name}_1"] > 0})
         if points:
@@ -64,13 +65,13 @@ def front(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
     made[0].set_ylim(bottom=0.0)  # of all panels
     finish(figure, made, "strength (1)", NAMES.get(optima(selection).maximised, optima(selection).maximised))
     style.save(figure, folder / "optimise_front.png")
-    return Figure("optimise_front", f"The largest {optima(selection).maximised} for a given strength",
+    return Figure("optimise_front", f"The largest {words(optima(selection).maximised)} for a given strength",
                   "The best envelope that was found for each strength, and the best AM-STM and the best of the SM-STM that were "
                   "tried, of at least the same strength. The strength is the rms over the focal disc relative to the load without "
                   "modulation. The dashed line is an upper bound for all envelopes from 0 to 1 that are linear between the knots, "
                   "with the motion of the optimum; it does not apply to SM-STM, which is another motion. "
                   "scripts/verify_certificate.py verifies it.",
-                  f"{optima(selection).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
+                  f"{words(optima(selection).maximised)} against strength for the optimum, its upper bound and common modulations", cases=[])
 
 
 def envelope(selection: Selection, case: str, strength: float) -> tuple[np.ndarray, list[float]]:
@@ -160,6 +161,14 @@ def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], pla
                    "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
 
 
+def moving_part(maps: list[Any], least_um: float) -> tuple[float, float, float, float]:
+    """The rectangle in mm (from x, to x, from y, to y) in which the rms of any map reaches this value."""
+    found = [1e3 * nodes[np.flatnonzero((1e6 * np.sqrt(squared) >= least_um).any(axis=1 - axis))]
+             for x, y, squared, _ in maps for axis, nodes in enumerate((x, y))]
+    along_x, along_y = (np.concatenate(found[axis::2]) for axis in (0, 1))
+    return float(along_x.min()), float(along_x.max()), float(along_y.min()), float(along_y.max())
+
+
 def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
     """The time-averaged surfaces without modulation and of the optimum, and the rms along the path."""
     shown = []
@@ -172,8 +181,8 @@ def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
         return []
     rms = [1e6 * np.sqrt(m[2]) for _, pair in shown for _, _, m in pair]
     end = max(float(np.nanmax(u)) for u in rms)
-    x, y, _, _ = shown[0][1][0][2]
-    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * np.ptp(y) / np.ptp(x)
+    limits = moving_part([m for _, pair in shown for _, _, m in pair], LEAST * end)
+    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])
     figure, made = plt.subplots(len(shown), 2, figsize=(style.WIDTH_in, height * len(shown) + 0.6), squeeze=False, sharex=True,
                                 sharey=True, layout="constrained")
     for (rows, pair), line in zip(shown, made):
@@ -187,6 +196,8 @@ def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
             axes.set_title(title + (f", uniformity {number(along.uniformity, 2)}" if along else ""), loc="left", color="#555555",
                            fontsize=9)
             axes.grid(False)
+            axes.set_xlim(limits[:2])
+            axes.set_ylim(limits[2:])
             hover.attach(axes, 1e6 * np.sqrt(squared).T, (1e3 * x[0], 1e3 * x[-1]), (1e3 * y[0], 1e3 * y[-1]), "rms of u", "x (mm)",
                          "y (mm)", "µm", title=name)
         line[0].set_ylabel("y (mm)")

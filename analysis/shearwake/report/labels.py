@@ -58,7 +58,6 @@ def displayed_key(selection: Selection, key: str) -> str:
     return key
 
 
-@remembered
 def name(selection: Selection, key: str) -> str:
     """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
     and SM frequencies that are swept together have a common name, since a case has only one of them."""

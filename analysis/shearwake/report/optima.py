@@ -109,6 +109,8 @@ def sentence(selection: Selection) -> str:
     best = row["eta_optimum_1"]
     where = f"{title_of(selection, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
         f"strength {number(row['strength_at_least_1'], 3)}")
+    if least := optima(selection).uniformity:
+        where += f", uniformity at least {number(least, 3)}"
     others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
               + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
               for text, name, modulation in (("the load without modulation", "unmodulated", "unmodulated"),
@@ -116,9 +118,10 @@ def sentence(selection: Selection) -> str:
               if row[f"eta_{name}_1"] > 0 and modulation not in wrong]
     gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(selection).rows]
     name = words(optima(selection).maximised)
+    exceeds = (f"It exceeds the optimum by {number(gaps[0], 2)} %." if len(gaps) == 1 else
+               f"In all {len(gaps)} optima, the bound exceeds the optimum by {number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
     return (f"The {name} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
-            f"its path is {number(row['eta_ceiling_1'], 3)}. In all {len(gaps)} optima, the bound exceeds the optimum by "
-            f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
+            f"its path is {number(row['eta_ceiling_1'], 3)}. {exceeds}")
 
 
 @dataclass
@@ -168,12 +171,12 @@ def results(selection: Selection) -> str:
     exported = any("eta_exported_1" in row for row in optima(selection).rows)
     names += ["exported", "its strength"] if exported else []
     uniform = [(text, f"uniformity_{name}_1") for text, name in COMPARED] + [("exported", "uniformity_exported_1")] * exported
-    names += [f"uniformity: {text}" for text, _ in uniform]
     rows = [[title_of(selection, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
              r["eta_ceiling_1"], r["ceiling_over_optimum_1"],
-             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ()),
-             *(r.get(column, math.nan) for _, column in uniform)] for r in optima(selection).rows]
-    return table(names, rows)
+             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ())] for r in optima(selection).rows]
+    along = [[title_of(selection, r), r["strength_at_least_1"], *(r.get(column, math.nan) for _, column in uniform)]
+             for r in optima(selection).rows]
+    return table(names, rows) + "<h3>Uniformity along the path</h3>" + table([*names[:2], *(text for text, _ in uniform)], along)
 
 
 def robustness(selection: Selection) -> str:
@@ -214,7 +217,7 @@ def certificates(selection: Selection) -> str:
 def section(selection: Selection) -> str:
     """The tables of the page."""
     note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
-            f"another name are {html.escape(optima(selection).maximised)}. The optimum is the best of a local search from several starts. The upper bound "
+            f"another name are the {html.escape(words(optima(selection).maximised))}. The optimum is the best of a local search from several starts. The upper bound "
             "is a proof for all envelopes from 0 to 1 that are linear between the knots, on the same path and at the same "
             "speed as the optimum. The uniformity is the smallest rms over time along the path relative to its mean: an optimum "
             "with a small uniformity leaves gaps in the drawn shape.</p>")

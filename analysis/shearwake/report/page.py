@@ -77,13 +77,16 @@ def warning_list(selection: Selection, state: str = "") -> str:
     return folded("warnings", "Warnings", count, f'<ol class="warning">{items}</ol>', state) if items else ""
 
 
-def badge(found: list[warnings_of.Kind], shown: int) -> str:
-    """A line with the warnings of those cases that a figure shows, with links to the list."""
-    if not found:
+def badge(found: list[warnings_of.Kind], shown: int, stated: set[int]) -> str:
+    """A line with the warnings of those cases that a figure shows, with links to the list: what is not valid at each figure, other
+    warnings at the first figure that they concern. `stated`: the numbers of these, to which those of the line are added."""
+    new = [kind for kind in found if kind.is_error or kind.number not in stated]
+    stated |= {kind.number for kind in new}
+    if not new:
         return ""
-    links = [f'<a href="#warning-{kind.number}" title="{escape(kind.message)}">{escape(kind.name())}</a>'
-             + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in found]
-    return f'<p class="badge">{"Warning" if len(found) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
+    links = [f'<a href="#warning-{kind.number}"' + (f' title="{escape(kind.message)}"' if kind.is_error else "")
+             + f">{escape(kind.name())}</a>" + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in new]
+    return f'<p class="badge">{"Warning" if len(new) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
 
 
 def small_picture(path: Path, reduction: int = 1) -> str:
@@ -100,7 +103,7 @@ def json_script(data: list[dict[str, Any]]) -> str:
     return f'<script type="application/json">{text}</script>'
 
 
-def picture(figure: Figure, folder: Path, level: str) -> str:
+def picture(figure: Figure, folder: Path, level: str, stated: set[int]) -> str:
     """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
     are pictures of half the resolution."""
     name = escape(figure.name)
@@ -115,7 +118,7 @@ def picture(figure: Figure, folder: Path, level: str) -> str:
         shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
                  f"<noscript>{still}</noscript>")
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
-            f"{badge(figure.warnings, len(figure.cases or []))}<figcaption>{escape(figure.caption)}</figcaption>"
+            f"{badge(figure.warnings, len(figure.cases or []), stated)}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
             f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
 
@@ -191,14 +194,15 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
           moving: str) -> list[tuple[str, str, str, list[Any]]]:
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made: list[Any] = []
+    stated: set[int] = set()  # warnings
     receptors_first = bool(layout.receptor_classes(selection)) and not valid(selection, "eta_period_1")
     if moving:
         shown = [c.id for c in player.cases_of(selection)]
-        notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown))
+        notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown), stated)
         plane = layout.plane_name(player.cases_of(selection))
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
-    made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures, receptors_first)]
+    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in headlines(figures, receptors_first)]
     if optima.is_study(selection):
         made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
@@ -207,7 +211,7 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
     if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))
     for title, members in topics(figures, receptors_first):
-        inner = "".join(picture(f, folder, "h3") for f in members)
+        inner = "".join(picture(f, folder, "h3", stated) for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
     made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(selection, figures)}', []))
