@@ -57,12 +57,13 @@ engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {
 
 std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const SpectralPlan& plan = plan_of(given);
-    const auto& [c, time, mesh] = plan;
+    const auto& [c, time, mesh, rigid] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
     auto notes = discretisation_notes(time, mesh, probed_errors(c, options, time.step_s));
     for (const auto& more :
          {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
+    if (!rigid.why.empty()) notes.push_back(rigid.why);
     if (const VariationPlan varying = plan.variation(variation_of(plan), 1); varying.points > 0.0)
         notes.push_back(varying.note());
     return notes;
@@ -91,7 +92,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
                          engines::Checkpoints* checkpoints) {
     const auto began = Clock::now();
     const SpectralPlan plan = plan_of(given); // a copy, since an observer may ask for other plans
-    const auto& [c, time, mesh] = plan;
+    const auto& [c, time, mesh, rigid] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
     const ProbedErrors errors = probed_errors(c, options, time.step_s); // its memory is released
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team, fft::Planning::measured);
@@ -104,6 +105,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     auto notes = discretisation_notes(time, mesh, errors);
     for (const auto& more : {edge_notes(c), body_notes(given)})
         notes.insert(notes.end(), more.begin(), more.end());
+    if (!rigid.why.empty()) notes.push_back(rigid.why);
     engines::SolverReport report = report_of(field.stepper(), std::move(notes));
     report.warnings = accuracy_warnings(c, errors);
     field.finish(observer);

@@ -4,7 +4,6 @@
 #include "base/block.hpp"
 #include "base/text.hpp"
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
@@ -142,7 +141,8 @@ std::string VariationPlan::note() const {
 
 SpectralPlan::SpectralPlan(const Case& given)
     : c(with_rigid_bodies(given)), time(choose_time_step(c, std::get<SpectralOptions>(c.solver))),
-      mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)) {}
+      mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)), rigid(rigid_plan(c)) {
+}
 
 SampledVariation SpectralPlan::sampled_variation() const {
     const Case layers = without_rigid_bodies(c);
@@ -213,7 +213,7 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
 engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int ranks) const {
     const Case layers = without_rigid_bodies(c);
     const VariationPlan v = variation(sampled, ranks);
-    const bool varies = !section_bodies(c).empty() || !lump_bodies(c).empty() || v.points > 0.0;
+    const bool varies = rigid.treatment != RigidTreatment::none || v.points > 0.0;
     const SpongePlan sponge =
         sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
     engines::Resources all;

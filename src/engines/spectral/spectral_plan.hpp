@@ -3,6 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "engines/march.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/lateral/box_response.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
@@ -46,11 +47,13 @@ struct SpectralPlan {
     explicit SpectralPlan(const Case& given);
     /// A plan with a given mesh and step.
     SpectralPlan(Case planned, DepthMesh depth, TimeStep step)
-        : c(std::move(planned)), time(std::move(step)), mesh(std::move(depth)) {}
+        : c(std::move(planned)), time(std::move(step)), mesh(std::move(depth)),
+          rigid(rigid_plan(c)) {}
 
     Case c; // with its rigid bodies
     TimeStep time;
     DepthMesh mesh;
+    RigidPlan rigid;
 
     /// Equal for plans whose sampled_variation() is equal.
     std::string key_of_variation() const;

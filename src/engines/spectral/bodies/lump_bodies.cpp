@@ -197,7 +197,7 @@ std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& m
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
                                                const Comm& team, StepClock& clock) {
-    if (!lump_bodies(c).empty())
+    if (rigid_plan(c).treatment == RigidTreatment::lumps)
         return std::make_unique<LumpBodies>(c, mesh, slabs, vectors, step_s, team, clock);
     return std::make_unique<EndlessBodies>(c, mesh, vectors, step_s, team);
 }

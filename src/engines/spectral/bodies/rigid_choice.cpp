@@ -201,16 +201,27 @@ std::vector<Body> rigid_bodies(const Case& c) {
     return rigid;
 }
 
+RigidPlan rigid_plan(const Case& c) {
+    const std::vector<Body> moving = moving_bodies(c);
+    if (moving.empty()) return {};
+    if (decouples(moving, c.domain))
+        return {
+            RigidTreatment::endless,
+            fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
+                        "of them cross the domain along it",
+                        endless_along(moving.front(), c.domain) == Endless::along_x ? "x" : "y")};
+    return {RigidTreatment::lumps, "the rigid bodies have one system for all markers, because not "
+                                   "all of them cross the domain along the same axis"};
+}
+
 std::vector<Body> section_bodies(const Case& c) {
-    std::vector<Body> bodies = moving_bodies(c);
-    if (!decouples(bodies, c.domain)) bodies.clear();
-    return bodies;
+    return rigid_plan(c).treatment == RigidTreatment::endless ? moving_bodies(c)
+                                                              : std::vector<Body>{};
 }
 
 std::vector<Body> lump_bodies(const Case& c) {
-    std::vector<Body> bodies = moving_bodies(c);
-    if (decouples(bodies, c.domain)) bodies.clear();
-    return bodies;
+    return rigid_plan(c).treatment == RigidTreatment::lumps ? moving_bodies(c)
+                                                            : std::vector<Body>{};
 }
 
 Case without_rigid_bodies(Case c) {

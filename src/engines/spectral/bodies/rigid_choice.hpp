@@ -39,9 +39,17 @@ std::vector<Body> rigid_bodies(const Case& c);
 bool is_below_rigid_layer(const Body& body, const Medium& medium, const Domain& domain);
 /// Whether a rigid body is neither a complete layer nor below one. Not collective.
 bool has_markers(const Body& body, const Medium& medium, const Domain& domain);
-/// The rigid bodies with markers: the first list contains them if all cross the domain
-/// along the same axis, so that each wavenumber along it is constrained by itself, the second one
-/// otherwise. Not collective.
+/// How the rigid bodies with markers are constrained: as endless ones if all cross the domain along
+/// the same axis, so that each wavenumber along it has a system of its own, and otherwise as lumps,
+/// with one system for all.
+enum class RigidTreatment { none, endless, lumps };
+struct RigidPlan {
+    RigidTreatment treatment = RigidTreatment::none;
+    std::string why; // one line; empty without such bodies
+};
+/// Not collective.
+RigidPlan rigid_plan(const Case& c);
+/// The rigid bodies with markers, if they are treated in this way. Not collective.
 std::vector<Body> section_bodies(const Case& c);
 std::vector<Body> lump_bodies(const Case& c);
 /// The case without its rigid bodies: the material in their place is that of the surroundings, and
