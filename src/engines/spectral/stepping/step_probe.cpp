@@ -92,43 +92,6 @@ double extrapolated(const Deviation& half, const Deviation& whole, double ratio)
     return whole.relative() * std::pow(ratio, power);
 }
 
-} // namespace
-
-double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
-    const Case few = with_few_wave_vectors(c, probed_rows);
-    fft::SlabShare share;
-    share.ky_count = probed_rows; // without the Nyquist mode
-    const WaveVectors vectors(few.domain, share);
-    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
-    Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
-    const PencilKernels& kernels = simd::kernels<PencilKernels>();
-    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
-    const long steps = std::lround(probed_s / step_s);
-    Deviation sums, half_sums;
-    for (long n = 0; n < steps; ++n) {
-        whole.advance();
-        half.advance();
-        half.advance();
-        for (std::ptrdiff_t row = 0; row < probed_rows; ++row) {
-            Counted counted = vectors.counted(row, 0);
-            // The mean over the surface is pure compression, which no step resolves and which
-            // hardly contributes to a complete field.
-            if (row == 0)
-                for (Block& part : counted.part)
-                    part[0] = 0.0;
-            Block apart[parts];
-            kernels.difference(parts, 1.0, whole.surface(row), half.surface(row), apart);
-            sums.difference += sum_of(kernels.product(parts, apart, apart, counted.part));
-            sums.all +=
-                sum_of(kernels.product(parts, half.surface(row), half.surface(row), counted.part));
-        }
-        if (n + 1 == steps / 2) half_sums = sums;
-    }
-    return extrapolated(half_sums, sums, c.time.duration_s() / probed_s);
-}
-
-namespace {
-
 /// The part of the cell of a sample of |kx| or |ky| that lies above a limit.
 double share_above(double limit_rad_m, double sample_rad_m, double spacing_rad_m) {
     const double from = std::max(sample_rad_m - 0.5 * spacing_rad_m, 0.0);
@@ -189,8 +152,8 @@ Counts counts_of(const WaveVectors& vectors) {
     return all;
 }
 
-/// Without the mean over the surface, which is pure compression, and of which each sample of the
-/// few would represent too much.
+/// Without the mean over the surface, which is pure compression, which no step resolves, and of
+/// which each sample of the few would represent too much.
 Counts without_mean(Counts all) {
     for (Block& part : all[0].part)
         part[0] = 0.0;
@@ -273,6 +236,26 @@ struct Series {
 };
 
 } // namespace
+
+double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
+    const Case few = with_few_wave_vectors(c, probed_rows);
+    const WaveVectors vectors = few_vectors(few.domain);
+    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
+    Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
+    const Waves waves{vectors, {}, without_mean(counts_of(vectors))};
+    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
+    const long steps = std::lround(probed_s / step_s);
+    Deviation sums, half_sums;
+    for (long n = 0; n < steps; ++n) {
+        whole.advance();
+        half.advance();
+        half.advance();
+        sums.difference += size_of(whole, &half, waves, {}).square;
+        sums.all += size_of(half, nullptr, waves, {}).square;
+        if (n + 1 == steps / 2) half_sums = sums;
+    }
+    return extrapolated(half_sums, sums, c.time.duration_s() / probed_s);
+}
 
 ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double step_s) {
     const DepthMesh mesh = choose_mesh(c, options, step_s), finer_mesh = with_halved_elements(mesh),
