@@ -32,6 +32,13 @@ BlockInverse::BlockInverse(std::size_t size, const Comm& team)
 
 BlockInverse::~BlockInverse() = default;
 
+double BlockInverse::memory_B() const {
+    double values = 0.0;
+    for (const Matrix& block : blocks_->mine)
+        values += static_cast<double>(block.size());
+    return values * sizeof(double);
+}
+
 std::size_t BlockInverse::first(std::size_t block) const {
     return std::min(block * width, size_);
 }

@@ -16,6 +16,7 @@ public:
     ~BlockInverse();
 
     std::size_t size() const { return size_; }
+    double memory_B() const; // of this rank
     /// Whether a column belongs to this rank, and the values of one that does. Not collective.
     bool is_mine(std::size_t column) const;
     double* column(std::size_t index);

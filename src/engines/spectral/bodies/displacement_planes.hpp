@@ -25,6 +25,7 @@ public:
     std::size_t first(std::size_t depth) const { return points_[depth].first * components; }
     std::size_t cells(std::size_t depth) const { return points_[depth].cells; }
     std::size_t size() const;
+    double memory_B() const { return planes_->memory_B(); }
 
     /// Between get() and end_row() of all rows: writes the displacement of a pencil. Not
     /// collective.

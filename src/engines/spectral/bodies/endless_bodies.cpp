@@ -178,6 +178,15 @@ std::vector<double> EndlessBodies::gathered(const std::vector<double>& step_forc
     return team().all_gather(std::span<const double>(step_forces));
 }
 
+engines::Array EndlessBodies::array() const {
+    const std::size_t unknowns = systems_.unknowns();
+    return {"endless rigid bodies",
+            static_cast<double>((systems_.mine().size() * unknowns * unknowns + rows_.size()) *
+                                    sizeof(double) +
+                                blocks_.size() * sizeof(Block)) +
+                markers_.memory_B()};
+}
+
 std::vector<RigidMotion> EndlessBodies::motions() const {
     std::vector<RigidMotion> all;
     for (std::size_t i = 0; i < bodies().size(); ++i) {

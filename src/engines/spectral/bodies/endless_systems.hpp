@@ -36,6 +36,7 @@ public:
     const std::vector<Marker>& all() const { return markers_; }
     std::ptrdiff_t count() const { return std::ssize(markers_); }
     bool along_x() const { return along_x_; }
+    double memory_B() const { return static_cast<double>(phases_.size() * sizeof(Block)); }
     /// Extent of the domain across and along the axis.
     double across_extent_m() const { return across_extent_m_; }
     double along_extent_m() const { return along_extent_m_; }

@@ -46,6 +46,9 @@ public:
     void end_row(std::ptrdiff_t row) override { planes_->end_row(row); }
     void begin_forces(std::ptrdiff_t row) override { planes_->begin_row(row); }
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
+    engines::Array array() const override {
+        return {"rigid lumps", inverse_.memory_B() + planes_->memory_B()};
+    }
     std::vector<RigidMotion> motions() const override;
 
     Kind kind() const override { return this; }

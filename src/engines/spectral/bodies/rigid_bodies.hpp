@@ -4,6 +4,7 @@
 #include "base/block.hpp"
 #include "base/vectors.hpp"
 #include "engines/checkpoint.hpp"
+#include "engines/engine.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "parallel/comm.hpp"
 #include "parallel/state.hpp"
@@ -62,6 +63,8 @@ public:
     virtual void end_row(std::ptrdiff_t row) = 0;
     virtual void begin_forces(std::ptrdiff_t row) = 0;
     virtual void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) = 0;
+    /// What this rank has allocated, under its name in SpectralPlan::resources().
+    virtual engines::Array array() const = 0;
     /// The displacements of all bodies, for output.
     virtual std::vector<RigidMotion> motions() const = 0;
 

@@ -54,6 +54,10 @@ public:
     using Respond = std::function<void(std::ptrdiff_t plane, StrainPlanes& planes)>;
     void assemble(const Respond& respond);
 
+    double memory_B() const {
+        return static_cast<double>(matrices_.size() * sizeof(float)) + planes_.memory_B();
+    }
+
     /// Whether products use the matrices to full precision, or rounded to 24 bits, which takes half
     /// as long.
     enum class Precision { full, rounded };

@@ -48,6 +48,10 @@ public:
     /// rounding errors of double precision. Collective.
     Outcome solve(Values& residual, double reference, double tolerance, const Responses& respond);
 
+    /// Numbers of all arrays.
+    std::size_t values() const {
+        return given_.size() + strain_.size() + direction_.size() + stress_.size() + image_.size();
+    }
     const Values& strain() const { return strain_; } // e
     /// S e.
     const Values& stress();

@@ -40,6 +40,7 @@ public:
         s_.planes.get(s_.predicted.strain);
         s_.predicted.valid = true;
     }
+    std::vector<engines::Array> arrays() const override { return s_.arrays(); }
     void save(StateWriter& state) const override { s_.save_displacement(state); }
     void restore(const StateReader& state) override {
         s_.restore_displacement(state);
@@ -85,6 +86,11 @@ public:
         s_.planes.set(s_.stress);
         complete_and_predict();
         iteration_.advance_strains();
+    }
+    std::vector<engines::Array> arrays() const override {
+        std::vector<engines::Array> all = iteration_.arrays();
+        all.push_back({"box of elastic bodies", box_.memory_B()});
+        return all;
     }
     void save(StateWriter& state) const override { iteration_.save(state); }
     void restore(const StateReader& state) override { iteration_.restore(state); }

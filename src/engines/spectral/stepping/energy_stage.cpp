@@ -22,6 +22,7 @@ public:
             s_.reference = std::max(s_.kinetic.of(s_.team), std::abs(s_.work.of(s_.team)));
         s_.clock.lap(Phase::rest);
     }
+    std::vector<engines::Array> arrays() const override { return {}; } // a number per ky
     void save(StateWriter& state) const override { s_.watch.save(state); }
     void restore(const StateReader& state) override { s_.watch.restore(state); }
 };

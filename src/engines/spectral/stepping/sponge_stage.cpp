@@ -91,6 +91,9 @@ public:
         if (s_.sponge_acts_at(s_.step)) damp();
         s_.clock.lap(Phase::sponge);
     }
+    std::vector<engines::Array> arrays() const override {
+        return {{"sponge", static_cast<double>(planes_.size() * sizeof(double))}};
+    }
     // Whether it acts follows from the step.
     void save(StateWriter& /*state*/) const override {}
     void restore(const StateReader& /*state*/) override {}

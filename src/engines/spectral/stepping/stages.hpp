@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/engine.hpp"
 #include "engines/spectral/lateral/box_response.hpp"
 #include "engines/spectral/lateral/strain_solver.hpp"
 #include "engines/spectral/stepping/step_state.hpp"
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace shearwake::spectral {
 
@@ -22,6 +24,9 @@ public:
 
     /// Throws CaseFailure or FieldDiverges on all ranks together. Collective.
     virtual void advance() = 0;
+    /// What this rank has allocated for the stage, under the names of SpectralPlan::resources().
+    /// Not collective.
+    virtual std::vector<engines::Array> arrays() const = 0;
     /// Save and restore what the stage carries from step to step. Collective.
     virtual void save(StateWriter& state) const = 0;
     virtual void restore(const StateReader& state) = 0;
@@ -77,6 +82,7 @@ public:
     /// Replaces the previous strain by the next one. Not collective.
     void advance_strains();
 
+    std::vector<engines::Array> arrays() const;
     void save(StateWriter& state) const;
     void restore(const StateReader& state);
 

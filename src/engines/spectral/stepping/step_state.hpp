@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/energy_watch.hpp"
+#include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
@@ -43,6 +44,8 @@ public:
     /// together. Collective.
     StepState(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
               const Comm& team);
+    StepState(const StepState&) = delete;
+    StepState& operator=(const StepState&) = delete;
 
     // Constant.
     const Case& c;
@@ -131,6 +134,8 @@ public:
     using Reaction = std::function<void(const Pencil&, const Block* displacement)>;
     void each_reaction(const Reaction& use);
 
+    /// The factors and u, and what a step predicts. Not collective.
+    std::vector<engines::Array> arrays() const;
     /// Save and restore u. Collective.
     void save_displacement(StateWriter& state) const;
     void restore_displacement(const StateReader& state);

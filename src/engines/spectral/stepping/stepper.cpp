@@ -36,6 +36,14 @@ void Stepper::advance() {
     state_.end_step();
 }
 
+std::vector<engines::Array> Stepper::arrays() const {
+    std::vector<engines::Array> all;
+    for (const auto& stage : stages_)
+        for (engines::Array& array : stage->arrays())
+            all.push_back(std::move(array));
+    return all;
+}
+
 void Stepper::save(StateWriter& state) const {
     state.put("step", static_cast<double>(state_.step));
     for (const auto& stage : stages_)

@@ -45,6 +45,9 @@ public:
     void save(StateWriter& state) const;
     void restore(const StateReader& state);
 
+    /// The arrays of all stages on this rank. Not collective.
+    std::vector<engines::Array> arrays() const;
+
     EnergyBalance energy() { return energy_of(state_); }
 
     /// u_z [m] at a depth as rows of the transposed spectrum, in the layout of SlabTransform. Not

@@ -25,6 +25,7 @@ public:
         if (iteration_.solve({.full = response, .rounded = {}}) > 0) displace(iteration_.stress());
         iteration_.advance_strains();
     }
+    std::vector<engines::Array> arrays() const override { return iteration_.arrays(); }
     void save(StateWriter& state) const override { iteration_.save(state); }
     void restore(const StateReader& state) override { iteration_.restore(state); }
 
@@ -106,6 +107,18 @@ void StrainIteration::advance_strains() {
                      s_.strain_before.data());
     std::swap(s_.strain, s_.strain_before);
     s_.clock.lap(Phase::products, s_.value_bytes(4.0));
+}
+
+std::vector<engines::Array> StrainIteration::arrays() const {
+    const LateralVariation& v = s_.field.variation();
+    std::size_t values = v.lambda.size() + v.mu.size() + v.viscosity.size() +
+                         v.implicit_lambda.size() + v.implicit_mu.size() + v.implicit_mass.size();
+    for (const StepState::Values* each :
+         {&s_.strain, &s_.strain_before, &s_.stress, &s_.change, &s_.predicted.strain})
+        values += each->size();
+    if (solver_) values += solver_->values();
+    return {{"planes of strain", s_.planes.memory_B()},
+            {"strain and moduli of cells", static_cast<double>(values * sizeof(double))}};
 }
 
 void StrainIteration::save(StateWriter& state) const {

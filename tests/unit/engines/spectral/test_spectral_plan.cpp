@@ -83,6 +83,56 @@ TEST_CASE("iterations and the box are planned where the stepper uses them", "[sp
     CHECK(planned.box.has_value() == used.uses_box);
 }
 
+TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
+    Case c = body_case(GENERATE(1.0, 16.0));
+    std::vector<std::string> expected = {"factors", "displacement"};
+    SECTION("on planes") {}
+    SECTION("in a box") {
+        c.domain = {96, 72, 1e-3, 0.0};
+        c.time.frames = 100000;
+        if (!c.scene().medium.bodies.empty()) {
+            c.scene().medium.bodies[0].shape = Ellipsoid{{4e-3, 3e-3, 2e-3}};
+            expected.emplace_back("box of elastic bodies");
+        }
+    }
+    SECTION("with a sponge") {
+        c.domain.sponge_m = 6e-3;
+        expected.emplace_back("sponge");
+    }
+    SECTION("with a rigid cylinder") {
+        c.scene().medium.bodies = {{.name = "bone",
+                                    .shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 90.0},
+                                    .centre_m = {0.0, 0.0, 4e-3},
+                                    .density_kg_m3 = 1900.0,
+                                    .rigid = true}};
+        expected.emplace_back("endless rigid bodies");
+    }
+    SECTION("with a rigid lump") {
+        c.scene().medium.bodies = {{.name = "lump",
+                                    .shape = Ellipsoid{{5e-3, 4e-3, 2.5e-3}},
+                                    .centre_m = {0.0, 0.0, 4e-3},
+                                    .density_kg_m3 = 1900.0,
+                                    .rigid = true}};
+        expected.emplace_back("rigid lumps");
+    }
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
+    stepper.advance(); // the first iteration in a box allocates its right-hand side
+    std::vector<std::string> found;
+    for (const engines::Array& array : stepper.arrays()) {
+        if (array.bytes == 0.0) continue;
+        found.push_back(array.name);
+        double planned = 0.0;
+        for (const engines::Array& other : plan_of(c).resources(1).arrays)
+            if (other.name == array.name) planned = other.bytes;
+        INFO(array.name);
+        CHECK(planned == Approx(array.bytes).epsilon(0.1)); // what plan promises
+    }
+    for (const std::string& name : expected)
+        CHECK(std::count(found.begin(), found.end(), name) == 1);
+}
+
 TEST_CASE("the kind of work distinguishes what makes steps longer", "[spectral]") {
     const auto work = [](const Case& c) { return plan_of(c).work(); };
     const Case none = body_case(1.0), stiff = body_case(16.0);
