@@ -14,14 +14,11 @@ void add_converge(CLI::App& app, Action& action) {
     command.add_option("--out", arguments.out,
                        "output folder of the sweep (default: out/<job name>); the study is in "
                        "its subfolder converge");
-    command.add_option("--only", arguments.only, "study these cases, by id")
-        ->type_name("ID[,ID]")
+    add_value(command, "--only", arguments.only, "ID[,ID]", "study these cases, by id")
         ->delimiter(',');
-    command
-        .add_option("--cases", arguments.cases,
-                    "without --only: study N cases, from the first to the last (default 3), and "
-                    "their references")
-        ->type_name("N")
+    add_value(command, "--cases", arguments.cases, "N",
+              "without --only: study N cases, from the first to the last (default 3), and "
+              "their references")
         ->check(CLI::Range(1, 1000000));
     add_study_options(command, arguments);
 }

@@ -58,14 +58,12 @@ void add_diff(CLI::App& app, Action& action) {
         .add_option("BASELINE", arguments.reference,
                     "reference to compare with: output folder, or table (CSV)")
         ->required();
-    command
-        .add_option("--tolerance", arguments.tolerances,
-                    "relative tolerance of a column (*: of all columns that are not named)")
-        ->type_name("COLUMN=REL")
+    add_value(command, "--tolerance", arguments.tolerances, "COLUMN=REL",
+              "relative tolerance of a column (*: of all columns that are not named)")
         ->allow_extra_args(false)
         ->take_all();
-    command.add_option("--tolerances", arguments.tolerance_file, "file with tolerances (TOML)")
-        ->type_name("FILE");
+    add_value(command, "--tolerances", arguments.tolerance_file, "FILE",
+              "file with tolerances (TOML)");
     add_json(command, arguments.json);
 }
 

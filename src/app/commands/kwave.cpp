@@ -10,14 +10,11 @@ void add_kwave(CLI::App& app, Action& action) {
         "run the elastic input file of k-Wave (pstdElastic3D with 'SaveToDisk') and write the "
         "output file of its compiled programs; exit code 1 for every error, as they have",
         kwave::run);
-    command
-        .add_option("-i", arguments.input,
-                    "input file: of k-Wave, or the study of scripts/import-kwave")
-        ->required()
-        ->type_name("FILE");
-    command.add_option("-o", arguments.output, "output file, which is replaced")
-        ->required()
-        ->type_name("FILE");
+    add_value(command, "-i", arguments.input, "FILE",
+              "input file: of k-Wave, or the study of scripts/import-kwave")
+        ->required();
+    add_value(command, "-o", arguments.output, "FILE", "output file, which is replaced")
+        ->required();
     for (const auto& [name, text] : std::initializer_list<std::pair<const char*, const char*>>{
              {"-p,--p_raw", "pressure at the sensor in every step (default)"},
              {"--p_max", "its maximum"},
@@ -46,8 +43,8 @@ void add_kwave(CLI::App& app, Action& action) {
         command.add_flag_callback(
             names, [&records = arguments.records, record] { records.insert(record); }, text);
     }
-    command.add_option("-s", arguments.first_step, "first step that is recorded (default 1)")
-        ->type_name("STEP")
+    add_value(command, "-s", arguments.first_step, "STEP",
+              "first step that is recorded (default 1)")
         ->check(CLI::Range(1L, 1L << 30));
     command.add_flag("--copy_sensor_mask", arguments.copies_sensor_mask,
                      "store the sensor mask in the output file");
@@ -59,45 +56,31 @@ void add_kwave(CLI::App& app, Action& action) {
         .add_option("--output_precision", arguments.output_precision,
                     "precision of the output file: single (default, as in k-Wave) or double")
         ->check(one_of({"single", "double"}));
-    command.add_option("-c", arguments.gzip_level, "gzip level of the output file (default 0)")
-        ->type_name("LEVEL")
+    add_value(command, "-c", arguments.gzip_level, "LEVEL",
+              "gzip level of the output file (default 0)")
         ->check(CLI::Range(0, 9));
-    command
-        .add_option("--benchmark", arguments.steps,
-                    "run only this number of steps, which is the Nt of the output")
-        ->type_name("N")
+    add_value(command, "--benchmark", arguments.steps, "N",
+              "run only this number of steps, which is the Nt of the output")
         ->check(CLI::Range(1L, 1L << 30));
-    command
-        .add_option("--checkpoint_file", arguments.checkpoint,
-                    "end at a checkpoint, which the same command resumes; removed at the end")
-        ->type_name("FILE");
-    command
-        .add_option("--checkpoint_interval", arguments.checkpoint_interval_s,
-                    "seconds until the checkpoint")
-        ->type_name("S")
+    add_value(command, "--checkpoint_file", arguments.checkpoint, "FILE",
+              "end at a checkpoint, which the same command resumes; removed at the end");
+    add_value(command, "--checkpoint_interval", arguments.checkpoint_interval_s, "S",
+              "seconds until the checkpoint")
         ->check(CLI::Range(1.0, 1e9));
-    command
-        .add_option("--checkpoint_timesteps", arguments.checkpoint_steps,
-                    "steps until the checkpoint")
-        ->type_name("N")
+    add_value(command, "--checkpoint_timesteps", arguments.checkpoint_steps, "N",
+              "steps until the checkpoint")
         ->check(CLI::Range(1L, 1L << 30));
-    command
-        .add_option("-r", arguments.progress_percent,
-                    "interval of progress lines in percent (default 5)")
-        ->type_name("PERCENT")
+    add_value(command, "-r", arguments.progress_percent, "PERCENT",
+              "interval of progress lines in percent (default 5)")
         ->check(CLI::Range(1, 100));
-    command
-        .add_option("--verbose", arguments.verbose,
-                    "what is printed: 0 basic (default), 1 records, 2 memory")
-        ->type_name("LEVEL")
+    add_value(command, "--verbose", arguments.verbose, "LEVEL",
+              "what is printed: 0 basic (default), 1 records, 2 memory")
         ->check(CLI::Range(0, 2));
-    command
-        .add_option("-t", arguments.threads,
-                    "ranks that kspaceFirstOrder-elastic starts; otherwise ignored with a note")
-        ->type_name("N")
+    add_value(command, "-t", arguments.threads, "N",
+              "ranks that kspaceFirstOrder-elastic starts; otherwise ignored with a note")
         ->check(CLI::Range(1, 1000000));
     command.set_version_flag("--version", full_version_text());
-    command.add_option("-g", arguments.gpu, "ignored with a note: number of a GPU")->type_name("N");
+    add_value(command, "-g", arguments.gpu, "N", "ignored with a note: number of a GPU");
 }
 
 } // namespace shearwake::app

@@ -51,31 +51,23 @@ void add_measure(CLI::App& app, Action& action) {
         app, action, "measure",
         "compute the table and the figures of a measured scan of the surface", measure_command);
     add_scan(command, "DATA", arguments.data);
-    command
-        .add_option("--options", arguments.job,
-                    "job with the load that was played, the grid, the times, and [vibrometer]")
-        ->type_name("JOB")
+    add_value(command, "--options", arguments.job, "JOB",
+              "job with the load that was played, the grid, the times, and [vibrometer]")
         ->required();
     add_scan_options(command, arguments);
-    command
-        .add_option("--fit", arguments.fit,
-                    "fit.json of shearwake fit, whose estimates (alignment, material) replace the "
-                    "values of the job")
-        ->type_name("FILE");
-    command
-        .add_option("--high-pass-Hz", arguments.high_pass_Hz,
-                    "high-pass before the integration to displacement (default 0: none)")
-        ->type_name("F")
+    add_value(command, "--fit", arguments.fit, "FILE",
+              "fit.json of shearwake fit, whose estimates (alignment, material) replace the "
+              "values of the job");
+    add_value(command, "--high-pass-Hz", arguments.high_pass_Hz, "F",
+              "high-pass before the integration to displacement (default 0: none)")
         ->check(CLI::Range(0.0, 1e6));
     command
         .add_option("--gaps", arguments.gaps,
                     "points without a signal: interpolate (default), or mask: at rest")
         ->check(one_of({"interpolate", "mask"}));
-    command
-        .add_option("--repetitions", arguments.repetitions,
-                    "repetitions with added noise and left-out points, from which the "
-                    "uncertainty follows (default 8)")
-        ->type_name("N")
+    add_value(command, "--repetitions", arguments.repetitions, "N",
+              "repetitions with added noise and left-out points, from which the "
+              "uncertainty follows (default 8)")
         ->check(CLI::Range(0, 1000));
     command.add_flag_callback(
         "--no-report", [&draws = arguments.draws_report] { draws = false; }, "draw no figures");

@@ -6,9 +6,9 @@
 #include "engines/registry/check.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
+#include "schedule/run/arrangement.hpp"
 #include "schedule/run/job_source.hpp"
 #include "schedule/run/run_arguments.hpp"
-#include "schedule/run/teams.hpp"
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
@@ -77,33 +77,16 @@ struct PlannedCost {
     cost::Origin origin; // of the seconds, which are only relative if it is unknown
 };
 
-const char* name_of(cost::Origin origin) {
-    switch (origin) {
-    case cost::Origin::measured:
-        return "measured";
-    case cost::Origin::probed:
-        return "probed";
-    case cost::Origin::similar:
-        return "similar";
-    case cost::Origin::unknown:
-        break;
-    }
-    return "unknown";
-}
+/// The name of an origin in documents, and its text; in the order of cost::Origin.
+constexpr std::pair<const char*, const char*> origins[] = {
+    {"measured", "measured on this machine"},
+    {"probed", "probed on this machine"},
+    {"similar", "measured on this machine for other sizes, bodies or numbers of ranks; `plan "
+                "--probe` measures the others"},
+    {"unknown", "unknown: run `plan --probe`"}};
 
-std::string text_of(cost::Origin origin) {
-    switch (origin) {
-    case cost::Origin::measured:
-        return "measured on this machine";
-    case cost::Origin::probed:
-        return "probed on this machine";
-    case cost::Origin::similar:
-        return "measured on this machine for other sizes, bodies or numbers of ranks; `plan "
-               "--probe` measures the others";
-    case cost::Origin::unknown:
-        break;
-    }
-    return "unknown: run `plan --probe`";
+const char* name_of(cost::Origin origin) {
+    return origins[static_cast<std::size_t>(origin)].first;
 }
 
 /// A choice of an engine, and the number of cases to which it applies.
@@ -244,7 +227,7 @@ void print_totals(const Estimates& e) {
     if (e.has_times())
         fmt::print("longest case: {:.2g} s; teams are busy {:.0f} % of the time\n", e.longest_s,
                    100.0 * std::min(1.0, e.layout.busy));
-    fmt::print("time: {}\n", text_of(e.origin));
+    fmt::print("time: {}\n", origins[static_cast<std::size_t>(e.origin)].second);
     fmt::print(
         "{} case{} on {} rank{} ({} team{} of {}{}): {}at most {:.0f} MB per rank, {:.3g} MB "
         "on disk\n",
@@ -393,10 +376,8 @@ void add_plan(CLI::App& app, Action& action) {
         app, action, "plan", "list the cases with their ids, grids, memory and time", plan_command);
     add_job(command, arguments);
     add_elsewhere(command, arguments.target);
-    command
-        .add_option("-n,--ranks", arguments.ranks,
-                    "plan for N ranks (default: the number of ranks that run this command)")
-        ->type_name("N")
+    add_value(command, "-n,--ranks", arguments.ranks, "N",
+              "plan for N ranks (default: the number of ranks that run this command)")
         ->check(CLI::Range(1, 1000000));
     add_ranks_per_case(command, arguments.ranks_per_case);
     command.add_flag("--probe", arguments.probe,

@@ -220,13 +220,10 @@ void add_respond(CLI::App& app, Action& action) {
         "at the receptors). If it is omitted, the carrier of afferents.carrier is used");
     command.add_option("--group", arguments.group,
                        "group of the HDF5 file (default: traces, or the root group)");
-    command
-        .add_option("--options", arguments.options,
-                    "file with a table [afferents], for example a job")
-        ->type_name("FILE");
+    add_value(command, "--options", arguments.options, "FILE",
+              "file with a table [afferents], for example a job");
     add_overrides(command, arguments.overrides, "override a key: -S afferents.where=hand");
-    command.add_option("--out", arguments.out, "write the spikes to this file (HDF5)")
-        ->type_name("FILE");
+    add_value(command, "--out", arguments.out, "FILE", "write the spikes to this file (HDF5)");
     command
         .add_option("--duration-ms", arguments.duration_ms,
                     "duration of a prescribed carrier (default 1000)")

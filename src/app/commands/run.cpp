@@ -11,31 +11,22 @@ void add_run(CLI::App& app, Action& action) {
     add_job(command, arguments);
     command.add_option("--out", arguments.out, "output folder (default: out/<job name>)");
     add_ranks_per_case(command, arguments.ranks_per_case);
-    command.add_option("--only", arguments.only, "only these cases, by id")
-        ->type_name("ID[,ID]")
+    add_value(command, "--only", arguments.only, "ID[,ID]", "only these cases, by id")
         ->delimiter(',');
-    command.add_option("--shard", arguments.shard, "only every N-th case, starting from the I-th")
-        ->type_name("I/N");
-    command
-        .add_option("--checkpoint-interval", arguments.checkpoints.interval_s,
-                    "seconds between checkpoints of a running case (default 300; 0: only when "
-                    "the run is stopped)")
-        ->type_name("S")
+    add_value(command, "--shard", arguments.shard, "I/N",
+              "only every N-th case, starting from the I-th");
+    add_value(command, "--checkpoint-interval", arguments.checkpoints.interval_s, "S",
+              "seconds between checkpoints of a running case (default 300; 0: only when "
+              "the run is stopped)")
         ->check(CLI::NonNegativeNumber);
-    command
-        .add_option("--checkpoint-steps", arguments.checkpoints.steps,
-                    "write a checkpoint every N steps in addition (default 0: never)")
-        ->type_name("N")
+    add_value(command, "--checkpoint-steps", arguments.checkpoints.steps, "N",
+              "write a checkpoint every N steps in addition (default 0: never)")
         ->check(CLI::NonNegativeNumber);
-    command
-        .add_option("--walltime", arguments.walltime,
-                    "start no case that cannot finish within this time (default: the limit of the "
-                    "Slurm job)")
-        ->type_name("S|H:MM:SS");
-    command
-        .add_option("--log-json", arguments.log_json,
-                    "append progress to this file as lines of JSON")
-        ->type_name("FILE");
+    add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS",
+              "start no case that cannot finish within this time (default: the limit of the "
+              "Slurm job)");
+    add_value(command, "--log-json", arguments.log_json, "FILE",
+              "append progress to this file as lines of JSON");
     command.add_flag("--allow-mixed", arguments.allow_mixed,
                      "continue in a folder with results of another version of the program");
     command.add_flag("--extend", arguments.extend,

@@ -10,15 +10,11 @@ void add_serve(CLI::App& app, Action& action) {
         "compute cases on request: reads JSON lines, and keeps transfer functions and "
         "FFTW plans between them (docs/reference/serve.md)",
         serve::serve_command);
-    command
-        .add_option("--time-limit", arguments.time_limit_s,
-                    "seconds after which a request is ended (default 60)")
-        ->type_name("S")
+    add_value(command, "--time-limit", arguments.time_limit_s, "S",
+              "seconds after which a request is ended (default 60)")
         ->check(CLI::Range(0.001, 1e6));
-    command
-        .add_option("--memory", arguments.memory_MB,
-                    "memory per rank in MB that a request may use (default 2000)")
-        ->type_name("MB")
+    add_value(command, "--memory", arguments.memory_MB, "MB",
+              "memory per rank in MB that a request may use (default 2000)")
         ->check(CLI::Range(50.0, 1e9));
 }
 

@@ -235,10 +235,8 @@ void add_show(CLI::App& app, Action& action) {
                          "draw path, speed and envelope of the first case of this job")
             ->type_name("JOB");
     what->require_option(1);
-    command
-        .add_option("--picture", arguments.picture,
-                    "file for the drawing: .png, .svg or .pdf (default: JOB.modulation.png)")
-        ->type_name("FILE")
+    add_value(command, "--picture", arguments.picture, "FILE",
+              "file for the drawing: .png, .svg or .pdf (default: JOB.modulation.png)")
         ->needs(job);
     add_overrides(command, arguments.overrides, "override a key of the job")->needs(job);
     add_json(command, arguments.json)->needs(case_file);

@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "pipeline/provenance.hpp"
 #include "studies/laboratory/least_squares.hpp"
-#include "studies/optimise/search/best_envelope.hpp"
+#include "studies/optimise/search/families.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,7 +39,7 @@ void add_text(CLI::App& app, Action& action, const std::string& name, const std:
 
 CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& overrides,
                            const std::string& text, const std::string& names) {
-    return command.add_option(names, overrides, text)->type_name("KEY=VALUE")->take_all();
+    return add_value(command, names, overrides, "KEY=VALUE", text)->take_all();
 }
 
 void print_override_warnings(const config::Job& job) {
@@ -60,18 +60,15 @@ void add_elsewhere(CLI::App& command, schedule::Target& target) {
 }
 
 void add_ranks_per_case(CLI::App& command, int& ranks) {
-    command.add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
-        ->type_name("N|auto")
+    add_value(command, "--ranks-per-case", ranks, "N|auto", "ranks per team (default: auto)")
         ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}).description(""))
         ->check(CLI::Range(0, 1000000).description(""));
 }
 
 void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
     add_ranks_per_case(command, arguments.ranks_per_case);
-    command
-        .add_option("--walltime", arguments.walltime,
-                    "start no case that cannot finish within this time")
-        ->type_name("S|H:MM:SS");
+    add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS",
+              "start no case that cannot finish within this time");
     command.add_flag("--allow-mixed", arguments.allow_mixed,
                      "use results of another version of the program");
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
@@ -89,18 +86,15 @@ CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesyste
 
 void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments) {
     add_overrides(command, arguments.overrides);
-    command
-        .add_option("--least-quality", arguments.least_quality,
-                    "ignore points below this quality, 0 to 1 (default 0: only those without a "
-                    "signal)")
-        ->type_name("Q")
+    add_value(command, "--least-quality", arguments.least_quality, "Q",
+              "ignore points below this quality, 0 to 1 (default 0: only those without a "
+              "signal)")
         ->check(CLI::Range(0.0, 1.0));
     command.add_flag("--outwards", arguments.outwards,
                      "z and positive velocities of DATA point out of the skin, as those of most "
                      "scanners do (default: into the skin)");
-    command
-        .add_option("--out", arguments.out, "output folder (default: named after the job, in out)")
-        ->type_name("DIR");
+    add_value(command, "--out", arguments.out, "DIR",
+              "output folder (default: named after the job, in out)");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& json) {

@@ -39,6 +39,13 @@ Declared<Arguments> add_command(CLI::App& app, Action& action, const std::string
 void add_text(CLI::App& app, Action& action, const std::string& name, const std::string& what,
               const std::function<std::string()>& text);
 
+/// Declares an option whose value has the name `type` in the help.
+template <class T>
+CLI::Option* add_value(CLI::App& command, const std::string& names, T& value,
+                       const std::string& type, const std::string& text) {
+    return command.add_option(names, value, text)->type_name(type);
+}
+
 // Arguments that several commands have.
 
 /// -S, unless `names` adds another name.
