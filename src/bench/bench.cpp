@@ -2,7 +2,6 @@
 #include "bench/bench.hpp"
 
 #include "base/json.hpp"
-#include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/open_domain.hpp"
@@ -13,7 +12,6 @@
 #include "pipeline/surface_recorder.hpp"
 #include "simd/instruction_set.hpp"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::bench {
@@ -149,26 +147,19 @@ double copy_rate_B_s(const Comm& world) {
 
 namespace {
 
-ExitCode bench_engine(const BenchArguments& arguments, const Comm& world, Output& out) {
+ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
     if (arguments.engine == "spectral") return bench_spectral(arguments, world, out);
     if (arguments.engine == "pstd") return bench_pstd(arguments, world, out);
     return bench_layered(world, out);
-}
-
-ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
-    if (arguments.engine == "neural") return bench_neural(world, out);
-    if (arguments.engine == "files") return bench_files(world, out);
-    ExitCode code = ExitCode::done;
-    // As in `run`, so that the times include the agreement before each collective call.
-    fail_together(world, [&] { code = bench_engine(arguments, world, out); });
-    return code;
 }
 
 } // namespace
 
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
     Output out(arguments.json ? Output::Form::document : Output::Form::text);
-    const ExitCode code = run_bench(arguments, world, out);
+    ExitCode code = ExitCode::done;
+    // As in `run`, so that the times include the agreement before each collective call.
+    fail_together(world, [&] { code = run_bench(arguments, world, out); });
     if (!arguments.json || !world.is_root()) return code;
     nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
     for (const Measurement& m : out.measurements())

@@ -50,10 +50,8 @@ struct BenchArguments {
     // `spectral`:
     double contrast = 4.0;  // shear stiffness of the body relative to the layer; 1: no body
     double sponge_mm = 0.0; // on each side
+    bool rigid = false;     // a rigid cylinder instead of the body
     bool json = false;      // print a document instead of text
-    // `spectral`:
-    bool rigid = false; // a rigid cylinder instead of the body
-    bool lump = false;  // a rigid ellipsoid instead of the body
 };
 
 /// The command `bench`. Collective.
@@ -91,10 +89,4 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
 /// Measures the steps of the pseudospectral scheme in single and double precision, with and without
 /// losses, and compares them with a lower bound.
 ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& out);
-/// Measures writing, completing and verifying a case file with 1 GB of frames in the working
-/// directory.
-ExitCode bench_files(const Comm& world, Output& out);
-/// Measures the response of the nerve fibres of a hand to moving pins and to a carrier.
-ExitCode bench_neural(const Comm& world, Output& out);
-
 } // namespace shearwake::bench

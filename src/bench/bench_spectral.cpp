@@ -40,8 +40,8 @@ Grid read_grid(const std::string& text) {
 }
 
 /// A focus of 3 mm starts above an ellipsoid in the upper half of a layer, or above a rigid
-/// cylinder of 5 mm radius that crosses the domain along x, or above a rigid ellipsoid, and moves
-/// at 7 m/s. Elements are 4 mm long.
+/// cylinder of 5 mm radius that crosses the domain along x, and moves at 7 m/s. Elements are 4 mm
+/// long.
 Case bench_case(const BenchArguments& arguments) {
     const Grid grid = read_grid(arguments.grid.empty() ? "256x192x25" : arguments.grid);
     const double depth_m = element_m * static_cast<double>(grid.levels / degree);
@@ -56,12 +56,6 @@ Case bench_case(const BenchArguments& arguments) {
     if (arguments.rigid)
         c.scene().medium.bodies = {{.name = "bone",
                                     .shape = Cylinder{.radius_m = std::min(5e-3, 0.4 * depth_m)},
-                                    .centre_m = {0.0, 0.0, 0.5 * depth_m},
-                                    .density_kg_m3 = 1900.0,
-                                    .rigid = true}};
-    else if (arguments.lump)
-        c.scene().medium.bodies = {{.name = "lump",
-                                    .shape = Ellipsoid{{6e-3, 5e-3, 0.25 * depth_m}},
                                     .centre_m = {0.0, 0.0, 0.5 * depth_m},
                                     .density_kg_m3 = 1900.0,
                                     .rigid = true}};
@@ -248,8 +242,7 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
                                  .resources(world.size())
                                  .memory_per_rank_B();
     if (!world.is_root()) return ExitCode::done;
-    const std::string body = arguments.rigid  ? "a rigid cylinder"
-                             : arguments.lump ? "a rigid ellipsoid"
+    const std::string body = arguments.rigid ? "a rigid cylinder"
                              : arguments.contrast > 1.0
                                  ? fmt::format("a body {:g} times stiffer", arguments.contrast)
                                  : "no body";
