@@ -135,14 +135,6 @@ double quantile(const Distribution& d, double p) {
     return d.root_of > 0.0 ? std::sqrt(d.root_of * x) : x;
 }
 
-double probability_below(const Distribution& d, double x) {
-    const double inner = d.root_of > 0.0 ? (x < 0.0 ? -1.0 : x * x / d.root_of) : x;
-    if (inner < d.least) return 0.0;
-    if (inner >= d.most) return 1.0;
-    const Ends ends = kept(d);
-    return std::clamp((below(d, inner) - ends.lower) / (ends.upper - ends.lower), 0.0, 1.0);
-}
-
 namespace {
 
 /// A pivot below this means that a number is determined by the others.

@@ -46,9 +46,6 @@ std::optional<std::string> problem_of(const Distribution& distribution);
 /// The value that is not exceeded with the probability `p` in (0, 1), of a usable distribution.
 double quantile(const Distribution& distribution, double p);
 
-/// The probability that a value is at most `x`.
-double probability_below(const Distribution& distribution, double x);
-
 /// A Gaussian copula: uniform numbers with given rank correlations (Spearman). The correlation of
 /// the normal numbers behind them is 2 sin(pi rank / 6).
 class Copula {

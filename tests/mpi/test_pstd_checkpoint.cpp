@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/stepper.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/shared_folder.hpp"
 #include "support/worst.hpp"
 
@@ -33,10 +34,10 @@ pstd::Setup everything() {
     pstd::Source prescribed{.field = pstd::Field::uz, .mode = pstd::SourceMode::dirichlet};
     prescribed.nodes = {{5, 4, 9}, {6, 4, 9}, {0, 0, 0}};
     s.sources.push_back(
-        pstd::sampled_source(prescribed, std::vector<double>(3 * (before + 10), 1e-3)));
+        test::sampled_source(prescribed, std::vector<double>(3 * (before + 10), 1e-3)));
     pstd::Source put_in{.field = pstd::Field::sxz};
     put_in.nodes = {{2, 7, 12}, {10, 8, 20}};
-    s.sources.push_back(pstd::sampled_source(put_in, std::vector<double>(2 * (before + 10), 2.0)));
+    s.sources.push_back(test::sampled_source(put_in, std::vector<double>(2 * (before + 10), 2.0)));
     return s;
 }
 

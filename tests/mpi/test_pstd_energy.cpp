@@ -6,6 +6,7 @@
 #include "engines/pstd/scene/case_step.hpp"
 #include "support/cases.hpp"
 #include "support/pstd_recording.hpp"
+#include "support/pstd_sources.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -36,7 +37,7 @@ void add_pressure(pstd::Setup& setup, double pressure_Pa) {
     for (const pstd::Field field : {pstd::Field::sxx, pstd::Field::syy, pstd::Field::szz}) {
         pstd::Source source{.field = field, .scaling = pstd::SourceScaling::none};
         source.nodes = {{5, 4, 7}};
-        setup.sources.push_back(pstd::sampled_source(source, {pressure_Pa}));
+        setup.sources.push_back(test::sampled_source(source, {pressure_Pa}));
     }
 }
 
@@ -134,7 +135,7 @@ TEST_CASE("the work of a force on a lossless medium of engine pstd is its energy
     pstd::Setup setup = box(solid, 0.02);
     pstd::Source force{.field = pstd::Field::uz, .scaling = pstd::SourceScaling::none};
     force.nodes = {{5, 4, 7}, {6, 4, 7}, {0, 0, 0}};
-    setup.sources.push_back(pstd::sampled_source(force, std::vector<double>(3 * 120, 1e-3)));
+    setup.sources.push_back(test::sampled_source(force, std::vector<double>(3 * 120, 1e-3)));
     pstd::Stepper<double> stepper(setup, world);
     while (stepper.steps() < 300)
         stepper.step();

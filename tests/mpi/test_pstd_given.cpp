@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/stepper.hpp"
+#include "support/pstd_sources.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -25,7 +26,7 @@ TEST_CASE("Specified staggered materials and layer factors replace those of node
     };
     pstd::Source source{.field = pstd::Field::sxz};
     source.nodes = {{2, 7, 12}, {10, 8, 20}, {5, 4, 9}};
-    derived.sources.push_back(pstd::sampled_source(source, std::vector<double>(3 * 20, 2.0)));
+    derived.sources.push_back(test::sampled_source(source, std::vector<double>(3 * 20, 2.0)));
 
     pstd::Setup given = derived;
     for (std::size_t a = 0; a < 3; ++a)

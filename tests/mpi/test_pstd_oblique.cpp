@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/pstd_recording.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -128,7 +129,7 @@ TEST_CASE("oblique plane wave advances as the scheme's own mode on any number of
         for (const pstd::Node& n : nodes)
             values.push_back(value_at(field, mode, kind, setup.grid, n, 0) *
                              (pstd::is_shear(field) ? 1.5 : 1.0));
-        setup.sources.push_back(pstd::sampled_source(source, values));
+        setup.sources.push_back(test::sampled_source(source, values));
     }
     pstd::Stepper<double> stepper(setup, world);
     for (int n = 0; n < steps; ++n)

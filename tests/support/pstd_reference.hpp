@@ -5,6 +5,7 @@
 #include "engines/pstd/scheme/stepper.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/hdf5/h5_block.hpp"
+#include "support/pstd_sources.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -65,7 +66,7 @@ inline pstd::Setup kwave_setup(const KwaveFile& file, const KwaveRun& run) {
     std::vector<double> pattern_m_s = file.values("source_G");
     for (double& p : pattern_m_s)
         p *= 1e-3;
-    s.sources.push_back(pstd::separable_source(source, pattern_m_s, file.values("source_R")));
+    s.sources.push_back(test::separable_source(source, pattern_m_s, file.values("source_R")));
     return s;
 }
 

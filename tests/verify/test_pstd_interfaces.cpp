@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Normal incidence of waves on interfaces in engine "pstd".
 #include "support/pstd_line.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -52,7 +53,7 @@ void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMaterial& 
                 d_m * (static_cast<double>(k) + (pstd::is_staggered(field, 2) ? 0.5 : 0.0));
             values.push_back(share * scale * bell(z_m - centre_m - moved_m, width_m));
         }
-        setup.sources.push_back(pstd::sampled_source(source, values));
+        setup.sources.push_back(test::sampled_source(source, values));
     }
 }
 

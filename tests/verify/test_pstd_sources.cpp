@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Verifies the waves emitted by the sources of engine "pstd".
 #include "support/pstd_line.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -52,7 +53,7 @@ TEST_CASE("an additive plane source emits the amplitude that follows from its sc
     std::vector<double> series;
     for (int n = 0; n * dt_s < 9.0 * width_s; ++n)
         series.push_back(pulse(n * dt_s));
-    setup.sources.push_back(pstd::separable_source(source, {3.0}, series));
+    setup.sources.push_back(test::separable_source(source, {3.0}, series));
     pstd::Stepper<double> stepper(setup, alone());
     const pstd::Node receiver{0, 0, middle + away};
     const double half = 0.5 * dz_m; // staggered fields
@@ -95,7 +96,7 @@ TEST_CASE("a prescribed normal stress has the given value and a shear stress two
     for (const pstd::Node& n : source.nodes)
         pattern.push_back(std::sin(1.0 + static_cast<double>(3 * n[0] + n[1])));
     const std::vector<double> series = {1.0, 2.0, -3.0, 0.5, 4.0};
-    setup.sources.push_back(pstd::separable_source(source, pattern, series));
+    setup.sources.push_back(test::separable_source(source, pattern, series));
     pstd::Stepper<double> stepper(setup, alone());
     double apart = 0.0;
     for (const double now : series) {
@@ -130,7 +131,7 @@ TEST_CASE("fields stored as sums equal fields stored as parts", "[pstd]") {
         for (const pstd::Field field : {pstd::Field::ux, pstd::Field::syy, pstd::Field::sxz}) {
             pstd::Source source{.field = field};
             source.nodes = {{3, 4, 5}, {8, 2, 9}};
-            setup.sources.push_back(pstd::separable_source(source, {1.0, -0.5}, {1.0, 2.0, 1.0}));
+            setup.sources.push_back(test::separable_source(source, {1.0, -0.5}, {1.0, 2.0, 1.0}));
         }
         pstd::Stepper<double> stepper(setup, alone());
         for (int n = 0; n < 200; ++n)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/pstd_recording.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -62,7 +63,7 @@ TEST_CASE("field of a force in a full space equals the solution of Stokes", "[ps
     std::vector<double> series;
     for (std::ptrdiff_t n = 0; n < steps; ++n)
         series.push_back(pulse(static_cast<double>(n) * dt_s)); // velocities advance across n dt
-    setup.sources.push_back(pstd::separable_source(source, {per_step}, series));
+    setup.sources.push_back(test::separable_source(source, {per_step}, series));
 
     // Below, to the side and in an oblique direction; all u_z are half a cell down, as the force
     // is.

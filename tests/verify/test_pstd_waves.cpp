@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/pstd_recording.hpp"
+#include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -46,7 +47,7 @@ pstd::Source at_once(pstd::Field field, std::ptrdiff_t points,
         // A shear stress consists of two parts, which get a third each.
         values.push_back(value(z_m) * (pstd::is_shear(field) ? 1.5 : 1.0));
     }
-    return pstd::sampled_source(s, values);
+    return test::sampled_source(s, values);
 }
 
 std::vector<double> line_of(const pstd::Stepper<double>& stepper, pstd::Field field,
@@ -126,7 +127,7 @@ TEST_CASE("absorbing layer reflects less than 1e-4 of a wave at normal incidence
             const double a = (static_cast<double>(i) * dt_s - 4.0 * width_s) / width_s;
             series.push_back(-a * std::exp(-a * a));
         }
-        setup.sources.push_back(pstd::separable_source(source, {1e-3}, series));
+        setup.sources.push_back(test::separable_source(source, {1e-3}, series));
         pstd::Stepper<double> stepper(setup, alone());
         std::vector<double> trace;
         const pstd::Node receiver{0, 0, source_at + 20 + (n - points) / 2};

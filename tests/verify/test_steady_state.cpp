@@ -3,6 +3,7 @@
 #include "engines/layered/response/stack_response.hpp"
 #include "problem/load/load.hpp"
 #include "support/cases.hpp"
+#include "support/half_space.hpp"
 
 #include <catch2/catch.hpp>
 #include <complex>
@@ -221,7 +222,7 @@ TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]
     for (int m = 0; m <= harmonics; ++m) {
         const double omega = m * turn / period_s;
         const auto add = [&](double k, double weight) {
-            const Complex h = layered::half_space_response(c.scene().medium.layers[0], omega, k);
+            const Complex h = test::half_space_response(c.scene().medium.layers[0], omega, k);
             const Complex common = weight * k / turn * h * turn * sigma * sigma *
                                    std::exp(-0.5 * sigma * sigma * k * k) *
                                    std::cyl_bessel_j(m, k * a);

@@ -279,10 +279,6 @@ std::string work_text(const config::Job& job, const Selection& selection, const 
 
 } // namespace
 
-ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
-    return run_job(load_job(arguments.job, arguments.overrides, world), arguments, world);
-}
-
 ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
                  Json* document) {
     watch_for_stop_signals(world);

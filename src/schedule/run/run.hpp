@@ -10,9 +10,6 @@
 
 namespace shearwake::schedule {
 
-/// The command `run`: computes the cases of a job that are not complete yet. Collective.
-ExitCode run_sweep(const RunArguments& arguments, const Comm& world);
-
 /// Computes the cases of this job, which every rank has, as `run` does. The members of the JSON
 /// document are stored in `document` on rank 0 if it is not null, and otherwise printed.
 /// Collective.

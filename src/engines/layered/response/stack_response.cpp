@@ -394,18 +394,4 @@ const Layer& least_lossy_layer(const Medium& medium, double frequency_Hz) {
         medium.layers, {}, [&](const Layer& layer) { return loss_factor(layer, frequency_Hz); });
 }
 
-Complex half_space_response(const Layer& layer, Complex omega_rad_s, double k) {
-    const Complex mu = shear_modulus(layer, omega_rad_s);
-    const Complex m = p_wave_modulus(layer, omega_rad_s);
-    const Complex inertia = layer.density_kg_m3 * omega_rad_s * omega_rad_s;
-    const Complex kp2 = inertia / m, ks2 = inertia / mu, ratio = mu / m;
-    const double k2 = k * k;
-    const Complex alpha = std::sqrt(k2 - kp2), beta = std::sqrt(k2 - ks2);
-    // R / k_s^2 = -4 k^2 + k_s^2 + 4 k^2 (k^2 - alpha beta) / k_s^2, and
-    // (k^2 - alpha beta) / k_s^2 = (k^2 (1 + ratio) - k_p^2) / (k^2 + alpha beta).
-    const Complex reduced =
-        -4.0 * k2 + ks2 + 4.0 * k2 * (k2 * (1.0 + ratio) - kp2) / (k2 + alpha * beta);
-    return -alpha / (mu * reduced);
-}
-
 } // namespace shearwake::layered

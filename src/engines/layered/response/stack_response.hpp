@@ -69,10 +69,4 @@ double loss_factor(const Layer& layer, double frequency_Hz);
 /// collective.
 const Layer& least_lossy_layer(const Medium& medium, double frequency_Hz);
 
-/// W/p [m/Pa] of a homogeneous half-space in closed form: -alpha k_s^2 / (mu R) with the Rayleigh
-/// function R = (2k^2 - k_s^2)^2 - 4 k^2 alpha beta, written without cancellation for k >> k_s. Not
-/// collective.
-std::complex<double> half_space_response(const Layer& layer, std::complex<double> omega_rad_s,
-                                         double k_rad_m);
-
 } // namespace shearwake::layered

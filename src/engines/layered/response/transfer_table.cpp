@@ -3,8 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "engines/layered/response/case_progress.hpp"
-#include "engines/layered/response/point_response.hpp"
 #include "fft/line_transform.hpp"
 #include "parallel/agree.hpp"
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/material.hpp"
 
-#include "base/units.hpp"
-
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace shearwake::pstd {
 namespace {
@@ -19,15 +15,6 @@ Node next(Node node, std::size_t axis) {
 }
 
 } // namespace
-
-NodeMaterial with_kwave_absorption(NodeMaterial m, double alpha_p_dB_MHz2_cm,
-                                   double alpha_s_dB_MHz2_cm) {
-    const double per_dB = 100.0 * std::pow(1e-6 / two_pi, 2) / (20.0 * std::log10(std::numbers::e));
-    m.eta_Pa_s = 2.0 * m.density_kg_m3 * std::pow(m.c_s_m_s, 3) * per_dB * alpha_s_dB_MHz2_cm;
-    m.chi_Pa_s = 2.0 * m.density_kg_m3 * std::pow(m.c_p_m_s, 3) * per_dB * alpha_p_dB_MHz2_cm -
-                 2.0 * m.eta_Pa_s;
-    return m;
-}
 
 double density_between(const Grid& grid, const MaterialOfNode& material, Node node,
                        std::size_t axis) {

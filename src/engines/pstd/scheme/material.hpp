@@ -32,12 +32,6 @@ struct StaggeredMaterial {
     std::array<Value, 3> mu_Pa, eta_Pa_s; // at sxy, sxz, syz
 };
 
-/// eta and chi from k-Wave's alpha coefficients for P and S waves [dB/(MHz^2 cm)] with the power
-/// law omega^2: with A(a) = 100 a (1e-6/(2 pi))^2 / (20 log10 e) [Np (rad/s)^-2 m^-1],
-///     eta = 2 rho c_s^3 A(alpha_s),   chi = 2 rho c_p^3 A(alpha_p) - 2 eta.
-NodeMaterial with_kwave_absorption(NodeMaterial material, double alpha_p_dB_MHz2_cm,
-                                   double alpha_s_dB_MHz2_cm);
-
 /// A coefficient at every point of a rank's slab. If it does not vary along x and y it is stored
 /// once, with separate rows for the planes at the upper edges, whose averages differ.
 template <class Real>

@@ -41,12 +41,6 @@ struct Source {
         values = {};
 };
 
-/// Samples are pattern[node] * series[sample]. Throws Error if the sizes do not match.
-Source separable_source(Source source, std::vector<double> pattern, std::vector<double> series);
-
-/// Samples are samples[node][sample], row-major. Throws Error if the sizes do not match.
-Source sampled_source(Source source, std::vector<double> samples);
-
 /// Unscaled value of an additive velocity source for a body force density f [N/m^3] at a node: f
 /// dt/rho.
 constexpr double velocity_of_force_m_s(double force_N_m3, double dt_s, double density_kg_m3) {

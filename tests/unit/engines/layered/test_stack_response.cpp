@@ -2,6 +2,7 @@
 #include "engines/layered/response/stack_response.hpp"
 
 #include "support/cases.hpp"
+#include "support/half_space.hpp"
 
 #include <Eigen/Dense>
 #include "support/worst.hpp"
@@ -133,7 +134,7 @@ TEST_CASE("response of a half-space equals the closed form", "[layered]") {
     const Layer layer = test::tissue(c_p, viscosity);
     double worst = 0.0;
     for (const double k : wavenumbers()) {
-        const Complex exact = layered::half_space_response(layer, omega, k);
+        const Complex exact = test::half_space_response(layer, omega, k);
         worst = test::worse(worst, std::abs(response(test::half_space(layer), omega, k) - exact) /
                                        std::abs(exact));
     }
@@ -150,9 +151,9 @@ TEST_CASE("closed form of the half-space is W/p = -alpha ks^2 / (mu R)", "[layer
     const Complex alpha = std::sqrt(k * k - kp2), beta = std::sqrt(k * k - ks2);
     const Complex rayleigh = std::pow(2.0 * k * k - ks2, 2) - 4.0 * k * k * alpha * beta;
     const Complex literal = -alpha * ks2 / (mu * rayleigh);
-    CHECK(std::abs(layered::half_space_response(layer, omega, k) / literal - 1.0) < 1e-13);
+    CHECK(std::abs(test::half_space_response(layer, omega, k) / literal - 1.0) < 1e-13);
     // Static and incompressible: p / (2 mu k), downward for a pushing load.
-    const Complex still = layered::half_space_response(test::tissue(1500.0, 0.0), 0.0, k);
+    const Complex still = test::half_space_response(test::tissue(1500.0, 0.0), 0.0, k);
     CHECK(still.real() == Approx(1.0 / (2.0 * 25e3 * k)).epsilon(2e-5)); // (c_s/c_p)^2 = 1e-5
 }
 
@@ -202,7 +203,7 @@ TEST_CASE("response of a stiff film on soft tissue neither overflows nor loses t
         }
         // For large k h (e^-40 at the film's bottom) the film responds as a half-space.
         if (kh >= 20.0) {
-            const Complex film = layered::half_space_response(medium.layers.front(), omega, k);
+            const Complex film = test::half_space_response(medium.layers.front(), omega, k);
             CHECK(std::abs(response(medium, omega, k) / film - 1.0) < 1e-12);
         }
     }

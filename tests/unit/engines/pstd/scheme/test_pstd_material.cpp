@@ -54,19 +54,4 @@ TEST_CASE("velocity points between nodes have the mean density of two nodes", "[
     CHECK(pstd::density_between(grid, material, {0, 3, 0}, 1) == 1300.0); // upper edge
 }
 
-TEST_CASE("k-Wave's absorption coefficients yield the specified attenuation in decibels",
-          "[pstd]") {
-    // At 1 MHz a P wave in a Kelvin-Voigt medium is attenuated by w^2 (chi + 2 eta)/(2 rho c_p^3)
-    // Np/m.
-    const pstd::NodeMaterial m = pstd::with_kwave_absorption({1100.0, 1500.0, 80.0}, 0.5, 7.0);
-    const double w_rad_s = 2.0 * 3.14159265358979323846 * 1e6;
-    const auto dB_cm = [&](double viscosity_Pa_s, double c_m_s) {
-        const double np_m =
-            w_rad_s * w_rad_s * viscosity_Pa_s / (2.0 * 1100.0 * c_m_s * c_m_s * c_m_s);
-        return np_m * 20.0 * 0.43429448190325182765 / 100.0;
-    };
-    CHECK(dB_cm(m.chi_Pa_s + 2.0 * m.eta_Pa_s, 1500.0) == Approx(0.5).epsilon(1e-12));
-    CHECK(dB_cm(m.eta_Pa_s, 80.0) == Approx(7.0).epsilon(1e-12));
-}
-
 } // namespace test_pstd_material

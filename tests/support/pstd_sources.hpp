@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/pstd/scheme/source.hpp"
+#pragma once
 
 #include "base/error.hpp"
+#include "engines/pstd/scheme/source.hpp"
 
 #include <fmt/format.h>
 
-namespace shearwake::pstd {
+namespace shearwake::test {
 
-Source separable_source(Source source, std::vector<double> pattern, std::vector<double> series) {
+/// Samples are pattern[node] * series[sample]. Throws Error if the sizes do not match.
+inline pstd::Source separable_source(pstd::Source source, std::vector<double> pattern,
+                                     std::vector<double> series) {
     if (pattern.size() != source.nodes.size())
         throw Error(fmt::format("the pattern of a source has {} values for {} nodes",
                                 pattern.size(), source.nodes.size()));
@@ -22,7 +25,8 @@ Source separable_source(Source source, std::vector<double> pattern, std::vector<
     return source;
 }
 
-Source sampled_source(Source source, std::vector<double> samples) {
+/// Samples are samples[node][sample], row-major. Throws Error if the sizes do not match.
+inline pstd::Source sampled_source(pstd::Source source, std::vector<double> samples) {
     const std::size_t nodes = source.nodes.size();
     if (nodes == 0 || samples.size() % nodes != 0)
         throw Error(fmt::format("the {} values of a source are not a multiple of its {} nodes",
@@ -38,4 +42,4 @@ Source sampled_source(Source source, std::vector<double> samples) {
     return source;
 }
 
-} // namespace shearwake::pstd
+} // namespace shearwake::test
