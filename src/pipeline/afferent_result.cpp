@@ -5,7 +5,6 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "neural/fibre/neuron.hpp"
-#include "neural/hand/scene.hpp"
 #include "neural/skin/check_stimulus.hpp"
 #include "neural/skin/resample.hpp"
 
@@ -163,29 +162,22 @@ VariableGroup afferents_group(const ReceptorMotion& motion, const Scene& scene,
         }
     }
     const std::vector<std::string> each = {"afferent"};
-    return {"afferents",
-            {{"afferent", each, number, "1", "number of the afferent", ""},
-             {"spike", {"spike"}, spike, "1", "number of the spike, afferent by afferent", ""},
-             {"x", each, x, "m", "position along x of the simulated patch", ""},
-             {"y", each, y, "m", "position along y of the simulated patch", ""},
-             {"hand_x", each, hand_x, "m",
-              "position on the hand, from the index finger's pad to "
-              "the wrist",
-              ""},
-             {"hand_y", each, hand_y, "m",
-              "position on the hand, from the thumb to the little "
-              "finger",
-              ""},
-             {"depth", each, depth, "m", "depth of the receptor", ""},
-             {"class", each, kind, "1", class_numbers(), ""},
-             {"row", each, row, "1", "index of the neuron fitted to this class, from 0", ""},
-             {"spike_count", each, count, "1", "spikes of the afferent", ""},
-             {"spike_time",
-              {"spike"},
-              time,
-              "s",
-              fmt::format("time of the spike {}, ascending per afferent", since(motion)),
-              ""}}};
+    VariableGroup group{"afferents", {}};
+    group.add("afferent", each, number, "1", "number of the afferent");
+    group.add("spike", {"spike"}, spike, "1", "number of the spike, afferent by afferent");
+    group.add("x", each, x, "m", "position along x of the simulated patch");
+    group.add("y", each, y, "m", "position along y of the simulated patch");
+    group.add("hand_x", each, hand_x, "m",
+              "position on the hand, from the index finger's pad to the wrist");
+    group.add("hand_y", each, hand_y, "m",
+              "position on the hand, from the thumb to the little finger");
+    group.add("depth", each, depth, "m", "depth of the receptor");
+    group.add("class", each, kind, "1", class_numbers());
+    group.add("row", each, row, "1", "index of the neuron fitted to this class, from 0");
+    group.add("spike_count", each, count, "1", "spikes of the afferent");
+    group.add("spike_time", {"spike"}, time, "s",
+              fmt::format("time of the spike {}, ascending per afferent", since(motion)));
+    return group;
 }
 
 VariableGroup pins_group(const ReceptorMotion& motion, const AfferentOptions& options,
@@ -200,12 +192,13 @@ VariableGroup pins_group(const ReceptorMotion& motion, const AfferentOptions& op
         hand_y.push_back(1e-3 * scene.pins_mm[p].y);
     }
     const std::vector<std::string> each = {"pin"};
-    VariableGroup group{"pins",
-                        {{"pin", each, number, "1", "number of the pin", ""},
-                         {"x", each, x, "m", "position along x of the simulated patch", ""},
-                         {"y", each, y, "m", "position along y of the simulated patch", ""},
-                         {"hand_x", each, hand_x, "m", "position on the hand along its x", ""},
-                         {"hand_y", each, hand_y, "m", "position on the hand along its y", ""}}};
+    VariableGroup group{"pins", {}};
+    group.add("pin", each, number, "1", "number of the pin");
+    group.add("x", each, x, "m", "position along x of the simulated patch");
+    group.add("y", each, y, "m", "position along y of the simulated patch");
+    group.add("hand_x", each, hand_x, "m", "position on the hand along its x");
+    group.add("hand_y", each, hand_y, "m", "position on the hand along its y");
+
     if (!std::holds_alternative<PinInput>(options.input))
         return group; // a prescribed motion follows from the case
     const std::size_t counted = motion.repetitions.counted;
@@ -214,13 +207,9 @@ VariableGroup pins_group(const ReceptorMotion& motion, const AfferentOptions& op
     for (const auto& line : motion.pins.u_m)
         for (std::size_t repetition = 0; repetition < counted; ++repetition)
             u.insert(u.end(), line.begin(), line.end());
-    group.variables.push_back({"time", {"time"}, time, "s", "time " + since(motion), ""});
-    group.variables.push_back({"u_z",
-                               {"pin", "time"},
-                               u,
-                               "m",
-                               "normal displacement of the pin, positive into the tissue",
-                               ""});
+    group.add("time", {"time"}, time, "s", "time " + since(motion));
+    group.add("u_z", {"pin", "time"}, u, "m",
+              "normal displacement of the pin, positive into the tissue");
     return group;
 }
 
@@ -232,10 +221,11 @@ VariableGroup hand_group(const Scene& scene) {
         x.push_back(1e-3 * corner_mm.x);
         y.push_back(1e-3 * corner_mm.y);
     }
-    return {"hand",
-            {{"corner", {"corner"}, number, "1", "number of the corner", ""},
-             {"hand_x", {"corner"}, x, "m", "outline of the hand along its x", ""},
-             {"hand_y", {"corner"}, y, "m", "outline of the hand along its y", ""}}};
+    VariableGroup group{"hand", {}};
+    group.add("corner", {"corner"}, number, "1", "number of the corner");
+    group.add("hand_x", {"corner"}, x, "m", "outline of the hand along its x");
+    group.add("hand_y", {"corner"}, y, "m", "outline of the hand along its y");
+    return group;
 }
 
 /// The reason why phase locking is undefined although there are spikes.
@@ -405,94 +395,6 @@ std::vector<Remark> check_afferents(const Case& c) {
         .at_mm = scene.pins_mm, .radius_mm = 1e3 * options.pin_radius_m, .rate_Hz = 5000.0};
     still.indentation_mm = neural::Lines(scene.pins_mm.size(), 2);
     return neural::check_stimulus(still, options.silence_s, scene.skin_mm);
-}
-
-namespace {
-
-/// Spikes per second of an afferent in the vibrating patch.
-constexpr double spikes_per_s = 20.0;
-
-struct Counts {
-    double afferents = 0.0, pins = 0.0;
-    double samples = 0.0;   // of the motion with its repetitions, silence included
-    double seconds = 0.0;   // the same in time
-    double counted_s = 0.0; // the part whose spikes count
-};
-
-Counts counts_of(const Case& c, const Scene& scene) {
-    const AfferentOptions& options = *c.afferents;
-    double rate_Hz = 1.0 / c.time.interval_s;
-    if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
-        rate_Hz = carrier->sampling_Hz;
-    const neural::Repetitions repetitions = receptor_repetitions(c, scene);
-    const double seconds =
-        static_cast<double>(repetitions.total()) * c.time.duration_s() + 2.0 * options.silence_s;
-    return {.afferents = static_cast<double>(scene.afferents.size()),
-            .pins = static_cast<double>(options.pins_m.size()),
-            .samples = seconds * rate_Hz,
-            .seconds = seconds,
-            .counted_s = static_cast<double>(repetitions.counted) * c.time.duration_s()};
-}
-
-} // namespace
-
-engines::Work receptors_work(const Case& c, const Scene& scene) {
-    const AfferentOptions& options = *c.afferents;
-    const Counts n = counts_of(c, scene);
-    const bool by_stress = std::holds_alternative<StressInput>(options.input);
-    // Each afferent sums the waves of all pins at each sample, then its neuron is simulated.
-    return {fmt::format("receptors{}{}", by_stress ? " stress" : " pins",
-                        options.noise == Switch::on ? " noise" : ""),
-            n.afferents * (by_stress ? 1.0 : n.pins),
-            n.samples + n.seconds * neural::neuron_rate_Hz};
-}
-
-std::vector<engines::TimedWork> timed_receptors(const Case& c, const std::optional<Scene>& scene,
-                                                double seconds, const Comm& team) {
-    if (!scene) return {};
-    constexpr std::ptrdiff_t first = 16, growth = 4;
-    Case brief = c;
-    brief.time.regime = Regime::transient;
-    for (brief.time.frames = std::min(first, c.time.frames);;
-         brief.time.frames = std::min(growth * brief.time.frames, c.time.frames)) {
-        ReceptorMotion motion{
-            .pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
-            .name = "probe"};
-        const std::vector<double> still(static_cast<std::size_t>(brief.time.frames));
-        if (std::holds_alternative<StressInput>(c.afferents->input))
-            motion.compression_Pa.assign(scene->afferents.size(), still);
-        motion.pins.u_m.assign(std::holds_alternative<CarrierInput>(c.afferents->input)
-                                   ? 1
-                                   : c.afferents->pins_m.size(),
-                               still);
-        const auto began = Clock::now();
-        perceived(motion, *c.afferents, *scene, team);
-        const double took_s = seconds_since(began);
-        const bool is_last =
-            brief.time.frames == c.time.frames || static_cast<double>(growth) * took_s > seconds;
-        if (team.broadcast(is_last)) return {{receptors_work(brief, *scene), took_s}};
-    }
-}
-
-double afferents_memory_B(const Case& c, const Scene& scene, int ranks) {
-    const Counts n = counts_of(c, scene);
-    const bool by_stress = std::holds_alternative<StressInput>(c.afferents->input);
-    // The motion of all pins with silence, its load and load rate; or the stress at all receptors,
-    // that of a group of receptors with silence, and its rate. In addition, three lines for each of
-    // eight afferents at a time, and the transform.
-    const double together = std::min(n.afferents / ranks, 64.0); // receptors in a group
-    const double lines = by_stress ? 3.0 * together : 4.0 * n.pins;
-    const double frames = by_stress ? n.afferents * static_cast<double>(c.time.frames) : 0.0;
-    return (frames + (lines + 28.0) * n.samples) * sizeof(double);
-}
-
-double afferents_file_B(const Case& c, const Scene& scene) {
-    const Counts n = counts_of(c, scene);
-    double numbers =
-        9.0 * n.afferents + 2.0 * spikes_per_s * n.counted_s * n.afferents + 5.0 * n.pins;
-    if (std::holds_alternative<PinInput>(c.afferents->input))
-        numbers += (n.pins + 1.0) * n.counted_s / c.time.interval_s;
-    return numbers * sizeof(double);
 }
 
 } // namespace shearwake::pipeline

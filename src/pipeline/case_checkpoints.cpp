@@ -2,7 +2,6 @@
 #include "pipeline/case_checkpoints.hpp"
 
 #include "base/error.hpp"
-#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/run_case.hpp"
 
@@ -10,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <vector>
 
 namespace shearwake::pipeline {
 namespace {

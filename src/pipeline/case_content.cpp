@@ -46,36 +46,23 @@ Variable series(const std::vector<measures::DepthSeries>& depths,
     return variable;
 }
 
-std::vector<Variable> root_series(const Case& c, const std::vector<measures::DepthSeries>& depths) {
+VariableGroup root_series(const Case& c, const std::vector<measures::DepthSeries>& depths) {
     const Trajectory& trajectory = c.scene().load.modulation.trajectory;
     Load averaged = c.scene().load; // frames do not resolve the carrier
     averaged.carrier = AveragedCarrier{};
     const auto time = over_time(c, [](double t) { return t; });
-    std::vector<Variable> variables = {
-        {"time", {"time"}, time, "s", "time since the load began", ""},
-        {"depth", {"depth"}, c.measure.depths_m, "m", "depth below the skin surface", ""},
-        {"focus_x",
-         {"time"},
-         over_time(c, [&](double t) { return position(trajectory, t).x; }),
-         "m",
-         "position of the focus along x",
-         ""},
-        {"focus_y",
-         {"time"},
-         over_time(c, [&](double t) { return position(trajectory, t).y; }),
-         "m",
-         "position of the focus along y",
-         ""},
-        {"force",
-         {"time"},
-         forces_N(averaged, time),
-         "N",
-         "force of the whole footprint, averaged over the carrier's cycle",
-         ""},
-    };
+    VariableGroup root;
+    root.add("time", {"time"}, time, "s", "time since the load began");
+    root.add("depth", {"depth"}, c.measure.depths_m, "m", "depth below the skin surface");
+    root.add("focus_x", {"time"}, over_time(c, [&](double t) { return position(trajectory, t).x; }),
+             "m", "position of the focus along x");
+    root.add("focus_y", {"time"}, over_time(c, [&](double t) { return position(trajectory, t).y; }),
+             "m", "position of the focus along y");
+    root.add("force", {"time"}, forces_N(averaged, time), "N",
+             "force of the whole footprint, averaged over the carrier's cycle");
     for (const measures::FrameMeasure& measure : measures::frame_measures())
-        variables.push_back(series(depths, measure));
-    return variables;
+        root.variables.push_back(series(depths, measure));
+    return root;
 }
 
 VariableGroup trace_group(const Case& c, const std::vector<measures::TraceSeries>& traces) {
@@ -90,25 +77,17 @@ VariableGroup trace_group(const Case& c, const std::vector<measures::TraceSeries
             measures::amplitude_spectrum(trace.u_m, c.time.interval_s, frequencies);
         amplitude.insert(amplitude.end(), spectrum.begin(), spectrum.end());
     }
-    return {
-        "traces",
-        {{"trace", {"trace"}, number, "1", "number of the trace point", ""},
-         {"time",
-          {"time"},
-          over_time(c, [](double t) { return t; }),
-          "s",
-          "time since the load began",
-          ""},
-         {"frequency", {"frequency"}, frequencies, "Hz", "frequency", ""},
-         {"x", {"trace"}, x, "m", "position of the trace point along x", ""},
-         {"y", {"trace"}, y, "m", "position of the trace point along y", ""},
-         {"u_z", {"trace", "time"}, u, "m", "normal displacement, positive into the tissue", ""},
-         {"amplitude",
-          {"trace", "frequency"},
-          amplitude,
-          "m",
-          "one-sided amplitude spectrum of u_z over the run (its mean at 0 Hz)",
-          ""}}};
+    VariableGroup group{"traces", {}};
+    group.add("trace", {"trace"}, number, "1", "number of the trace point");
+    group.add("time", {"time"}, over_time(c, [](double t) { return t; }), "s",
+              "time since the load began");
+    group.add("frequency", {"frequency"}, frequencies, "Hz", "frequency");
+    group.add("x", {"trace"}, x, "m", "position of the trace point along x");
+    group.add("y", {"trace"}, y, "m", "position of the trace point along y");
+    group.add("u_z", {"trace", "time"}, u, "m", "normal displacement, positive into the tissue");
+    group.add("amplitude", {"trace", "frequency"}, amplitude, "m",
+              "one-sided amplitude spectrum of u_z over the run (its mean at 0 Hz)");
+    return group;
 }
 
 VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
@@ -122,49 +101,31 @@ VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
             x.push_back(point.x);
             y.push_back(point.y);
         }
-    return {
-        "mean",
-        {{"x", {"x"}, storage::coordinate(d.nx, [&](auto i) { return d.x_m(i); }), "m", "x", ""},
-         {"y", {"y"}, storage::coordinate(d.ny, [&](auto j) { return d.y_m(j); }), "m", "y", ""},
-         {"u_z_squared",
-          {"x", "y"},
-          mean_u2,
-          "m2",
-          "time mean of u_z^2 over whole modulation periods",
-          ""},
-         {"point", {"point"}, number, "1", "number of the point of the drawn shape", ""},
-         {"drawn_line",
-          {"point"},
-          line,
-          "1",
-          "number of the line of the drawn shape, one per focus",
-          ""},
-         {"drawn_x", {"point"}, x, "m", "x of the drawn shape", ""},
-         {"drawn_y", {"point"}, y, "m", "y of the drawn shape", ""}}};
+    VariableGroup group{"mean", {}};
+    group.add("x", {"x"}, storage::coordinate(d.nx, [&](auto i) { return d.x_m(i); }), "m", "x");
+    group.add("y", {"y"}, storage::coordinate(d.ny, [&](auto j) { return d.y_m(j); }), "m", "y");
+    group.add("u_z_squared", {"x", "y"}, mean_u2, "m2",
+              "time mean of u_z^2 over whole modulation periods");
+    group.add("point", {"point"}, number, "1", "number of the point of the drawn shape");
+    group.add("drawn_line", {"point"}, line, "1",
+              "number of the line of the drawn shape, one per focus");
+    group.add("drawn_x", {"point"}, x, "m", "x of the drawn shape");
+    group.add("drawn_y", {"point"}, y, "m", "y of the drawn shape");
+    return group;
 }
 
 VariableGroup sensation_group(const Case& c, const measures::SensationMap& map) {
     const Domain& d = c.domain;
-    return {"sensation",
-            {{"x",
-              {"x"},
-              storage::coordinate(map.rows, [&](auto i) { return d.x_m(map.x0 + i); }),
-              "m",
-              "x",
-              ""},
-             {"y",
-              {"y"},
-              storage::coordinate(map.columns, [&](auto j) { return d.y_m(map.y0 + j); }),
-              "m",
-              "y",
-              ""},
-             {"level",
-              {"x", "y"},
-              map.level_dB,
-              "dB",
-              "level of the acceleration above the threshold of perception",
-              ""},
-             {"band", {"x", "y"}, map.band_Hz, "Hz", "third octave that decides the level", ""}}};
+    VariableGroup group{"sensation", {}};
+    group.add("x", {"x"}, storage::coordinate(map.rows, [&](auto i) { return d.x_m(map.x0 + i); }),
+              "m", "x");
+    group.add("y", {"y"},
+              storage::coordinate(map.columns, [&](auto j) { return d.y_m(map.y0 + j); }), "m",
+              "y");
+    group.add("level", {"x", "y"}, map.level_dB, "dB",
+              "level of the acceleration above the threshold of perception");
+    group.add("band", {"x", "y"}, map.band_Hz, "Hz", "third octave that decides the level");
+    return group;
 }
 
 } // namespace
@@ -174,7 +135,7 @@ std::vector<VariableGroup> case_content(const Case& c,
                                         const std::vector<measures::TraceSeries>& traces,
                                         const std::optional<measures::MachFit>& mach,
                                         const std::vector<double>& mean_u2) {
-    std::vector<VariableGroup> groups = {{"", root_series(c, depths)}};
+    std::vector<VariableGroup> groups = {root_series(c, depths)};
     add_columns(measures::summarise(c, depths, traces, mach, mean_u2), groups.front());
     if (!traces.empty()) groups.push_back(trace_group(c, traces));
     if (!mean_u2.empty()) groups.push_back(mean_group(c, mean_u2));
@@ -191,12 +152,7 @@ std::vector<measures::Column> energy_columns(const engines::SolverReport& solver
 
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group) {
     for (const measures::Column& column : columns)
-        group.variables.push_back({.name = column.name,
-                                   .dimensions = {},
-                                   .values = {column.value},
-                                   .units = column.unit,
-                                   .long_name = column.long_name,
-                                   .note = column.note});
+        group.add(column.name, {}, {column.value}, column.unit, column.long_name, column.note);
 }
 
 std::string columns_in_samples(const VariableGroup& root) {
@@ -211,29 +167,21 @@ VariableGroup sensor_group(const StudyData& study,
     VariableGroup group{.name = "sensor", .variables = {}};
     if (sensors.empty()) return group;
     using Of = engines::SensorRecord::Of;
-    const auto add = [&](std::string name, std::vector<std::string> dimensions,
-                         std::vector<double> values, std::string units, std::string long_name) {
-        group.variables.push_back({.name = std::move(name),
-                                   .dimensions = std::move(dimensions),
-                                   .values = std::move(values),
-                                   .units = std::move(units),
-                                   .long_name = std::move(long_name),
-                                   .note = ""});
-    };
     std::vector<double> samples_s, numbers(study.sensor.size());
     for (std::ptrdiff_t n = study.sensor_start; n <= study.steps; ++n)
         samples_s.push_back(study.time_step_s * static_cast<double>(n));
     std::iota(numbers.begin(), numbers.end(), 0.0);
-    add("time", {"time"}, samples_s, "s", "end of the step; velocities are half a step earlier");
-    add("node", {"node"}, numbers, "1", "point of the sensor");
+    group.add("time", {"time"}, samples_s, "s",
+              "end of the step; velocities are half a step earlier");
+    group.add("node", {"node"}, numbers, "1", "point of the sensor");
     for (const std::size_t axis : {0u, 1u, 2u}) {
         std::vector<double> indices(study.sensor.size(), 0.0);
         for (std::size_t n = 0; n < study.sensor.nodes.size(); ++n)
             indices[n / study.sensor.nodes_of_a_point] +=
                 static_cast<double>(study.sensor.nodes[n][axis]) *
                 (study.sensor.weights.empty() ? 1.0 : study.sensor.weights[n]);
-        add(std::string(1, "ijk"[axis]), {"node"}, std::move(indices), "1",
-            "index along an axis, from 0");
+        group.add(std::string(1, "ijk"[axis]), {"node"}, std::move(indices), "1",
+                  "index along an axis, from 0");
     }
     if (std::any_of(sensors.begin(), sensors.end(),
                     [](const auto& record) { return record.of == Of::grid; }))
@@ -243,18 +191,18 @@ VariableGroup sensor_group(const StudyData& study,
                 places_m.push_back(static_cast<double>(n - study.points[axis] / 2) *
                                    study.spacing_m[axis]);
             const std::string name(1, "xyz"[axis]);
-            add(name, {name}, std::move(places_m), "m", "from the middle node of the grid");
+            group.add(name, {name}, std::move(places_m), "m", "from the middle node of the grid");
         }
     for (const engines::SensorRecord& record : sensors)
-        add(record.name,
-            record.of == Of::grid     ? std::vector<std::string>{"x", "y", "z"}
-            : record.of == Of::points ? std::vector<std::string>{"node"}
-                                      : std::vector<std::string>{"node", "time"},
-            record.values, record.units,
-            record.units == "m/s"    ? "particle velocity"
-            : record.units == "W/m2" ? "intensity"
-            : record.name[0] == 'p'  ? "pressure"
-                                     : "stress");
+        group.add(record.name,
+                  record.of == Of::grid     ? std::vector<std::string>{"x", "y", "z"}
+                  : record.of == Of::points ? std::vector<std::string>{"node"}
+                                            : std::vector<std::string>{"node", "time"},
+                  record.values, record.units,
+                  record.units == "m/s"    ? "particle velocity"
+                  : record.units == "W/m2" ? "intensity"
+                  : record.name[0] == 'p'  ? "pressure"
+                                           : "stress");
     return group;
 }
 

@@ -13,7 +13,6 @@
 #include <fstream>
 #include <functional>
 #include <limits>
-#include <string>
 #include <sys/resource.h>
 #include <unistd.h>
 

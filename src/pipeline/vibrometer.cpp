@@ -10,7 +10,6 @@
 #include <numbers>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace shearwake::pipeline {
 namespace {
@@ -240,32 +239,22 @@ VariableGroup vibrometer_group(const Case& c, const std::vector<double>& displac
         y.push_back(point.y);
     }
     const Vec3 along = o.line_of_sight();
-    return {"vibrometer",
-            {{"point", {"point"}, numbers, "1", "number of the point of the scan", ""},
-             {"time", {"time"}, std::move(recorded.time_s), "s", "time since the trigger", ""},
-             {"x", {"point"}, x, "m", "position of the point along x", ""},
-             {"y", {"point"}, y, "m", "position of the point along y", ""},
-             {"velocity",
-              {"point", "time"},
-              std::move(recorded.velocity_m_s),
-              "m/s",
+    VariableGroup group{"vibrometer", {}};
+    group.add("point", {"point"}, numbers, "1", "number of the point of the scan");
+    group.add("time", {"time"}, std::move(recorded.time_s), "s", "time since the trigger");
+    group.add("x", {"point"}, x, "m", "position of the point along x");
+    group.add("y", {"point"}, y, "m", "position of the point along y");
+    group.add("velocity", {"point", "time"}, std::move(recorded.velocity_m_s), "m/s",
               "velocity along the line of sight, positive away from the vibrometer",
-              "NaN: no signal"},
-             {"quality",
-              {"point"},
-              std::move(recorded.quality),
-              "1",
-              "power of the signal divided by that of signal and noise; 0: no signal",
-              ""},
-             {"trigger_delay",
-              {},
-              {o.trigger_delay_s},
-              "s",
-              "time from the start of the load to the trigger",
-              ""},
-             {"direction_x", {}, {along.x}, "1", "line of sight, x component", ""},
-             {"direction_y", {}, {along.y}, "1", "line of sight, y component", ""},
-             {"direction_z", {}, {along.z}, "1", "line of sight, component into the skin", ""}}};
+              "NaN: no signal");
+    group.add("quality", {"point"}, std::move(recorded.quality), "1",
+              "power of the signal divided by that of signal and noise; 0: no signal");
+    group.add("trigger_delay", {}, {o.trigger_delay_s}, "s",
+              "time from the start of the load to the trigger");
+    group.add("direction_x", {}, {along.x}, "1", "line of sight, x component");
+    group.add("direction_y", {}, {along.y}, "1", "line of sight, y component");
+    group.add("direction_z", {}, {along.z}, "1", "line of sight, component into the skin");
+    return group;
 }
 
 } // namespace shearwake::pipeline

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "base/field.hpp"
+#include "base/vectors.hpp"
 
-#include <cstddef>
+#include <algorithm>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +25,53 @@ std::string units_of(VolumeField field);
 /// x, y, z for the displacement; xx, yy, zz, yz, xz, xy for strain and stress. z points into the
 /// tissue.
 std::vector<std::string> components_of(VolumeField field);
+
+/// Data that are stored in addition to the measures.
+struct RecordOptions {
+    std::vector<Vec2> traces_m;
+    std::vector<double> snapshots_s;
+    bool frames = false;
+    std::vector<double> volumes_s;          // ascending times of frames
+    std::vector<VolumeField> volume_fields; // without duplicates; empty without volumes
+    bool operator==(const RecordOptions&) const = default;
+};
+
+/// Whether volumes of strain or stress are requested.
+inline bool records_tensors(const RecordOptions& record) {
+    return std::ranges::any_of(record.volume_fields,
+                               [](VolumeField field) { return field != VolumeField::u; });
+}
+
+template <class Walk, Is<RecordOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk.section("record");
+    walk(o.traces_m, {.key = "traces_mm",
+                      .text = "traces_{}_m",
+                      .given = Given::by_hand,
+                      .fallback = "[[0, 0]]",
+                      .meaning = "points whose u_z(t) and spectrum are stored"});
+    walk(o.snapshots_s, {.key = "snapshots_ms",
+                         .range = Range::above(0.0),
+                         .given = Given::by_hand,
+                         .fallback = "[`at_ms`]",
+                         .meaning = "times at which the surface is stored"});
+    walk(o.frames,
+         {.key = "frames", .meaning = "store every frame, with an .xdmf file for ParaView"});
+    walk(o.volumes_s, {.key = "volumes_ms",
+                       .range = Range::above(0.0),
+                       .given = Given::by_hand,
+                       .in_text = !o.volumes_s.empty(),
+                       .fallback = "none",
+                       .meaning = "times at which the whole volume is stored, with an .xdmf file "
+                                  "for ParaView; engines `spectral` and `pstd`"});
+    walk(o.volume_fields, {.key = "volume_fields",
+                           .given = Given::by_hand,
+                           .applies = !o.volumes_s.empty(),
+                           .only_with = "volumes_ms",
+                           .fallback = "[\"u\"]",
+                           .meaning = "fields that are stored at these times (`pstd`: only "
+                                      "`\"u\"`), see [case-files.md](case-files.md)"});
+}
 
 /// A quantity over named dimensions, row-major, in SI units unless `units` differs. A variable with
 /// the name of its only dimension is the coordinate of that dimension. NaN: no value; `note` gives
@@ -46,6 +94,12 @@ struct Attribute {
 struct VariableGroup {
     std::string name; // empty: the root
     std::vector<Variable> variables;
+
+    void add(std::string variable, std::vector<std::string> dimensions, std::vector<double> values,
+             std::string units, std::string long_name, std::string note = "") {
+        variables.push_back({std::move(variable), std::move(dimensions), std::move(values),
+                             std::move(units), std::move(long_name), std::move(note)});
+    }
 };
 
 } // namespace shearwake
