@@ -1,9 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/march.hpp"
 
+#include "base/error.hpp"
+
+#include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace shearwake::engines {
+
+void EnergyWatch::not_finite(std::ptrdiff_t step) const {
+    throw FieldDiverges(fmt::format("step {} at {:.4g} ms: the field is not finite; {}", step,
+                                    time_ms(step), limits_.advice));
+}
+
+void EnergyWatch::check(std::ptrdiff_t step, double kinetic_J_m2) {
+    double sums[2] = {kinetic_J_m2, work_J_m2_};
+    team_.sum(std::span<double>(sums));
+    // Checked first, because comparisons with NaN are false.
+    if (!std::isfinite(sums[0]) || !std::isfinite(sums[1])) not_finite(step);
+    most_J_m2_ = std::max(most_J_m2_, sums[1]);
+    const double supplied = most_J_m2_ + accepted_J_m2_;
+    if (sums[0] > limits_.most_1 * supplied)
+        throw FieldDiverges(fmt::format(
+            "step {} at {:.4g} ms: the field diverges: its kinetic energy is {:.3g} J/m2, but the "
+            "total work of the load is only {:.3g} J/m2; {}",
+            step, time_ms(step), sums[0], supplied, limits_.advice));
+}
+
+void EnergyWatch::accept(std::ptrdiff_t step, double energy_J_m2) {
+    const double energy = team_.sum(energy_J_m2);
+    if (!std::isfinite(energy)) not_finite(step);
+    accepted_J_m2_ = std::max(accepted_J_m2_, energy);
+}
+
+void EnergyWatch::save(StateWriter& state) const {
+    state.put("work_J_m2", work_J_m2());
+    state.put("most_work_J_m2", most_J_m2_);
+    state.put("accepted_J_m2", accepted_J_m2_);
+}
+
+void EnergyWatch::restore(const StateReader& state) {
+    const double work_J_m2 = state.get("work_J_m2");
+    work_J_m2_ = team_.is_root() ? work_J_m2 : 0.0;
+    most_J_m2_ = state.get("most_work_J_m2");
+    accepted_J_m2_ = state.get("accepted_J_m2");
+}
+
 namespace {
 
 /// Notices whether planes of a snapshot are passed on.

@@ -2,12 +2,9 @@
 #include "fft/staggered_derivative.hpp"
 
 #include "base/units.hpp"
-#include "fft/aligned.hpp"
 #include "fft/wisdom.hpp"
 #include "simd/kernels.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 
 namespace shearwake::fft {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/respond.hpp"
 
-#include "neural/fibre/neuron.hpp"
 #include "neural/kernels/neuron.hpp"
 #include "neural/skin/resample.hpp"
-#include "neural/skin/skin_ways.hpp"
 #include "simd/kernels.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 

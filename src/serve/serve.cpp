@@ -6,15 +6,141 @@
 #include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
-#include "serve/inbox.hpp"
+#include "serve/line_input.hpp"
+#include "serve/output.hpp"
 #include "serve/solver.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <unistd.h>
 
 namespace shearwake::serve {
 namespace {
+
+/// A request to compute the first case of a job.
+struct Request {
+    long id = 0;
+    std::string job; // TOML
+};
+
+/// Longest line of a request. It limits the memory of a job and of its reading.
+inline constexpr std::size_t longest_request_B = 1'000'000;
+
+/// Reads requests and keeps the newest. Requests that it replaces, and lines that are not valid,
+/// are answered at once. Not collective: rank 0 owns it.
+class Inbox {
+public:
+    Inbox(int descriptor, Output& output)
+        : input_(descriptor, longest_request_B), output_(output) {}
+
+    /// Waits for a request; nothing if the input has ended.
+    std::optional<Request> wait();
+    /// Reads without waiting, a few hundred times per second at most, and returns whether the
+    /// active request must end: because of a newer one, of a message `cancel`, or of the end of the
+    /// input.
+    bool interrupts();
+    /// Why it must end, for its answer.
+    const std::string& reason() const { return reason_; }
+
+private:
+    void listen(int patience_ms);
+    void handle(const Line& line);
+
+    LineInput input_;
+    Output& output_;
+    std::optional<Request> newest_;
+    std::string reason_; // to end the active request; empty: none
+    std::chrono::steady_clock::time_point listened_;
+};
+
+using Received = nlohmann::json;
+
+constexpr auto between_looks = std::chrono::milliseconds(3);
+constexpr std::int64_t largest_id = (std::int64_t{1} << 53) - 1; // exact in every JSON parser
+constexpr int deepest = 4; // of a request; deeper values are discarded while they are read
+
+const char* const bad_request = "bad_request";
+
+/// The id of a request; -1 if there is no valid one.
+long id_of(const Received& message) {
+    const auto id = message.find("id");
+    if (id == message.end() || !id->is_number_integer()) return -1;
+    const auto value = id->get<std::int64_t>();
+    return value >= 0 && value <= largest_id ? value : -1;
+}
+
+std::string text_of(const Received& message, const char* key) {
+    const auto found = message.find(key);
+    return found != message.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::optional<Request> Inbox::wait() {
+    while (!newest_ && !input_.has_ended() && !output_.has_failed())
+        listen(-1);
+    std::optional<Request> next;
+    if (!input_.has_ended() && !output_.has_failed()) std::swap(next, newest_);
+    reason_.clear();
+    return next;
+}
+
+bool Inbox::interrupts() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - listened_ >= between_looks) {
+        listened_ = now;
+        listen(0);
+        if (newest_) reason_ = "a newer request has arrived";
+        if (input_.has_ended() || output_.has_failed()) reason_ = "the input has ended";
+    }
+    return !reason_.empty();
+}
+
+void Inbox::listen(int patience_ms) {
+    for (const Line& line : input_.read(patience_ms))
+        handle(line);
+}
+
+void Inbox::handle(const Line& line) {
+    if (line.is_too_long) {
+        output_.error(-1, bad_request,
+                      fmt::format("the request has more than {} bytes", longest_request_B));
+        return;
+    }
+    if (line.text.find_first_not_of(" \t\r") == std::string::npos) return;
+    const Received message = Received::parse(
+        line.text,
+        [](int depth, Received::parse_event_t, const Received&) { return depth <= deepest; },
+        false);
+    if (!message.is_object()) {
+        output_.error(-1, bad_request, "the request is not a JSON object on one line");
+        return;
+    }
+    const long id = id_of(message);
+    const std::string type = text_of(message, "type");
+    if (type == "cancel") {
+        if (newest_) output_.message("cancelled", newest_->id, {{"reason", "it was cancelled"}});
+        newest_.reset();
+        reason_ = "it was cancelled";
+        return;
+    }
+    std::string problem;
+    if (id < 0) problem = "the request needs an \"id\", an integer from 0 to 2^53 - 1";
+    if (type != "compute") problem = "the \"type\" of a request must be \"compute\" or \"cancel\"";
+    Request request{id, text_of(message, "job")};
+    if (problem.empty() && request.job.empty())
+        problem = "the request needs a \"job\", a text in the format of job files";
+    if (!problem.empty()) {
+        output_.error(id, bad_request, problem);
+        return;
+    }
+    if (newest_)
+        output_.message("cancelled", newest_->id, {{"reason", "a newer request has arrived"}});
+    newest_ = std::move(request);
+}
 
 void greet(Output& output, const Limits& limits, int ranks) {
     output.message("hello", -1,

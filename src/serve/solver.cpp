@@ -8,7 +8,6 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
-#include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 
 #include <algorithm>

@@ -1,12 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/tables.hpp"
 
-#include "base/error.hpp"
 #include "base/python_module.hpp"
+#include "config/document/tree.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace shearwake::studies {
+
+namespace {
+
+/// The reference of the job as the table [table] of a job without axes.
+std::string table_without_axes(const std::filesystem::path& job) {
+    config::DiagnosticList ignored; // load_job() reports errors
+    const config::NodePtr tree = config::parse_toml(
+        storage::read_file(job, storage::largest_user_text_B), job.string(), ignored);
+    const config::NodePtr reference =
+        tree ? config::find(tree, {{"table"}, {"reference"}}) : nullptr;
+    return reference ? fmt::format("{{ reference = {} }}", config::render(*reference)) : "{}";
+}
+
+} // namespace
+
+std::vector<std::string> one_case_overrides(const std::vector<std::string>& overrides,
+                                            const std::string& table) {
+    std::vector<std::string> all = {"sweep={}", "uncertain={}", "table=" + table};
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    return all;
+}
+
+Evaluation evaluate(const schedule::JobArguments& arguments, const std::filesystem::path& out,
+                    const Comm& world) {
+    std::string table;
+    on_root(world, [&] { table = table_without_axes(arguments.job); });
+    schedule::RunArguments run;
+    run.job = arguments.job;
+    run.overrides = one_case_overrides(arguments.overrides, world.broadcast(std::move(table)));
+    run.quiet = true;
+    run.retry_failed = true;
+    run.ranks_per_case = world.size();
+    const config::Job job = schedule::load_job(arguments.job, run.overrides, world);
+    run.out =
+        schedule::output_folder(out, job.plan.name + ".evaluate").root / job.plan.cases.front().id;
+    return {schedule::run_job(job, run, world), {run.out}};
+}
+
 namespace {
 
 bool contains_cases(const schedule::OutputFolder& folder) {

@@ -2,7 +2,6 @@
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
 #include "parallel/agree.hpp"
-#include "studies/evaluate.hpp"
 #include "studies/tables.hpp"
 
 #include <cmath>

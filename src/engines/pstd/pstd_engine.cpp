@@ -11,7 +11,6 @@
 #include "parallel/agree.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <optional>
 

@@ -4,7 +4,6 @@
 #include "engines/pstd/scene/case_step.hpp"
 #include "engines/pstd/study_run.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
 
 namespace shearwake::pstd {

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/energy_watch.hpp"
 #include "engines/march.hpp"
-#include "engines/pstd/scene/displacement_volumes.hpp"
-#include "engines/pstd/scene/frames.hpp"
+#include "engines/pstd/scene/displacements.hpp"
 #include "engines/pstd/scheme/recorder.hpp"
 
 #include <memory>

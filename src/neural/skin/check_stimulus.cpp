@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <span>
 
 namespace shearwake::neural {
 namespace {

@@ -2,7 +2,6 @@
 #include "problem/medium/medium.hpp"
 
 #include "base/error.hpp"
-#include "base/field.hpp"
 
 #include <cmath>
 

@@ -2,12 +2,207 @@
 #include "schedule/run/arrangement.hpp"
 
 #include "parallel/agree.hpp"
-#include "schedule/run/teams.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+#include <limits>
 #include <numeric>
+#include <unordered_map>
 
 namespace shearwake::schedule {
+
+namespace {
+
+/// Largest number of cases that are considered; more do not improve the layout.
+constexpr std::size_t most_samples = 256;
+
+/// Positions of a sample of cases, spread evenly.
+std::vector<std::size_t> sample_of(std::size_t cases) {
+    std::vector<std::size_t> sample(std::min(cases, most_samples));
+    for (std::size_t i = 0; i < sample.size(); ++i)
+        sample[i] = cases <= most_samples ? i : i * (cases - 1) / (most_samples - 1);
+    return sample;
+}
+
+/// The number of cases that share data with each case, including itself.
+std::vector<double> group_sizes(const std::vector<const PlannedCase*>& cases,
+                                cost::CaseCosts& costs) {
+    const std::vector<std::size_t> groups = groups_of(cases, costs);
+    std::vector<double> counts(cases.size(), 0.0), sizes;
+    for (const std::size_t group : groups)
+        counts[group] += 1.0;
+    for (const std::size_t group : groups)
+        sizes.push_back(counts[group]);
+    return sizes;
+}
+
+/// Estimated times of a sweep on teams of one size.
+struct SweepTime {
+    double longest_s = 0.0; // of a case with its shared data
+    double work_s = 0.0;    // of all teams together
+
+    /// Time of the sweep on a number of busy teams.
+    double on(int busy) const { return std::max(longest_s, work_s / busy); }
+};
+
+/// The part of a sweep from which its time is estimated.
+struct Sample {
+    const std::vector<const PlannedCase*>& cases; // of the sweep
+    std::vector<std::size_t> places;              // of the sample in it
+    std::vector<double> group_sizes;              // of each case of the sweep
+};
+
+/// A group stays whole (bundles.hpp) if it takes at most this multiple of a team's share of the
+/// time.
+constexpr double largest_whole_share = 1.25;
+
+/// The number of teams that compute cases of a group, which takes `share` of the time of all cases.
+double teams_of_group(double share, double cases, int busy) {
+    return std::clamp(std::ceil(share * busy / largest_whole_share), 1.0,
+                      std::min(static_cast<double>(busy), cases));
+}
+
+SweepTime time_of(const Sample& sample, int size, int busy, cost::CaseCosts& costs) {
+    SweepTime time;
+    struct Seconds {
+        double own, shared;
+    };
+    std::vector<Seconds> of_cases;
+    double sample_s = 0.0; // with each shared part once
+    for (const std::size_t place : sample.places) {
+        const cost::CaseTime expected = costs.time(sample.cases[place]->physics, size);
+        of_cases.push_back({expected.own_s, expected.shared_s});
+        sample_s += of_cases.back().own + of_cases.back().shared / sample.group_sizes[place];
+    }
+    const double all_s = sample_s * static_cast<double>(sample.cases.size()) /
+                         static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
+    for (std::size_t n = 0; n < of_cases.size(); ++n) {
+        const auto [own, shared] = of_cases[n];
+        const double group = sample.group_sizes[sample.places[n]];
+        const double teams = teams_of_group((group * own + shared) / all_s, group, busy);
+        time.longest_s = std::max(time.longest_s, own + shared);
+        time.work_s += own + shared * teams / group;
+    }
+    time.work_s *= static_cast<double>(sample.cases.size()) /
+                   static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
+    return time;
+}
+
+} // namespace
+
+TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
+                        double memory_per_rank_B, cost::CaseCosts& costs) {
+    TeamLayout best;
+    std::ptrdiff_t best_unfit = std::numeric_limits<std::ptrdiff_t>::max();
+    best.seconds = std::numeric_limits<double>::infinity();
+    const Sample sample{cases, sample_of(cases.size()), group_sizes(cases, costs)};
+    for (int size = 1; size <= ranks; ++size) {
+        if (wanted > 0 && size != std::min(wanted, ranks)) continue;
+        if (wanted <= 0 && ranks % size != 0) continue;
+        TeamLayout layout{.ranks_per_case = size, .teams = ranks / size};
+        const int busy = std::max(
+            1, static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size())));
+        const SweepTime time = time_of(sample, size, busy, costs);
+        const bool useful = std::ranges::all_of(sample.places, [&](std::size_t place) {
+            return size <= costs.of(cases[place]->physics).useful_ranks;
+        });
+        if (!useful && wanted <= 0) continue;
+        layout.seconds = time.on(busy);
+        layout.busy = layout.seconds > 0.0 ? time.work_s / busy / layout.seconds : 1.0;
+        const auto unfit = std::ranges::count_if(sample.places, [&](std::size_t place) {
+            return costs.memory_per_rank_B(cases[place]->physics, size) > memory_per_rank_B;
+        });
+        // Of layouts with similar times, small teams are preferred.
+        const bool better = unfit == best_unfit && layout.seconds < 0.99 * best.seconds;
+        if (unfit > best_unfit || (unfit == best_unfit && !better)) continue;
+        best_unfit = unfit;
+        best = layout;
+    }
+    if (!std::isfinite(best.seconds)) best.seconds = 0.0;
+    return best;
+}
+
+std::string excessive_team(int wanted, int ranks) {
+    if (wanted <= ranks) return "";
+    return fmt::format("--ranks-per-case {} exceeds the {} rank{} of the run: a team has {}",
+                       wanted, ranks, ranks == 1 ? "" : "s", ranks);
+}
+
+std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases) {
+    // Excess ranks join the last team, so that only teams without a case are idle.
+    if (cases >= static_cast<std::size_t>(layout.teams)) return "";
+    const int idle = ranks - static_cast<int>(cases) * layout.ranks_per_case;
+    return fmt::format(", {} rank{} idle", idle, idle == 1 ? " stays" : "s stay");
+}
+
+std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
+                                       int ranks_per_case, cost::CaseCosts& costs) {
+    struct Rank {
+        double group_seconds, seconds;
+        std::size_t group;
+    };
+    std::vector<Rank> ranks;
+    const std::vector<std::size_t> groups = groups_of(cases, costs);
+    std::unordered_map<std::size_t, double> longest; // of each group
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const double seconds = costs.time(cases[i]->physics, ranks_per_case).own_s;
+        longest[groups[i]] = std::max(longest[groups[i]], seconds);
+        ranks.push_back({0.0, seconds, groups[i]});
+    }
+    for (Rank& rank : ranks)
+        rank.group_seconds = longest[rank.group];
+    std::vector<std::size_t> order(cases.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        if (ranks[a].group != ranks[b].group) {
+            if (ranks[a].group_seconds != ranks[b].group_seconds)
+                return ranks[a].group_seconds > ranks[b].group_seconds;
+            return ranks[a].group < ranks[b].group;
+        }
+        return ranks[a].seconds > ranks[b].seconds;
+    });
+    return order;
+}
+
+namespace {
+
+/// Equal for cases with the same medium and grid.
+std::size_t hash_of(const Case& c) {
+    std::size_t hash = static_cast<std::size_t>(c.domain.nx * 4099 + c.domain.ny);
+    for (const Layer& layer : c.scene().medium.layers)
+        for (const double value : {layer.thickness_m, layer.density_kg_m3, layer.c_s_m_s})
+            hash = 31 * hash + std::hash<double>{}(value);
+    return hash;
+}
+
+/// Whether an engine keeps data of one case for the other.
+bool share_data(const Case& a, const Case& b) {
+    return a.scene().medium == b.scene().medium && a.domain == b.domain && a.time == b.time &&
+           a.measure.depths_m == b.measure.depths_m;
+}
+
+} // namespace
+
+std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
+                                   cost::CaseCosts& costs) {
+    std::vector<std::size_t> groups;
+    std::unordered_map<std::size_t, std::vector<std::size_t>> found; // first cases by hash
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const Case& c = cases[i]->physics;
+        groups.push_back(i);
+        if (!cost::shares_work(costs.of(c))) continue;
+        std::vector<std::size_t>& firsts = found[hash_of(c)];
+        const auto same = std::ranges::find_if(
+            firsts, [&](std::size_t first) { return share_data(cases[first]->physics, c); });
+        if (same == firsts.end())
+            firsts.push_back(i);
+        else
+            groups.back() = *same;
+    }
+    return groups;
+}
 
 namespace {
 

@@ -6,7 +6,6 @@
 #include "schedule/run/job_source.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/run.hpp"
-#include "schedule/run/run_arguments.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "storage/journal/run_lock.hpp"

@@ -22,8 +22,7 @@ constexpr double outlier_scale = 2.0;
 /// Relative step of the derivatives: truncation and the interpolation of the engine both
 /// contribute about 1e-3.
 constexpr double relative_step = 1e-3;
-constexpr int most_rounds = 4; // of the noise
-constexpr int most_iterations = 30;
+constexpr int most_rounds = 4, most_iterations = 30; // rounds: of the noise
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -125,7 +124,6 @@ private:
     const double& noise_;
 };
 
-/// The residuals of all priors.
 class PriorResiduals : public ceres::CostFunction {
 public:
     PriorResiduals(const std::vector<Parameter>& parameters, const Evaluations& evaluations)
@@ -229,6 +227,7 @@ private:
         owned.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
         owned.evaluation_callback = &evaluations_;
         ceres::Problem problem(owned);
+        double* const scaled = evaluations_.scaled();
         std::vector<std::unique_ptr<PointResiduals>> residuals;
         ceres::CauchyLoss cauchy(outlier_scale);
         ceres::ScaledLoss loss(&cauchy, static_cast<double>(samples_),
@@ -236,16 +235,14 @@ private:
         for (std::size_t point = 0; point < points_; ++point) {
             residuals.push_back(std::make_unique<PointResiduals>(
                 evaluations_, observed_, point * samples_, samples_, noise_));
-            problem.AddResidualBlock(residuals.back().get(), &loss, evaluations_.scaled());
+            problem.AddResidualBlock(residuals.back().get(), &loss, scaled);
         }
-        if (priors_.exists()) problem.AddResidualBlock(&priors_, nullptr, evaluations_.scaled());
+        if (priors_.exists()) problem.AddResidualBlock(&priors_, nullptr, scaled);
         for (std::size_t i = 0; i < parameters_.size(); ++i) {
             const int index = static_cast<int>(i);
             const double scale = evaluations_.scale(i);
-            problem.SetParameterLowerBound(evaluations_.scaled(), index,
-                                           parameters_[i].low / scale);
-            problem.SetParameterUpperBound(evaluations_.scaled(), index,
-                                           parameters_[i].high / scale);
+            problem.SetParameterLowerBound(scaled, index, parameters_[i].low / scale);
+            problem.SetParameterUpperBound(scaled, index, parameters_[i].high / scale);
         }
         ceres::Solver::Options options;
         options.linear_solver_type = ceres::DENSE_QR;
@@ -275,17 +272,18 @@ private:
         Matrix matrix;
         Vector score;
     };
+    Eigen::Index count() const { return static_cast<Eigen::Index>(parameters_.size()); }
+
     std::vector<Information> information() const {
-        const auto count = static_cast<Eigen::Index>(parameters_.size());
         const auto rows = static_cast<Eigen::Index>(samples_);
         std::vector<Information> all;
         for (std::size_t point = 0; point < points_; ++point) {
-            Matrix jacobian(rows, count);
+            Matrix jacobian(rows, count());
             Vector residual(rows);
             for (Eigen::Index n = 0; n < rows; ++n) {
                 const std::size_t at = point * samples_ + static_cast<std::size_t>(n);
                 residual[n] = (observed_[at] - (*evaluations_.values())[at]) / noise_;
-                for (Eigen::Index i = 0; i < count; ++i)
+                for (Eigen::Index i = 0; i < count(); ++i)
                     jacobian(n, i) =
                         evaluations_.derivative(static_cast<std::size_t>(i))[at] / noise_;
             }
@@ -296,8 +294,7 @@ private:
     }
 
     Matrix prior_information() const {
-        const auto count = static_cast<Eigen::Index>(parameters_.size());
-        Matrix sum = Matrix::Zero(count, count);
+        Matrix sum = Matrix::Zero(count(), count());
         for (std::size_t i = 0; i < parameters_.size(); ++i) {
             if (!parameters_[i].prior) continue;
             const Prior& prior = *parameters_[i].prior;
@@ -315,7 +312,6 @@ private:
     /// Methodology 28, 169, 2002). The degrees of freedom are those of Satterthwaite's
     /// approximation: few, if few points determine a parameter.
     std::pair<Matrix, Vector> covariance() const {
-        const auto count = static_cast<Eigen::Index>(parameters_.size());
         const std::vector<Information> points = information();
         const Matrix prior = prior_information();
         Matrix all = prior;
@@ -323,13 +319,13 @@ private:
             all += one.matrix;
         const Matrix inverse = all.completeOrthogonalDecomposition().pseudoInverse();
         if (points_ <= parameters_.size() + 1)
-            return {inverse, Vector::Constant(count, static_cast<double>(points_ * samples_) -
-                                                         static_cast<double>(count))};
+            return {inverse, Vector::Constant(count(), static_cast<double>(points_ * samples_) -
+                                                           static_cast<double>(count()))};
         Matrix scores = prior;
         Vector variances = (inverse * prior * inverse).diagonal(),
-               squares = Vector::Zero(count); // of independent residuals
+               squares = Vector::Zero(count()); // of independent residuals
         for (const Information& one : points) {
-            const Matrix left = Matrix::Identity(count, count) - one.matrix * inverse;
+            const Matrix left = Matrix::Identity(count(), count()) - one.matrix * inverse;
             const Vector score = left.fullPivLu().solve(one.score);
             scores += score * score.transpose();
             const Vector variance = (inverse * one.matrix * inverse).diagonal();
@@ -341,7 +337,6 @@ private:
     }
 
     void describe(FitResult& result) const {
-        const auto count = static_cast<Eigen::Index>(parameters_.size());
         const auto [covariances, degrees] = covariance();
         for (std::size_t i = 0; i < parameters_.size(); ++i) {
             const auto at = static_cast<Eigen::Index>(i);
@@ -354,8 +349,8 @@ private:
                  std::min(value - parameters_[i].low, parameters_[i].high - value) < 1e-6 * range});
         }
         result.correlations.clear();
-        for (Eigen::Index i = 0; i < count; ++i)
-            for (Eigen::Index j = 0; j < count; ++j)
+        for (Eigen::Index i = 0; i < count(); ++i)
+            for (Eigen::Index j = 0; j < count(); ++j)
                 result.correlations.push_back(covariances(i, j) /
                                               std::sqrt(covariances(i, i) * covariances(j, j)));
         for (std::size_t point = 0; point < points_; ++point) {
@@ -397,9 +392,6 @@ FitResult fit(const std::vector<Parameter>&, std::span<const double>, std::size_
     throw Error("built without Ceres Solver");
 }
 #endif
-} // namespace shearwake::laboratory
-
-namespace shearwake::laboratory {
 
 double half_width_95(double degrees) {
     return boost::math::quantile(boost::math::students_t(degrees), 0.975);

@@ -10,10 +10,10 @@
 #include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
-#include "studies/evaluate.hpp"
 #include "studies/laboratory/converted_data.hpp"
 #include "studies/laboratory/converted_scan.hpp"
 #include "studies/laboratory/replay_engine.hpp"
+#include "studies/tables.hpp"
 
 #include <algorithm>
 #include <cmath>

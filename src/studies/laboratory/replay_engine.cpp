@@ -4,7 +4,6 @@
 #include "parallel/agree.hpp"
 #include "studies/laboratory/converted_data.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace shearwake::laboratory {

@@ -3,7 +3,6 @@
 
 #include "parallel/agree.hpp"
 #include "schedule/run/job_source.hpp"
-#include "schedule/run/run_arguments.hpp"
 #include "storage/files.hpp"
 #include "studies/optimise/optimise_study.hpp"
 #include "studies/optimise/optimise_table.hpp"

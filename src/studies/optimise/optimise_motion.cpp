@@ -4,7 +4,6 @@
 #include "studies/optimise/optimise_table.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 namespace shearwake::optimise {

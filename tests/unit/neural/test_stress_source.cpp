@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/stress_source.hpp"
 
+#include "neural/response.hpp"
 #include "neural/skin/skin_ways.hpp"
 #include "support/neural_data.hpp"
 

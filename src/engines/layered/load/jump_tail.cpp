@@ -3,7 +3,6 @@
 
 #include "base/units.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
-#include "fft/aligned.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

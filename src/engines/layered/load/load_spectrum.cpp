@@ -4,7 +4,6 @@
 #include "base/units.hpp"
 #include "engines/layered/response/case_progress.hpp"
 
-#include "fft/aligned.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

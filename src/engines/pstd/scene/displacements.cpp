@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scene/displacements.hpp"
 
+#include "base/error.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
+#include <string>
 
 namespace shearwake::pstd {
 
@@ -74,6 +78,137 @@ std::vector<double> depth_weights(double depth_m, double spacing_m, SurfacePlane
     for (std::size_t k = 0; k < fitted.size(); ++k)
         weights[k] += of_surface * fitted[k];
     return weights;
+}
+
+namespace {
+
+/// Why the field cannot be the solution: a displacement larger than the domain. Empty if it can.
+std::string divergence(const Case& c, std::ptrdiff_t frame, double largest_m, double step_s) {
+    const double domain_m = std::max(c.domain.extent_x_m(), c.domain.extent_y_m());
+    if (largest_m <= domain_m) return "";
+    const std::string what =
+        std::isfinite(largest_m)
+            ? fmt::format("diverges: the displacement of {:.3g} mm exceeds the size of the domain, "
+                          "{:.4g} mm,",
+                          1e3 * largest_m, 1e3 * domain_m)
+            : std::string("is not finite");
+    return fmt::format("the field of engine \"pstd\" {} at frame {}, {:.4g} ms: the time step of "
+                       "{:.4g} us is probably unstable; a smaller {} may help",
+                       what, frame, 1e3 * c.time.frame_s(frame), 1e6 * step_s,
+                       c.study() ? "kgrid.dt of the study" : "solver.pstd.time_step_us");
+}
+
+} // namespace
+
+engines::Slab domain_slab(const Case& c, std::ptrdiff_t first_x, const Slabs& slabs) {
+    const auto inside = [&](std::ptrdiff_t x) {
+        return std::clamp<std::ptrdiff_t>(x - first_x, 0, c.domain.nx);
+    };
+    const std::ptrdiff_t start = inside(slabs.x_start());
+    return {start, inside(slabs.x_start() + slabs.x_count()) - start};
+}
+
+Frames::Frames(const Case& c, FramePlaces places, const Slabs& slabs)
+    : c_(c), places_(std::move(places)), slabs_(slabs),
+      slab_(domain_slab(c, places_.first_x, slabs)),
+      u_z_(Field::uz, slabs, places_.first_z, places_.planes),
+      plane_m_(static_cast<std::size_t>(slabs.rows())) {}
+
+void Frames::give(std::ptrdiff_t number, engines::Observer& observer, const Comm& team) {
+    const std::string why = divergence(c_, number, u_z_.largest_m(team), slabs_.grid.dt_s);
+    if (!why.empty()) throw FieldDiverges(why);
+    const std::ptrdiff_t ny = slabs_.ny(),
+                         first = slab_.x_start + places_.first_x - slabs_.x_start();
+    const double* values = plane_m_.data() + (slab_.x_count > 0 ? first * ny + places_.first_y : 0);
+    for (std::size_t d = 0; d < places_.weights.size(); ++d) {
+        u_z_.sum(places_.weights[d], plane_m_);
+        observer.frame({.number = number,
+                        .depth = d,
+                        .u_z_m = View2<const double>(values, slab_.x_count, c_.domain.ny, ny)});
+    }
+}
+
+DisplacementVolumes::DisplacementVolumes(const Case& c, const CaseGrid& grid, const Slabs& slabs)
+    : c_(c), grid_(grid), slabs_(slabs), slab_(domain_slab(c, grid.first_x, slabs)) {
+    if (c.record.volumes_s.empty()) return;
+    for (const Field field : {Field::ux, Field::uy})
+        lateral_.emplace_back(field, slabs, grid.surface, grid.levels);
+}
+
+std::vector<double> DisplacementVolumes::levels_m() const {
+    std::vector<double> z_m;
+    for (std::ptrdiff_t l = 0; l < grid_.levels && !lateral_.empty(); ++l)
+        z_m.push_back(static_cast<double>(l) * grid_.spacing_m);
+    return z_m;
+}
+
+template <class Real>
+void DisplacementVolumes::add(const Stepper<Real>& stepper) {
+    for (Displacement& u : lateral_)
+        u.add(stepper);
+}
+template void DisplacementVolumes::add(const Stepper<double>&);
+template void DisplacementVolumes::add(const Stepper<float>&);
+
+/// Mean of x - 1/2 and x + 1/2; the row before the first one belongs to another rank.
+DisplacementVolumes::Plane DisplacementVolumes::x_mean(const Plane& plane, const Comm& team) const {
+    const auto ny = static_cast<std::size_t>(slabs_.ny());
+    const std::size_t own = plane.empty() ? 0 : ny;
+    const Plane last_rows = team.all_gather(std::span<const double>(plane).last(own));
+    if (plane.empty()) return plane;
+    std::size_t mine = 0; // position of this rank's row among them
+    for (int r = 0; r < slabs_.rank; ++r)
+        mine += slabs_.x_count(r) > 0 ? ny : 0;
+    const double* before = last_rows.data() + (mine == 0 ? last_rows.size() : mine) - ny;
+    Plane mean(plane.size());
+    for (std::size_t i = 0; i < plane.size(); ++i)
+        mean[i] = 0.5 * ((i < ny ? before[i] : plane[i - ny]) + plane[i]);
+    return mean;
+}
+
+DisplacementVolumes::Plane DisplacementVolumes::y_mean(const Plane& plane) const {
+    const auto ny = static_cast<std::size_t>(slabs_.ny());
+    Plane mean(plane.size());
+    for (std::size_t i = 0; i < plane.size(); ++i)
+        mean[i] = 0.5 * (plane[i % ny == 0 ? i + ny - 1 : i - 1] + plane[i]);
+    return mean;
+}
+
+void DisplacementVolumes::give(std::size_t snapshot, const Displacement& u_z,
+                               engines::Observer& observer, const Comm& team) const {
+    const std::ptrdiff_t ny = slabs_.ny();
+    const std::ptrdiff_t first =
+        slab_.x_count > 0 ? (slab_.x_start + grid_.first_x - slabs_.x_start()) * ny + grid_.first_y
+                          : 0;
+    Plane plane(static_cast<std::size_t>(slabs_.rows()));
+    for (std::size_t component = 0; component < 3; ++component) {
+        for (std::ptrdiff_t level = 0; level < grid_.levels && !lateral_.empty(); ++level) {
+            if (component == 2) {
+                u_z.sum(std::array{1.0}, plane, level);
+            } else {
+                const std::array at_skin = {1.5, -0.5}, between = {0.5, 0.5};
+                lateral_[component].sum(level == 0 ? at_skin : between, plane,
+                                        std::max<std::ptrdiff_t>(level - 1, 0));
+                plane = component == 0 ? x_mean(plane, team) : y_mean(plane);
+            }
+            observer.volume({.snapshot = snapshot,
+                             .field = 0,
+                             .component = component,
+                             .level = static_cast<std::size_t>(level),
+                             .values = View2<const double>(plane.data() + first, slab_.x_count,
+                                                           c_.domain.ny, ny)});
+        }
+    }
+}
+
+void DisplacementVolumes::save(StateWriter& state) const {
+    for (std::size_t i = 0; i < lateral_.size(); ++i)
+        lateral_[i].save(state, i == 0 ? "volume_u_x" : "volume_u_y");
+}
+
+void DisplacementVolumes::restore(const StateReader& state) {
+    for (std::size_t i = 0; i < lateral_.size(); ++i)
+        lateral_[i].restore(state, i == 0 ? "volume_u_x" : "volume_u_y");
 }
 
 } // namespace shearwake::pstd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/checkpoint.hpp"
+#include "engines/engine.hpp"
 #include "engines/pstd/scene/case_grid.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 
@@ -48,5 +49,69 @@ private:
 /// on grids of 0.25 and 0.5 mm.
 enum class SurfacePlane { kept, rings };
 std::vector<double> depth_weights(double depth_m, double spacing_m, SurfacePlane surface);
+
+/// Position of the frames of a case in its grid.
+struct FramePlaces {
+    std::ptrdiff_t first_x = 0, first_y = 0;  // of the domain
+    std::ptrdiff_t first_z = 0, planes = 1;   // planes of u_z that are summed
+    std::vector<std::vector<double>> weights; // weights of the planes from first_z, for each depth
+};
+
+/// The part of the domain that is in a rank's slab of the grid.
+engines::Slab domain_slab(const Case& c, std::ptrdiff_t first_x, const Slabs& slabs);
+
+/// u_z of the domain at the measured depths: weighted sums of planes of the displacement.
+class Frames {
+public:
+    Frames(const Case& c, FramePlaces places, const Slabs& slabs);
+
+    const engines::Slab& slab() const { return slab_; } // of the domain
+    Displacement& displacement() { return u_z_; }
+    /// Passes frame `number` to the observer. Throws FieldDiverges on all ranks if a value is not
+    /// finite or larger than the domain. Collective.
+    void give(std::ptrdiff_t number, engines::Observer& observer, const Comm& team);
+
+private:
+    const Case& c_;
+    FramePlaces places_;
+    Slabs slabs_;
+    engines::Slab slab_;
+    Displacement u_z_;
+    std::vector<double> plane_m_;
+};
+
+/// The displacement of volume snapshots at the points of the domain and at z = 0, d, 2 d, ... down
+/// to the absorbing layer. u_x and u_y are staggered by half a cell and are averaged over their
+/// neighbours, with an error of second order in the spacing; at z = 0 they are extrapolated from
+/// the two nodes below.
+class DisplacementVolumes {
+public:
+    /// Allocates memory only if the case records volumes. Not collective.
+    DisplacementVolumes(const Case& c, const CaseGrid& grid, const Slabs& slabs);
+
+    /// Depths of the levels. Not collective.
+    std::vector<double> levels_m() const;
+    template <class Real>
+    void add(const Stepper<Real>& stepper); // after every step; not collective
+    /// Passes the planes of a snapshot to the observer. `u_z` contains at least `levels` planes,
+    /// beginning at z = 0.
+    void give(std::size_t snapshot, const Displacement& u_z, engines::Observer& observer,
+              const Comm& team) const; // collective
+
+    void save(StateWriter& state) const;    // collective
+    void restore(const StateReader& state); // collective
+
+private:
+    using Plane = std::vector<double>;
+    Plane x_mean(const Plane& plane, const Comm& team) const;
+    Plane y_mean(const Plane& plane) const;
+
+    const Case& c_;
+    CaseGrid grid_;
+    Slabs slabs_;
+    engines::Slab slab_;
+    /// U_x and u_y at the nodes below z = 0; empty without volumes.
+    std::vector<Displacement> lateral_;
+};
 
 } // namespace shearwake::pstd

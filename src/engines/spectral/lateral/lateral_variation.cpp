@@ -2,10 +2,8 @@
 #include "engines/spectral/lateral/lateral_variation.hpp"
 
 #include "base/units.hpp"
-#include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/energy_watch.hpp"
+#include "engines/march.hpp"
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"

@@ -3,7 +3,7 @@
 
 #include "problem/case/optimise_options.hpp"
 #include "studies/optimise/search/best_envelope.hpp"
-#include "studies/optimise/search/knots.hpp"
+#include "studies/optimise/search/waveform.hpp"
 #include "studies/optimise/search/variation.hpp"
 
 #include <optional>

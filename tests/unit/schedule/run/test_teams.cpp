@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "schedule/run/teams.hpp"
 
 #include "pipeline/memory.hpp"
+#include "schedule/run/arrangement.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/lateral/line_window.hpp"
+#include "engines/spectral/lateral/strain_planes.hpp"
 #include "simd/kernels.hpp"
 
 #include <catch2/catch.hpp>
