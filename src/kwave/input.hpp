@@ -41,7 +41,6 @@ struct Input {
     StepLimits limits;
     double fluid_faces = 0.0;               // of this rank, between a fluid node and a solid one
     std::size_t source_values = 0;          // stored on every rank
-    std::string step_name = "dt";           // the value that sets the time step, for messages
     std::shared_ptr<const StudyData> study; // to which `setup` refers; none for a file of k-Wave
 };
 

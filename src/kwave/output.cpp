@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kwave/output.hpp"
 
-#include "storage/hdf5/h5.hpp"
-
 #include <algorithm>
 #include <numeric>
 

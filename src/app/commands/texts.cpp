@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "config/keys/key_table.hpp"
-#include "config/keys/schema.hpp"
 
 namespace shearwake::app {
 

@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/keys/schema.hpp"
+#include "config/keys/key_table.hpp"
 
-#include "base/field.hpp"
-#include "base/text.hpp"
 #include "base/units.hpp"
-#include "base/vectors.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/document/presets.hpp"
 #include "config/document/tree.hpp"
-#include "config/keys/key_table.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::config {
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -90,30 +84,27 @@ Json type_of(const T&, const Field& field) {
     if constexpr (Named<T>) {
         const auto names = names_of(std::type_identity<T>{});
         return one_of({names.begin(), names.end()});
-    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>) {
+    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
         return {{"type", "boolean"}};
-    } else if constexpr (std::is_floating_point_v<T>) {
-        return number(field.range);
-    } else if constexpr (std::is_integral_v<T>) {
-        return number(field.range, true);
-    } else if constexpr (std::is_same_v<T, Vec2>) {
+    else if constexpr (std::is_arithmetic_v<T>)
+        return number(field.range, std::is_integral_v<T>);
+    else if constexpr (std::is_same_v<T, Vec2>)
         return list_of(number(field.range), 2, 2);
-    } else if constexpr (std::is_same_v<T, Vec3>) {
+    else if constexpr (std::is_same_v<T, Vec3>)
         return list_of(number(field.range), 3, 3);
-    } else {
+    else
         return {{"type", "string"}}; // words, and names of files
-    }
 }
 template <class T>
 Json type_of(const std::optional<T>&, const Field& field) {
     return type_of(T{}, field);
 }
+Json type_of(const std::vector<ListedAfferent>&, const Field&) {
+    return {{"type", "string"}};
+}
 template <class T>
 Json type_of(const std::vector<T>&, const Field& field) {
-    if constexpr (std::is_same_v<T, ListedAfferent>)
-        return {{"type", "string"}};
-    else
-        return list_of(type_of(T{}, field));
+    return list_of(type_of(T{}, field));
 }
 
 /// The default in the unit of the key; null where there is none that can be stated.
@@ -122,17 +113,12 @@ Json shown(double value, const char* key) {
     const double given = unit ? value / unit->to_SI : value;
     return std::isfinite(given) ? Json(std::stod(fmt::format("{:.6g}", given))) : Json();
 }
-Json shown(bool value, const char*) {
-    return value;
-}
 Json shown(Switch value, const char*) {
     return value == Switch::on;
 }
-Json shown(const std::integral auto& value, const char*) {
+template <class T>
+requires std::integral<T> || std::same_as<T, std::string> Json shown(const T& value, const char*) {
     return value;
-}
-Json shown(const std::string& word, const char*) {
-    return word;
 }
 Json shown(Vec2 at, const char* key) {
     return {shown(at.x, key), shown(at.y, key)};
@@ -234,8 +220,7 @@ private:
 
     template <class Alternative>
     void walk_optional(const Alternative& a) {
-        const bool before = optional_;
-        optional_ = true;
+        const bool before = std::exchange(optional_, true);
         walk_fields(*this, a);
         optional_ = before;
     }
@@ -246,8 +231,7 @@ private:
                      const Alternative& a, const Field& field) {
         const std::string name = name_in_jobs<Alternative>();
         Json keys = {{"properties", Json::object()}};
-        Json* const before = table_;
-        table_ = &keys;
+        Json* const before = std::exchange(table_, &keys);
         walk_fields(*this, a);
         table_ = before;
         if (keys["properties"].empty()) return;
@@ -271,9 +255,7 @@ private:
 Json take_requirements(Json& schema) {
     Json rules = Json::object();
     if (const auto list = schema.find(required_keys); list != schema.end()) {
-        const bool has_preset =
-            schema.contains("properties") && schema["properties"].contains("preset");
-        if (has_preset)
+        if (schema.contains("properties") && schema["properties"].contains("preset"))
             rules["anyOf"] = {{{"required", {"preset"}}}, {{"required", *list}}};
         else
             rules["required"] = *list;
@@ -292,11 +274,8 @@ Json take_requirements(Json& schema) {
                 Json& below = part.contains("then") ? part["then"] : part;
                 Json found = take_requirements(below);
                 if (found.empty()) continue;
-                if (part.contains("if"))
-                    rules["allOf"].push_back({{"if", part["if"]}, {"then", std::move(found)}});
-                else
-                    rules["allOf"].push_back(
-                        {{"if", {{"type", "object"}}}, {"then", std::move(found)}});
+                const Json when = part.contains("if") ? part["if"] : Json{{"type", "object"}};
+                rules["allOf"].push_back({{"if", when}, {"then", std::move(found)}});
             }
     return rules;
 }
@@ -416,62 +395,6 @@ std::string job_schema() {
     schema["else"] = {{"$ref", "#/$defs/complete"}};
     schema["$defs"] = {{"path", std::move(path)}, {"complete", std::move(rules)}};
     return schema.dump(2) + "\n";
-}
-
-namespace {
-
-constexpr std::size_t most_suggestions = 3;
-constexpr std::size_t longest_ending = 60;
-
-/// Adds the keys that a table of the schema describes.
-void add_keys(const nlohmann::ordered_json& table, const std::string& prefix,
-              std::vector<std::string>& keys) {
-    if (!table.is_object()) return;
-    const auto properties = table.find("properties");
-    if (properties == table.end()) return;
-    for (const auto& [name, content] : properties->items()) {
-        keys.push_back(prefix + name);
-        add_keys(content, prefix + name + ".", keys);
-        if (const auto items = content.find("items"); items != content.end())
-            add_keys(*items, prefix + name + "[1].", keys);
-    }
-}
-
-/// What follows the last dot.
-std::string last_word(const std::string& key) {
-    return key.substr(key.rfind('.') + 1);
-}
-
-std::vector<std::string> keys_that_end_in(const std::string& ending,
-                                          const std::vector<std::string>& keys) {
-    std::vector<std::string> found;
-    for (const std::string& key : keys)
-        if (key.ends_with("." + ending)) found.push_back(key);
-    return found;
-}
-
-} // namespace
-
-std::vector<std::string> key_names() {
-    std::vector<std::string> keys;
-    add_keys(nlohmann::ordered_json::parse(job_schema()), "", keys);
-    return keys;
-}
-
-std::string full_key_hint(std::string_view ending) {
-    if (ending.size() > longest_ending) return "";
-    const std::vector<std::string> keys = key_names();
-    std::vector<std::string> meant = keys_that_end_in(std::string(ending), keys);
-    if (meant.empty() && ending.find('.') == std::string_view::npos) {
-        std::vector<std::string> words;
-        for (const std::string& key : keys)
-            words.push_back(key.find('.') == std::string::npos ? key : last_word(key));
-        const auto word = nearest(ending, words);
-        if (!word || std::ranges::find(keys, *word) != keys.end()) return ""; // a table
-        meant = keys_that_end_in(*word, keys);
-    }
-    if (meant.empty() || meant.size() > most_suggestions) return "";
-    return fmt::format("did you mean {}?", fmt::join(meant, " or "));
 }
 
 } // namespace shearwake::config

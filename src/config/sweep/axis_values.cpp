@@ -7,8 +7,6 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <optional>
-#include <unordered_map>
 
 namespace shearwake::config {
 

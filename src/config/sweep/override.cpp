@@ -2,9 +2,8 @@
 #include "config/sweep/override.hpp"
 
 #include "base/text.hpp"
-#include "config/keys/schema.hpp"
+#include "config/keys/key_table.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sweep/sweep_axes.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -2,14 +2,12 @@
 #include "config/sweep/sweep_axes.hpp"
 
 #include "base/text.hpp"
-#include "config/keys/schema.hpp"
+#include "config/keys/key_table.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sweep/axis_values.hpp"
 #include "sampling/next_points.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <functional>
 #include <set>
 #include <tuple>
 #include <unordered_set>

@@ -5,10 +5,8 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
-#include "config/document/reader.hpp"
 #include "config/sweep/axis_values.hpp"
 #include "sampling/design.hpp"
-#include "sampling/distribution.hpp"
 
 #include <algorithm>
 #include <array>

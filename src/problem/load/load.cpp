@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/load.hpp"
 
-#include "base/field.hpp"
 #include "base/units.hpp"
 #include "problem/load/load_pattern.hpp"
 #include "problem/load/motion/course.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
 #include <numeric>
 
 namespace shearwake {
-
 namespace {
 
 /// Chebyshev nodes from `low_m` to `high_m`; one node if both are equal. The force of an array

@@ -4,7 +4,6 @@
 #include "base/field.hpp"
 #include "config/job.hpp"
 #include "config/keys/key_table.hpp"
-#include "config/keys/schema.hpp"
 
 #include <catch2/catch.hpp>
 #include <algorithm>

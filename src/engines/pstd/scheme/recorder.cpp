@@ -7,40 +7,12 @@
 #include <cmath>
 #include <complex>
 #include <fftw3.h>
-#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 #include <numeric>
 
 namespace shearwake::pstd {
 namespace {
-
-/// Quantities: pressure, the fields of the grid, velocities at the nodes, their compressional and
-/// shear parts, and intensities.
-constexpr std::array quantities = {"p",
-                                   "ux",
-                                   "uy",
-                                   "uz",
-                                   "sxx",
-                                   "syy",
-                                   "szz",
-                                   "sxy",
-                                   "sxz",
-                                   "syz",
-                                   "ux_non_staggered",
-                                   "uy_non_staggered",
-                                   "uz_non_staggered",
-                                   "ux_split_p",
-                                   "uy_split_p",
-                                   "uz_split_p",
-                                   "ux_split_s",
-                                   "uy_split_s",
-                                   "uz_split_s",
-                                   "Ix",
-                                   "Iy",
-                                   "Iz"};
-constexpr std::size_t pressure = 0, fields = 1, moved = 10, split_p = 13, split_s = 16,
-                      intensity = 19;
 
 template <class Real>
 double pressure_at(const Stepper<Real>& stepper, std::size_t at) {
@@ -52,27 +24,10 @@ double pressure_at(const Stepper<Real>& stepper, std::size_t at) {
 
 template <class Real>
 double value_at(const Stepper<Real>& stepper, std::size_t quantity, std::size_t at) {
-    return quantity == pressure
+    return quantity == Recorder::pressure
                ? pressure_at(stepper, at)
-               : static_cast<double>(stepper.total(static_cast<Field>(quantity - fields))[at]);
-}
-
-/// Moves a periodic series by half a sample to later times. The highest frequency of an even number
-/// of samples is omitted, as in k-Wave.
-void move_half_a_sample(std::span<double> series) {
-    const std::size_t n = series.size();
-    std::vector<std::complex<double>> spectrum(n / 2 + 1);
-    auto* raw = fft::FftwOf<double>::raw(spectrum.data());
-    const int length = static_cast<int>(n);
-    const auto run = [](fftw_plan plan) { fftw_execute(fft::checked_plan(plan).get()); };
-    run(fftw_plan_dft_r2c_1d(length, series.data(), raw, FFTW_ESTIMATE));
-    for (std::size_t m = 0; m < spectrum.size(); ++m)
-        spectrum[m] *=
-            2 * m == n
-                ? 0.0
-                : std::polar(1.0 / static_cast<double>(n),
-                             std::numbers::pi * static_cast<double>(m) / static_cast<double>(n));
-    run(fftw_plan_dft_c2r_1d(length, raw, series.data(), FFTW_ESTIMATE));
+               : static_cast<double>(
+                     stepper.total(static_cast<Field>(quantity - Recorder::fields))[at]);
 }
 
 } // namespace
@@ -136,86 +91,6 @@ private:
     Slabs slabs_;
 };
 
-// ---- what is recorded
-
-std::string Recorder::Record::units() const {
-    if (quantity >= intensity) return "W/m2";
-    return quantity == pressure || (quantity >= fields + 3 && quantity < moved) ? "Pa" : "m/s";
-}
-
-std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& names) {
-    std::vector<Record> records;
-    const auto add = [&](std::size_t quantity, std::size_t count, Statistic statistic,
-                         const std::string& suffix = "", bool is_output = true) {
-        for (std::size_t q = quantity; q < quantity + count; ++q) {
-            const std::string name = quantities[q] + suffix;
-            const auto known = std::find_if(records.begin(), records.end(),
-                                            [&](const Record& one) { return one.name == name; });
-            if (known == records.end()) records.push_back({name, q, statistic, is_output, {}});
-        }
-    };
-    for (std::size_t f = 0; f < field_count; ++f)
-        if (names.contains(quantities[fields + f])) add(fields + f, 1, Statistic::series);
-    constexpr std::pair<const char*, Statistic> suffixes[] = {
-        {"", Statistic::series},          {"_max", Statistic::max},
-        {"_min", Statistic::min},         {"_rms", Statistic::rms},
-        {"_max_all", Statistic::max_all}, {"_min_all", Statistic::min_all},
-        {"_final", Statistic::final}};
-    for (const auto& [suffix, statistic] : suffixes) {
-        if (names.contains(fmt::format("p{}", suffix))) add(pressure, 1, statistic, suffix);
-        if (names.contains(fmt::format("u{}", suffix))) add(fields, 3, statistic, suffix);
-    }
-    if (names.contains("u_non_staggered")) add(moved, 3, Statistic::series);
-    if (names.contains("u_split_field")) add(split_p, 6, Statistic::series);
-    if (names.contains("I") || names.contains("I_avg")) {
-        add(pressure, 1, Statistic::series, "", false);
-        add(moved, 3, Statistic::series, "", false);
-        add(intensity, 3, Statistic::series, "", names.contains("I"));
-        if (names.contains("I_avg")) add(intensity, 3, Statistic::mean, "_avg");
-    }
-    return records;
-}
-
-double Recorder::memory_B(const SensorPoints& points, const Grid& grid,
-                          const std::set<std::string>& records, std::ptrdiff_t samples, int ranks) {
-    double grid_points = 1.0;
-    for (const std::ptrdiff_t n : grid.points)
-        grid_points *= static_cast<double>(n);
-    const auto count = static_cast<double>(points.size());
-    double values = 0.0;
-    for (const Record& record : records_of(records)) {
-        if (record.is_series())
-            values += count * static_cast<double>(samples);
-        else if (!record.is_grid())
-            values += count;
-        else if (record.statistic != Statistic::final)
-            values += grid_points;
-    }
-    double gathered = 0.0; // on rank 0
-    if (records.contains("u_split_field"))
-        gathered = 6.0 * grid_points;
-    else if (std::any_of(records.begin(), records.end(), [](const std::string& record) {
-                 return record.ends_with("_all") || record.ends_with("_final");
-             }))
-        gathered = 2.0 * grid_points;
-    return sizeof(double) * (values / ranks + gathered) +
-           48.0 * static_cast<double>(points.nodes.size());
-}
-
-double Recorder::output_values(const SensorPoints& points, const Grid& grid,
-                               const std::set<std::string>& records, std::ptrdiff_t samples) {
-    double values = 0.0;
-    for (const Record& record : records_of(records))
-        if (record.is_output)
-            values += record.is_grid()
-                          ? static_cast<double>(grid.points[0]) *
-                                static_cast<double>(grid.points[1]) *
-                                static_cast<double>(grid.points[2])
-                          : static_cast<double>(points.size()) *
-                                (record.is_series() ? static_cast<double>(samples) : 1.0);
-    return values;
-}
-
 /// Whether a record of points, or one that is computed from it, has one of these quantities.
 bool Recorder::needs(std::size_t first, std::size_t count) const {
     return std::any_of(records_.begin(), records_.end(), [&](const Record& record) {
@@ -227,7 +102,7 @@ Recorder::Recorder(const SensorPoints& points, const Slabs& slabs,
                    const std::set<std::string>& records, std::ptrdiff_t first_step,
                    std::ptrdiff_t steps)
     : points_(points), slabs_(slabs), first_step_(first_step), samples_(steps - first_step + 1),
-      records_(records_of(records)), order_(points.nodes.size()), now_(quantities.size()) {
+      records_(records_of(records)), order_(points.nodes.size()), now_(quantity_count) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     const auto x_of = [&](std::size_t node) { return points.nodes[node][0]; };
     std::stable_sort(order_.begin(), order_.end(),
@@ -428,61 +303,6 @@ void Recorder::add(const Stepper<Real>& stepper, const Comm& team) {
     }
 }
 
-// ---- output
-
-/// The intensity is the product of the pressure and the velocity at the nodes, which is moved to
-/// the times of the pressure.
-void Recorder::finish() {
-    const auto samples = static_cast<std::size_t>(samples_);
-    const auto series = [&](std::size_t quantity) {
-        return std::find_if(records_.begin(), records_.end(), [&](const Record& one) {
-            return one.quantity == quantity && one.is_series();
-        });
-    };
-    for (Record& record : records_) {
-        if (record.quantity < intensity || !record.is_series()) continue;
-        const std::vector<double>& p = series(pressure)->values;
-        record.values = series(record.quantity - intensity + moved)->values;
-        for (std::size_t i = 0; i < count_points_; ++i) {
-            const std::span<double> row(record.values.data() + i * samples, samples);
-            move_half_a_sample(row);
-            for (std::size_t s = 0; s < samples; ++s)
-                row[s] *= p[i * samples + s];
-        }
-    }
-    for (Record& record : records_)
-        if (record.statistic == Statistic::mean)
-            for (std::size_t i = 0; i < count_points_; ++i) {
-                const auto from = series(record.quantity)->values.begin() +
-                                  static_cast<std::ptrdiff_t>(i * samples);
-                record.values[i] =
-                    std::accumulate(from, from + samples_, 0.0) / static_cast<double>(samples_);
-            }
-}
-
-/// Gathered on rank 0, which puts the points in the order of the sensor.
-std::vector<double> Recorder::samples_of(const Record& record, std::size_t first, std::size_t count,
-                                         const Comm& team) const {
-    const auto samples = record.is_series() ? static_cast<std::size_t>(samples_) : std::size_t{1};
-    std::vector<double> mine;
-    mine.reserve(count_points_ * count);
-    for (std::size_t i = 0; i < count_points_; ++i)
-        for (std::size_t s = 0; s < count; ++s) {
-            const double value = record.values[i * samples + first + s];
-            mine.push_back(record.statistic == Statistic::rms
-                               ? std::sqrt(value / static_cast<double>(samples_))
-                               : value);
-        }
-    const std::vector<double> sorted = team.gather(mine);
-    if (!team.is_root()) return {};
-    const std::size_t points = point_order_.size();
-    std::vector<double> block(points * count);
-    for (std::size_t i = 0; i < points; ++i)
-        for (std::size_t s = 0; s < count; ++s)
-            block[s * points + point_order_[i]] = sorted[i * count + s];
-    return block;
-}
-
 template <class Real>
 std::vector<double> Recorder::grid_of(const Record& record, const Stepper<Real>& stepper,
                                       const Comm& team) const {
@@ -491,74 +311,10 @@ std::vector<double> Recorder::grid_of(const Record& record, const Stepper<Real>&
                            : record.values);
 }
 
-template <class Real>
-std::vector<engines::SensorRecord> Recorder::results(const Stepper<Real>& stepper,
-                                                     const Comm& team) {
-    finish();
-    std::vector<engines::SensorRecord> all;
-    for (const Record& record : records_) {
-        if (!record.is_output) continue;
-        engines::SensorRecord one{.name = record.name, .units = record.units()};
-        if (record.is_grid()) {
-            one.of = engines::SensorRecord::Of::grid;
-            one.values = grid_of(record, stepper, team);
-        } else if (record.is_series()) {
-            constexpr std::size_t values_at_once = std::size_t{1} << 22;
-            const auto samples = static_cast<std::size_t>(samples_);
-            const std::size_t points = point_order_.size();
-            const std::size_t most =
-                std::max<std::size_t>(1, values_at_once / std::max<std::size_t>(points, 1));
-            one.of = engines::SensorRecord::Of::points_and_samples;
-            if (team.is_root()) one.values.resize(points * samples);
-            for (std::size_t first = 0; first < samples; first += most) {
-                const std::size_t count = std::min(most, samples - first);
-                const std::vector<double> block = samples_of(record, first, count, team);
-                for (std::size_t p = 0; p < points && !block.empty(); ++p)
-                    for (std::size_t s = 0; s < count; ++s)
-                        one.values[p * samples + first + s] = block[s * points + p];
-            }
-        } else {
-            one.of = engines::SensorRecord::Of::points;
-            one.values = samples_of(record, 0, 1, team);
-        }
-        if (team.is_root()) all.push_back(std::move(one));
-    }
-    return all;
-}
-
-DistributedRows Recorder::rows(const Record& record) const {
-    if (!record.is_grid())
-        return {.total = static_cast<std::ptrdiff_t>(point_order_.size()),
-                .start = static_cast<std::ptrdiff_t>(first_point_),
-                .count = static_cast<std::ptrdiff_t>(count_points_),
-                .row_length = record.is_series() ? samples_ : 1};
-    return {.total = slabs_.nx(),
-            .start = slabs_.x_start(),
-            .count = slabs_.x_count(),
-            .row_length = slabs_.ny() * slabs_.nz()};
-}
-
-void Recorder::save(StateWriter& state) const {
-    for (const Record& record : records_)
-        if (record.statistic != Statistic::final && record.quantity < intensity &&
-            rows(record).total > 0)
-            state.put("record_" + record.name, rows(record), record.values.data());
-}
-
-void Recorder::restore(const StateReader& state) {
-    for (Record& record : records_)
-        if (record.statistic != Statistic::final && record.quantity < intensity &&
-            rows(record).total > 0)
-            state.get("record_" + record.name, rows(record), record.values.data());
-}
-
 template void Recorder::add(const Stepper<double>&, const Comm&);
 template void Recorder::add(const Stepper<float>&, const Comm&);
 template std::vector<double> Recorder::grid_of(const Record&, const Stepper<double>&,
                                                const Comm&) const;
 template std::vector<double> Recorder::grid_of(const Record&, const Stepper<float>&,
                                                const Comm&) const;
-template std::vector<engines::SensorRecord> Recorder::results(const Stepper<double>&, const Comm&);
-template std::vector<engines::SensorRecord> Recorder::results(const Stepper<float>&, const Comm&);
-
 } // namespace shearwake::pstd

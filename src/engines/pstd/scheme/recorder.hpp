@@ -19,6 +19,10 @@ class SplitFields;
 /// (sensor_records) and of the fields.
 class Recorder {
 public:
+    /// Indices of quantities: pressure, the fields of the grid, velocities at the nodes, their
+    /// compressional and shear parts, and intensities.
+    static constexpr std::size_t pressure = 0, fields = 1, moved = 10, split_p = 13, split_s = 16,
+                                 intensity = 19, quantity_count = 22;
     enum class Statistic { series, max, min, rms, mean, max_all, min_all, final };
     struct Record {
         std::string name; // of the dataset: ux_max

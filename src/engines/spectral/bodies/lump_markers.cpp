@@ -12,7 +12,6 @@
 #include <tuple>
 
 namespace shearwake::spectral {
-
 namespace {
 
 /// Distance of the rings of an ellipsoid along a meridian, in spacings. With marker_spacing, the
@@ -242,6 +241,83 @@ std::vector<Vec3> on_lying(const Cylinder& shape, Endless along, const Spacings&
     return points;
 }
 
+/// lump_mass() from cells whose mass is at their centre, `samples` along each side of the bounds
+/// of the body without its orientation.
+std::vector<double> sampled_mass(const Body& body, const Body& lump, const Medium& medium,
+                                 int samples) {
+    const bool turned = is_turned(lump);
+    const Body straight = aligned(lump);
+    const BodyAxes axes = axes_of(lump);
+    const Bounds box = bounds(straight);
+    const Vec3 cell = (1.0 / samples) * (box.high_m - box.low_m);
+    std::vector<double> mass(lump_freedoms * lump_freedoms, 0.0);
+    for (int i = 0; i < samples; ++i)
+        for (int j = 0; j < samples; ++j)
+            for (int k = 0; k < samples; ++k) {
+                const Vec3 cell_m =
+                    box.low_m + Vec3{(i + 0.5) * cell.x, (j + 0.5) * cell.y, (k + 0.5) * cell.z};
+                const Vec3 at =
+                    turned ? lump.centre_m + axes.to_medium(cell_m - lump.centre_m) : cell_m;
+                const double around = density_at(medium, at.z);
+                const double more = (body.density_kg_m3.value_or(around) - around) * cell.x *
+                                    cell.y * cell.z * volume_fraction(straight, cell_m, cell);
+                const auto moves = motions_at(at - body.centre_m);
+                for (std::size_t a = 0; a < lump_freedoms; ++a)
+                    for (std::size_t b = 0; b < lump_freedoms; ++b)
+                        mass[a * lump_freedoms + b] +=
+                            more * (moves[a].x * moves[b].x + moves[a].y * moves[b].y +
+                                    moves[a].z * moves[b].z);
+            }
+    return mass;
+}
+
+constexpr double same_depth = 0.3, same_point = 0.4;
+
+/// Moves points at almost the same depth to one.
+void join_depths(double within_m, std::vector<Vec3>& points) {
+    std::sort(points.begin(), points.end(),
+              [](Vec3 a, Vec3 b) { return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y); });
+    for (std::size_t begin = 0, end; begin < points.size(); begin = end) {
+        for (end = begin; end < points.size() && points[end].z <= points[begin].z + within_m;)
+            ++end;
+        const double depth_m = 0.5 * (points[begin].z + points[end - 1].z);
+        for (std::size_t i = begin; i < end; ++i)
+            points[i].z = depth_m;
+    }
+}
+
+/// Replaces points that are too close to each other, as at the rim of a flat body, by their mean,
+/// which preserves the symmetry. The points are sorted by depth.
+void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
+    std::vector<std::size_t> group(points.size());
+    std::iota(group.begin(), group.end(), std::size_t{0});
+    const auto first_of = [&](std::size_t i) {
+        while (group[i] != i)
+            i = group[i];
+        return i;
+    };
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t j = i + 1;
+             j < points.size() && points[j].z - points[i].z < same_point * down_m; ++j) {
+            const Vec3 apart = points[j] - points[i];
+            if (norm({apart.x / across_m, apart.y / across_m, apart.z / down_m}) < same_point) {
+                const std::size_t a = first_of(i), b = first_of(j);
+                group[std::max(a, b)] = std::min(a, b);
+            }
+        }
+    std::vector<Vec3> sums(points.size());
+    std::vector<double> counts(points.size(), 0.0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        sums[first_of(i)] = sums[first_of(i)] + points[i];
+        counts[first_of(i)] += 1.0;
+    }
+    std::vector<Vec3> joined;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (counts[i] > 0.0)
+            joined.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
+    points = std::move(joined);
+}
+
 } // namespace
 
 Body lump_in(const Body& body, const Domain& domain) {
@@ -298,47 +374,11 @@ std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double sp
 std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m) {
     std::array<Vec3, lump_freedoms> all;
     for (std::size_t f = 0; f < lump_freedoms; ++f) {
-        const double unit[3] = {f % 3 == 0 ? 1.0 : 0.0, f % 3 == 1 ? 1.0 : 0.0,
-                                f % 3 == 2 ? 1.0 : 0.0};
-        const Vec3 axis{unit[0], unit[1], unit[2]};
+        const Vec3 axis{f % 3 == 0 ? 1.0 : 0.0, f % 3 == 1 ? 1.0 : 0.0, f % 3 == 2 ? 1.0 : 0.0};
         all[f] = (f < 3 ? RigidMotion{axis, {}} : RigidMotion{{}, axis}).at(offset_m);
     }
     return all;
 }
-
-namespace {
-
-/// lump_mass() from cells whose mass is at their centre, `samples` along each side of the bounds
-/// of the body without its orientation.
-std::vector<double> sampled_mass(const Body& body, const Body& lump, const Medium& medium,
-                                 int samples) {
-    const bool turned = is_turned(lump);
-    const Body straight = aligned(lump);
-    const BodyAxes axes = axes_of(lump);
-    const Bounds box = bounds(straight);
-    const Vec3 cell = (1.0 / samples) * (box.high_m - box.low_m);
-    std::vector<double> mass(lump_freedoms * lump_freedoms, 0.0);
-    for (int i = 0; i < samples; ++i)
-        for (int j = 0; j < samples; ++j)
-            for (int k = 0; k < samples; ++k) {
-                const Vec3 cell_m =
-                    box.low_m + Vec3{(i + 0.5) * cell.x, (j + 0.5) * cell.y, (k + 0.5) * cell.z};
-                const Vec3 at =
-                    turned ? lump.centre_m + axes.to_medium(cell_m - lump.centre_m) : cell_m;
-                const double around = density_at(medium, at.z);
-                const double more = (body.density_kg_m3.value_or(around) - around) * cell.x *
-                                    cell.y * cell.z * volume_fraction(straight, cell_m, cell);
-                const auto moves = motions_at(at - body.centre_m);
-                for (std::size_t a = 0; a < lump_freedoms; ++a)
-                    for (std::size_t b = 0; b < lump_freedoms; ++b)
-                        mass[a * lump_freedoms + b] +=
-                            more * (moves[a].x * moves[b].x + moves[a].y * moves[b].y +
-                                    moves[a].z * moves[b].z);
-            }
-    return mass;
-}
-
-} // namespace
 
 std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medium& medium) {
     const Body lump = lump_in(body, domain);
@@ -348,57 +388,6 @@ std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medi
         mass[i] += (mass[i] - coarse[i]) / 3.0;
     return mass;
 }
-
-namespace {
-
-constexpr double same_depth = 0.3, same_point = 0.4;
-
-/// Moves points at almost the same depth to one.
-void join_depths(double within_m, std::vector<Vec3>& points) {
-    std::sort(points.begin(), points.end(),
-              [](Vec3 a, Vec3 b) { return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y); });
-    for (std::size_t begin = 0, end; begin < points.size(); begin = end) {
-        for (end = begin; end < points.size() && points[end].z <= points[begin].z + within_m;)
-            ++end;
-        const double depth_m = 0.5 * (points[begin].z + points[end - 1].z);
-        for (std::size_t i = begin; i < end; ++i)
-            points[i].z = depth_m;
-    }
-}
-
-/// Replaces points that are too close to each other, as at the rim of a flat body, by their mean,
-/// which preserves the symmetry. The points are sorted by depth.
-void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
-    std::vector<std::size_t> group(points.size());
-    std::iota(group.begin(), group.end(), std::size_t{0});
-    const auto first_of = [&](std::size_t i) {
-        while (group[i] != i)
-            i = group[i];
-        return i;
-    };
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t j = i + 1;
-             j < points.size() && points[j].z - points[i].z < same_point * down_m; ++j) {
-            const Vec3 apart = points[j] - points[i];
-            if (norm({apart.x / across_m, apart.y / across_m, apart.z / down_m}) < same_point) {
-                const std::size_t a = first_of(i), b = first_of(j);
-                group[std::max(a, b)] = std::min(a, b);
-            }
-        }
-    std::vector<Vec3> sums(points.size());
-    std::vector<double> counts(points.size(), 0.0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sums[first_of(i)] = sums[first_of(i)] + points[i];
-        counts[first_of(i)] += 1.0;
-    }
-    std::vector<Vec3> joined;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (counts[i] > 0.0)
-            joined.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
-    points = std::move(joined);
-}
-
-} // namespace
 
 void join_close_points(double across_m, double down_m, std::vector<Vec3>& points) {
     join_depths(same_depth * down_m, points);

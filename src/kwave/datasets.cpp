@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/error.hpp"
+#include "kwave/reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <hdf5.h>
+
+namespace shearwake::kwave {
+namespace {
+
+/// Values of a dataset per stored byte: gzip shortens constant data by at most this factor.
+constexpr hsize_t most_compression = 1100, always_allowed_B = 64'000'000;
+
+std::string text_of(const Shape& shape) {
+    return fmt::format("({}, {}, {})", shape[0], shape[1], shape[2]);
+}
+
+void check_finite(const std::string& name, std::span<const float> values, const Shape& shape,
+                  std::ptrdiff_t x0 = 0) {
+    const auto bad = std::find_if(values.begin(), values.end(),
+                                  [](float value) { return !std::isfinite(value); });
+    if (bad == values.end()) return;
+    const auto at = static_cast<hsize_t>(bad - values.begin());
+    throw UsageError(fmt::format("{} contains {} at index ({}, {}, {})", name, *bad,
+                                 at % shape[2] + static_cast<hsize_t>(x0) + 1,
+                                 at / shape[2] % shape[1] + 1, at / shape[2] / shape[1] + 1));
+}
+
+} // namespace
+
+std::optional<std::string> text_attribute(hid_t object, const char* name) {
+    if (!h5::has_attribute(object, name)) return {};
+    const h5::Id attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "open an attribute");
+    const h5::Id type(H5Aget_type(attribute.raw()), H5Tclose, "inspect an attribute"),
+        space(H5Aget_space(attribute.raw()), H5Sclose, "inspect an attribute");
+    if (H5Tget_class(type.raw()) != H5T_STRING || H5Sget_simple_extent_npoints(space.raw()) != 1)
+        return {};
+    if (H5Tis_variable_str(type.raw()) <= 0) return h5::text_attribute(object, name);
+    char* text = nullptr;
+    h5::check(H5Aread(attribute.raw(), type.raw(), &text), "read an attribute");
+    std::string copy = text ? text : "";
+    H5free_memory(text);
+    return copy;
+}
+
+h5::Id Reader::open(const std::string& name, Kind kind) const {
+    if (!has(name)) throw UsageError(fmt::format("the dataset {} is missing", name));
+    h5::Id dataset = h5::open_dataset(file_, name);
+    const h5::Id type(H5Dget_type(dataset.raw()), H5Tclose, "inspect " + name);
+    const bool integers = kind == Kind::integer;
+    const std::size_t size = H5Tget_size(type.raw());
+    if (H5Tget_class(type.raw()) != (integers ? H5T_INTEGER : H5T_FLOAT) ||
+        size != (integers ? 8 : 4) || (integers && H5Tget_sign(type.raw()) != H5T_SGN_NONE))
+        throw UsageError(fmt::format("{} must contain {} numbers, but contains others of {} bytes",
+                                     name,
+                                     integers ? "unsigned integers of 64 bits as"
+                                              : "floating-point numbers of "
+                                                "32 bits as",
+                                     size));
+    const std::string data = integers ? "long" : "float",
+                      domain = kind == Kind::complex ? "complex" : "real";
+    const auto found_data = text_attribute(dataset.raw(), "data_type"),
+               found_domain = text_attribute(dataset.raw(), "domain_type");
+    if (found_data != data || found_domain != domain)
+        throw UsageError(fmt::format("{} has the attributes data_type \"{}\" and domain_type "
+                                     "\"{}\"; they must be \"{}\" and \"{}\"",
+                                     name, found_data.value_or(""), found_domain.value_or(""), data,
+                                     domain));
+    return dataset;
+}
+
+Shape Reader::shape_of(const h5::Id& dataset, const std::string& name) {
+    const std::vector<hsize_t> found = h5::shape(dataset);
+    if (found.size() != 3)
+        throw UsageError(fmt::format("{} has {} dimensions; it must have 3", name, found.size()));
+    return {found[0], found[1], found[2]};
+}
+
+h5::Id Reader::open(const std::string& name, Kind kind, const Shape& expected) const {
+    h5::Id dataset = open(name, kind);
+    const Shape shape = shape_of(dataset, name);
+    if (shape != expected)
+        throw UsageError(fmt::format("{} has the shape {}, but {} is expected", name,
+                                     text_of(shape), text_of(expected)));
+    hsize_t values = 1;
+    for (const hsize_t extent : shape)
+        values *= extent;
+    const hsize_t stored_B = H5Dget_storage_size(dataset.raw());
+    if (4 * values > std::max(always_allowed_B, most_compression * stored_B))
+        throw UsageError(
+            fmt::format("{} declares {} values, but stores only {} bytes", name, values, stored_B));
+    return dataset;
+}
+
+std::vector<float> Reader::reals(const std::string& name, const Shape& shape, Kind kind) const {
+    const h5::Id dataset = open(name, kind, shape);
+    std::vector<float> values(static_cast<std::size_t>(shape[0] * shape[1] * shape[2]));
+    h5::check(
+        H5Dread(dataset.raw(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        "read " + name);
+    check_finite(name, values, shape);
+    return values;
+}
+
+std::uint64_t Reader::integer(const std::string& name) {
+    const h5::Id dataset = open(name, Kind::integer, {1, 1, 1});
+    std::uint64_t value = 0;
+    h5::check(H5Dread(dataset.raw(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value),
+              "read " + name);
+    return input_.integers[name] = value;
+}
+
+std::uint64_t Reader::flag(const std::string& name, std::uint64_t most) {
+    const std::uint64_t value = integer(name);
+    if (value > most)
+        throw UsageError(fmt::format("{} is {}; it must be at most {}", name, value, most));
+    return value;
+}
+
+double Reader::number(const std::string& name, bool positive) {
+    const double value = static_cast<double>(reals(name, {1, 1, 1})[0]);
+    if (value < 0.0 || (positive && value == 0.0))
+        throw UsageError(fmt::format("{} is {}; it must be {}", name, value,
+                                     positive ? "positive" : "0 or more"));
+    return input_.numbers[name] = value;
+}
+
+/// Indices of nodes, from 0.
+std::vector<std::ptrdiff_t> Reader::indices(const std::string& name) const {
+    const hsize_t count = shape_of(open(name, Kind::integer), name)[2];
+    if (count > n_[0] * n_[1] * n_[2])
+        throw UsageError(fmt::format("{} has {} nodes, more than the grid", name, count));
+    const h5::Id dataset = open(name, Kind::integer, {1, 1, count});
+    std::vector<std::uint64_t> values(count);
+    if (count > 0)
+        h5::check(
+            H5Dread(dataset.raw(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+            "read " + name);
+    std::vector<std::ptrdiff_t> result;
+    for (const std::uint64_t value : values) {
+        if (value < 1 || value > n_[0] * n_[1] * n_[2])
+            throw UsageError(fmt::format("{} contains {}; indices must be 1 to {}, the number of "
+                                         "nodes",
+                                         name, value, n_[0] * n_[1] * n_[2]));
+        result.push_back(static_cast<std::ptrdiff_t>(value) - 1);
+    }
+    return result;
+}
+
+pstd::Node Reader::node_of(std::ptrdiff_t index) const {
+    const auto nx = static_cast<std::ptrdiff_t>(n_[0]), ny = static_cast<std::ptrdiff_t>(n_[1]);
+    return {index % nx, index / nx % ny, index / nx / ny};
+}
+
+/// One value, or this rank's planes and the next one.
+NodeValues Reader::field(const std::string& name) const {
+    const Shape one = {1, 1, 1}, all = {n_[2], n_[1], n_[0]};
+    if (const h5::Id dataset = open(name, Kind::real); shape_of(dataset, name) == one)
+        return {.values = reals(name, one)};
+    const h5::Id dataset = open(name, Kind::real, all);
+    const std::ptrdiff_t x0 = slabs_.x_start();
+    const hsize_t start[3] = {0, 0, static_cast<hsize_t>(x0)};
+    const Shape count = {n_[2], n_[1],
+                         slabs_.x_count() == 0 ? 0
+                                               : static_cast<hsize_t>(std::min(slabs_.x_count() + 1,
+                                                                               slabs_.nx() - x0))};
+    NodeValues field{.values = std::vector<float>(count[0] * count[1] * count[2]),
+                     .x0 = x0,
+                     .nx = static_cast<std::ptrdiff_t>(count[2]),
+                     .ny = slabs_.ny()};
+    if (field.values.empty()) return field;
+    const h5::Id in_file(H5Dget_space(dataset.raw()), H5Sclose, "find a dataspace"),
+        memory(H5Screate_simple(3, count.data(), nullptr), H5Sclose, "create a dataspace");
+    h5::check(
+        H5Sselect_hyperslab(in_file.raw(), H5S_SELECT_SET, start, nullptr, count.data(), nullptr),
+        "select a block");
+    h5::check(H5Dread(dataset.raw(), H5T_NATIVE_FLOAT, memory.raw(), in_file.raw(), H5P_DEFAULT,
+                      field.values.data()),
+              "read " + name);
+    check_finite(name, field.values, count, x0);
+    return field;
+}
+
+} // namespace shearwake::kwave
