@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/mach_angle.hpp"
 
-#include "base/units.hpp"
 #include "measures/surface_sums.hpp"
 
 #include <fmt/format.h>

@@ -8,7 +8,6 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace shearwake::measures {
 

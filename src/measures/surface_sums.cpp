@@ -5,10 +5,8 @@
 #include "measures/spatial_measures.hpp"
 #include "simd/kernels.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
 #include <utility>
 
 namespace shearwake::measures {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
-#include <vector>
 
 namespace shearwake::measures {
 

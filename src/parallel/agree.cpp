@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
-#include <string>
 
 namespace shearwake {
 namespace {

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <ctime>
 #include <limits>

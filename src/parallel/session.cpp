@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/session.hpp"
 
-#include "base/error.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "simd/instruction_set.hpp"
@@ -21,7 +20,6 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
-#include <string>
 #include <sys/stat.h>
 #include <thread>
 #include <poll.h>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/shared_counters.hpp"
 
-#include "base/units.hpp"
-
 #include <algorithm>
 #include <atomic>
 

@@ -6,7 +6,6 @@
 #include "base/units.hpp"
 #include "measures/measure_table.hpp"
 #include "reduce/adaptive_tables.hpp"
-#include "reduce/table.hpp"
 #include "reduce/uncertain_tables.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/case_file/groups.hpp"
@@ -21,7 +20,6 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
 
 namespace shearwake::reduce {

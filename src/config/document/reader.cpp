@@ -11,7 +11,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <sstream>
-#include <string_view>
 
 namespace shearwake::config {
 

@@ -9,8 +9,6 @@
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
-#include "engines/layered/response/case_progress.hpp"
-#include "engines/layered/response/transfer_table.hpp"
 #include "fft/aligned.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -19,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace shearwake::layered {
 namespace {

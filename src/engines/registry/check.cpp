@@ -10,10 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <numbers>
-#include <string>
 
 namespace shearwake {
 

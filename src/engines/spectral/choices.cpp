@@ -7,7 +7,6 @@
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 
 namespace shearwake::spectral {

@@ -18,7 +18,6 @@
 #include <complex>
 #include <fmt/format.h>
 #include <numeric>
-#include <vector>
 
 namespace shearwake::spectral {
 

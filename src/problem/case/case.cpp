@@ -4,8 +4,6 @@
 #include "base/text.hpp"
 #include "problem/case/text_walk.hpp"
 
-#include <algorithm>
-
 namespace shearwake {
 bool wants_tangential(const Case& c) {
     return c.vibrometer && c.vibrometer->is_tilted();

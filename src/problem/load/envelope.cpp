@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/envelope.hpp"
 
-#include "base/field.hpp"
 #include "base/units.hpp"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/footprint.hpp"
 
-#include "base/field.hpp"
 #include "base/units.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
 #include "problem/load/array_field.hpp"
@@ -12,8 +11,6 @@
 #include <deque>
 #include <numbers>
 #include <numeric>
-#include <optional>
-#include <vector>
 
 namespace shearwake {
 

@@ -5,7 +5,6 @@
 #include "pipeline/case_checkpoints.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/run/deadline.hpp"
-#include "schedule/run/run_arguments.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"

@@ -2,7 +2,6 @@
 #include "schedule/run/deadline.hpp"
 
 #include "base/error.hpp"
-#include "base/units.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string_view>

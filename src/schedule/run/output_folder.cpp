@@ -9,7 +9,6 @@
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "storage/journal/run_lock.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,14 +3,12 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>

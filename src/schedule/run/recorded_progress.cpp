@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::schedule {

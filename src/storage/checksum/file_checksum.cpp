@@ -15,7 +15,6 @@
 #include <sstream>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <utility>
 #include <vector>
 #include <xxhash.h>
 

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <initializer_list>
 #include <new>
 #include <string>
 #include <sys/resource.h>

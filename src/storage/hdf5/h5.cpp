@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/hdf5/h5.hpp"
 
-#include "base/error.hpp"
 #include "parallel/agree.hpp"
-#include "storage/hdf5/guard.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <hdf5_hl.h>
-#include <fmt/format.h>
 #include <mpi.h>
 #include <optional>
 #include <utility>

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
 #include <cstring>

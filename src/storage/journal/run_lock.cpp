@@ -6,7 +6,6 @@
 #include "storage/journal/journal.hpp"
 
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>

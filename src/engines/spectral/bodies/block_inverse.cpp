@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <span>
 
 namespace shearwake::spectral {
 namespace {

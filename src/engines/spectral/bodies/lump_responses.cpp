@@ -2,7 +2,6 @@
 #include "engines/spectral/bodies/lump_bodies.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace shearwake::spectral {
 namespace {

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "engines/spectral/depth/mesh_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>

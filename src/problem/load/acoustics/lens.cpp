@@ -2,7 +2,6 @@
 #include "problem/load/acoustics/lens.hpp"
 
 #include "base/units.hpp"
-#include "problem/load/acoustics/patch.hpp"
 
 #include <algorithm>
 #include <cmath>

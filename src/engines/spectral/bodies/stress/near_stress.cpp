@@ -3,7 +3,6 @@
 
 #include "problem/medium/material_field.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
