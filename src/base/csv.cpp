@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace shearwake {
 
@@ -42,9 +43,11 @@ bool CsvReader::next() {
             continue;
         }
         cells_.clear();
-        do
+        do {
+            if (cells_.size() == most_csv_cells)
+                throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
             cells_.push_back(cell());
-        while (take(','));
+        } while (take(','));
         take('\r');
         if (!rest_.empty() && !take('\n'))
             throw CsvError(next_line_, "a quoted cell continues after its closing quote");
@@ -63,8 +66,13 @@ bool CsvReader::take(char c) {
 std::string CsvReader::cell() {
     if (take('"')) return quoted_cell();
     const std::string_view text = rest_.substr(0, rest_.find_first_of(",\r\n"));
+    if (text.size() > longest_csv_cell) refuse_length();
     rest_.remove_prefix(text.size());
     return std::string(kind_ == CsvText::relaxed ? trimmed(text) : text);
+}
+
+void CsvReader::refuse_length() const {
+    throw CsvError(line_, fmt::format("a cell of more than {} characters", longest_csv_cell));
 }
 
 std::string CsvReader::quoted_cell() {
@@ -78,6 +86,7 @@ std::string CsvReader::quoted_cell() {
             return text;
         }
         breaks += c == '\n';
+        if (text.size() == longest_csv_cell) refuse_length();
         text += c;
     }
     throw CsvError(next_line_, "a quote that is never closed");

@@ -20,6 +20,10 @@ struct CsvError : std::runtime_error {
 /// empty lines and lines that begin with # (numbers that a user wrote), which are passed over.
 enum class CsvText { exact, relaxed };
 
+/// Limits of a row, since a cell takes more memory than the two characters that it may have in the
+/// file.
+constexpr std::size_t most_csv_cells = 100'000, longest_csv_cell = 100'000;
+
 /// Takes one row after the other off a CSV text (RFC 4180). A byte order mark is passed over.
 /// Throws CsvError.
 class CsvReader {
@@ -37,6 +41,7 @@ private:
     bool take(char c);
     std::string cell();
     std::string quoted_cell();
+    [[noreturn]] void refuse_length() const;
 
     std::string_view rest_, text_;
     CsvText kind_;

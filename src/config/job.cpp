@@ -99,7 +99,7 @@ TableSection read_table(Reader reader, const Sweep& sweep) {
     return table;
 }
 
-constexpr std::size_t most_bytes = 4'000'000;
+constexpr std::size_t most_bytes = 2'500'000; // elements of two characters take 250 MB
 constexpr std::size_t most_printed = 50;
 
 std::string all_lines(const std::vector<Diagnostic>& diagnostics) {

@@ -23,8 +23,8 @@ Persistence persistence_of(int error);
 
 /// Journals of large sweeps have some megabytes.
 inline constexpr std::uintmax_t largest_text_B = std::uintmax_t{1} << 30;
-/// User files: jobs, points of paths, motions.
-inline constexpr std::uintmax_t largest_user_text_B = std::uintmax_t{1} << 28;
+/// User files: jobs, points of paths, motions. Two copies and their numbers fit into 300 MB.
+inline constexpr std::uintmax_t largest_user_text_B = std::uintmax_t{1} << 26;
 
 /// Reads a regular file; devices and pipes may be endless or block. Throws UsageError (environment)
 /// for another kind of file, or a longer one.

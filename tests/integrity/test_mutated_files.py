@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of users with random changes: each reader of the program accepts them or reports an error, in limited time and memory."""
+import os
 import random
 import sys
 import unittest
+
+import h5py
+import numpy as np
 
 from attacks import accepted_or_refused, times
 from program import ROOT, ProgramTest, changed, command
@@ -72,6 +76,85 @@ class MutatedFiles(ProgramTest):
         for kind, content in examples(self.folder).items():
             name = f"{kind}{KINDS[kind]}"
             self.attack(name, content, [sys.executable, "-c", f"import sys; {folders}\n{program}", name])
+
+
+LIST = ('[sweep]', '[sweep]\nlist = "input.csv"')
+MEGABYTES = 60  # below the largest text that is read
+
+
+def write_repeated(path, start, part, end=""):
+    """A file that is never entirely in memory, since the memory of a command includes that of the process that starts it."""
+    block = part.encode() * (1_000_000 // len(part))
+    with path.open("wb") as file:
+        file.write(start.encode())
+        for _ in range(MEGABYTES):
+            file.write(block)
+        file.write(end.encode())
+
+
+class LargeFiles(ProgramTest):
+    """Long lines, many columns and rows, and holes: an error that names the file, in limited time and memory."""
+
+    def refused(self, call, name, about, codes=(2, 3, 6)):
+        said, _ = accepted_or_refused(self, call, codes, MOST_s, about)
+        self.assertIn(name, said, about)
+        return said
+
+    def test_long_lines_and_many_rows_of_csv_files(self):
+        (self.folder / "other.csv").write_text("id,a\nx,1\n", encoding="utf-8")
+        check = command("check", "job.toml", "--elsewhere")
+        for door, change, call, header in (
+                ("path", LINE, check, "x_mm,y_mm"), ("list", LIST, check, "load.peak_Pa"),
+                ("motion", None, command("respond", "input.csv", *RECEPTORS), "t_ms,u_um"),
+                ("table", None, command("diff", "input.csv", "other.csv"), "id,a")):
+            if change:
+                self.write_job(changed(change))
+            for kind, *content in (("cells", header + "\n", "1,"), ("header", header, ",a_um", "\n1,2\n"), ("cell", header + "\n", "1"),
+                                   ("rows", header + "\n", "1,1\n"), ("zeros", header + "\n", "\x00")):
+                write_repeated(self.folder / "input.csv", *content)
+                with self.subTest(door=door, kind=kind):
+                    self.refused(call, "input.csv", f"{door} {kind}")
+
+    def test_scans(self):
+        job = self.write_job(changed(SPECTRAL))
+        header = "x_m,y_m,quality," + ",".join(f"{k}e-4" for k in range(6))
+        sparse = 3 << 30
+        for kind, name, words, start, part in (
+                ("cells", "scan.csv", "fields", header + "\n", "1,"), ("header", "scan.csv", "fields", header, ",1"),
+                ("empty lines", "scan.csv", "lines", header + "\n", "\n"), ("remarks", "scan.csv", "remarks", header + "\n", "# a\n"),
+                ("values", "scan.csv", "values", header + "\n", "1,1,1,1,1,1,1,1,1\n"),
+                ("sparse CSV", "scan.csv", "sparse", header, ""), ("sparse UFF", "scan.uff", "sparse", "    -1\n    58\n", ""),
+                ("long line of UFF", "scan.uff", "characters", "    -1\n", "5"), ("lines of UFF", "scan.uff", "lines", "    -1\n  2411\n", "1\n")):
+            if part:
+                write_repeated(self.folder / name, start, part)
+            else:
+                (self.folder / name).write_text(start, encoding="ascii")
+                os.truncate(self.folder / name, sparse)
+            with self.subTest(kind=kind):
+                said = self.refused(command("measure", name, "--options", job, "--no-report"), name, kind, (2, 6))
+                self.says(said, words)
+
+    def test_sparse_maps(self):
+        self.write_job(changed(SPECTRAL, MAP))
+        with h5py.File(self.folder / "input.h5", "w") as file:
+            for axis, count in (("x_m", 400), ("y_m", 400), ("z_m", 200)):
+                file[axis] = 1e-3 * np.arange(count)
+            file.create_dataset("c_s_m_s", shape=(400, 400, 200), dtype=float)[0, 0, 0] = 5.0
+        self.says(self.refused(command("check", "job.toml", "--elsewhere"), "input.h5", "sparse"), "sparse")
+
+    def test_files_that_cannot_be_read_are_errors_of_the_job(self):
+        for change in (LINE, LIST, MAP):
+            self.write_job(changed(*([SPECTRAL, change] if change == MAP else [change])))
+            for kind in ("missing", "folder", "pipe", "loop"):
+                path = self.folder / ("input.h5" if change == MAP else "input.csv")
+                {"missing": lambda: None, "folder": path.mkdir, "pipe": lambda: os.mkfifo(path),
+                 "loop": lambda: path.symlink_to(path)}[kind]()
+                with self.subTest(change=change, kind=kind):
+                    self.refused(command("check", "job.toml", "--elsewhere"), path.name, kind, (3,))
+                if kind == "folder":
+                    path.rmdir()
+                elif kind != "missing":
+                    path.unlink()
 
 
 if __name__ == "__main__":

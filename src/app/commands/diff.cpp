@@ -17,6 +17,8 @@ struct DiffArguments {
     bool json = false;
 };
 
+constexpr std::uintmax_t largest_table_B = 100'000'000;
+
 std::filesystem::path table_of(const std::filesystem::path& path) {
     return reduce::table_in(path.extension() == ".csv" ? path
                                                        : schedule::folder_of_results(path).root);
@@ -27,15 +29,18 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world) {
     on_root(world, [&] {
         reduce::Tolerances tolerances;
         if (!arguments.tolerance_file.empty())
-            tolerances = reduce::read_tolerances(storage::read_file(arguments.tolerance_file),
-                                                 arguments.tolerance_file.string());
+            tolerances = reduce::read_tolerances(
+                storage::read_file(arguments.tolerance_file, storage::largest_user_text_B),
+                arguments.tolerance_file.string());
         for (const std::string& text : arguments.tolerances)
             reduce::add_tolerance(tolerances, text);
         const auto compared = table_of(arguments.compared);
         const auto reference = table_of(arguments.reference);
-        const reduce::Differences found = reduce::compare(
-            reduce::read_csv(storage::read_file(compared), compared.string()),
-            reduce::read_csv(storage::read_file(reference), reference.string()), tolerances);
+        const auto read = [](const std::filesystem::path& table) {
+            return reduce::read_csv(storage::read_file(table, largest_table_B), table.string());
+        };
+        const reduce::Differences found =
+            reduce::compare(read(compared), read(reference), tolerances);
         equal = found.none();
         if (arguments.json)
             fmt::print("{}", reduce::json_text(found, compared, reference));

@@ -44,9 +44,10 @@ AfferentOptions options_of(const RespondArguments& arguments) {
     const bool has_file = !arguments.options.empty();
     const std::filesystem::path folder = has_file ? arguments.options.parent_path() : ".";
     return read_afferent_options(
-        has_file ? storage::read_file(arguments.options) : "",
-        has_file ? arguments.options.string() : "options", overrides,
-        [&](const std::string& file) { return storage::read_file(folder / file); });
+        has_file ? storage::read_file(arguments.options, storage::largest_user_text_B) : "",
+        has_file ? arguments.options.string() : "options", overrides, [&](const std::string& file) {
+            return storage::read_file(folder / file, storage::largest_user_text_B);
+        });
 }
 
 struct GivenMotion {

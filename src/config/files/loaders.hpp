@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/error.hpp"
+#include "config/document/reader.hpp"
 #include "problem/case/study_data.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
 #include "problem/medium/material_map.hpp"
 
+#include <fmt/format.h>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace shearwake::config {
 
@@ -30,5 +35,21 @@ struct FileLoaders {
     StudyLoader load_study;
     std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
 };
+
+/// What `load` returns for the file that the key names. Nothing if the key is absent, or if the
+/// file cannot be read, which is then an error of the key.
+template <class Loader>
+auto load_named(Reader& reader, std::string_view key, const Loader& load)
+    -> std::optional<decltype(load(std::string()))> {
+    const auto name = reader.find_word(key);
+    if (!name) return std::nullopt;
+    try {
+        if (load) return load(*name);
+        reader.error(key, "names a file, but this job is read without access to files");
+    } catch (const UsageError& problem) {
+        reader.error(key, fmt::format("cannot be used: {}", problem.what()));
+    }
+    return std::nullopt;
+}
 
 } // namespace shearwake::config

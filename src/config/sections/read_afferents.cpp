@@ -25,20 +25,14 @@ void require(Reader& reader, const char* key, bool has_use, const char* where) {
 }
 
 AfferentPlaces read_list(Reader& reader, const TextLoader& load_text) {
-    const std::string name = reader.word("file");
-    if (name.empty()) return AfferentList{};
-    if (!load_text) {
-        reader.error("file", "names a file, but this job is read without access to files");
-        return AfferentList{};
-    }
-    try {
-        AfferentsFile file = read_listed_afferents(load_text(name));
-        if (!file.problem.empty()) reader.error("file", file.problem);
-        return AfferentList{std::move(file.afferents)};
-    } catch (const UsageError& error) {
-        reader.error("file", error.what());
-    }
-    return AfferentList{};
+    if (!reader.has("file")) reader.missing("file");
+    const auto text = load_named(reader, "file", load_text);
+    if (!text) return AfferentList{};
+    AfferentsFile file = read_listed_afferents(*text);
+    if (!file.problem.empty())
+        reader.error("file",
+                     fmt::format("cannot be used: {}: {}", reader.word("file"), file.problem));
+    return AfferentList{std::move(file.afferents)};
 }
 
 AfferentPlaces read_grid(Reader& reader) {

@@ -263,14 +263,12 @@ std::optional<SensationOptions> read_sensation(Reader& reader, const Case& c,
                                                const TextLoader& load_text) {
     if (reader.empty()) return std::nullopt;
     SensationOptions options;
-    if (const auto file = reader.find_word("threshold"); file && !load_text)
-        reader.error("threshold", "files cannot be read here");
-    else if (file)
-        try {
-            options.threshold = threshold_in(load_text(*file));
+    if (const auto text = load_named(reader, "threshold", load_text)) try {
+            options.threshold = threshold_in(*text);
         } catch (const CsvError& error) {
             reader.error("threshold",
-                         fmt::format("\"{}\", line {}: {}", *file, error.line, error.what()));
+                         fmt::format("cannot be used: {}: line {}: {}", reader.word("threshold"),
+                                     error.line, error.what()));
         }
     if (const auto line_m = reader.find_points("line_mm")) {
         options.line_m = *line_m;

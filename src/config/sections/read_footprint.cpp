@@ -35,27 +35,19 @@ std::vector<Vec2> read_points_of(Reader& reader, const char* key, std::size_t le
 }
 
 std::shared_ptr<const TargetImage> read_image(Reader& reader, const TextLoader& load_text) {
-    const auto name = reader.find_word("target_png");
-    if (!name) return nullptr;
-    if (!load_text) {
-        reader.error("target_png", "names a file, but this job is read without access to files");
-        return nullptr;
-    }
-    try {
-        const std::string bytes = load_text(*name);
-        image::DecodedImage decoded = image::decode_png(bytes);
-        const auto& greys = decoded.image.greys;
-        if (decoded.problem.empty() &&
-            std::none_of(greys.begin(), greys.end(), [](double grey) { return grey > 0.0; }))
-            decoded.problem = "it is black, so it requests no radiation pressure";
-        if (decoded.problem.empty())
-            return std::make_shared<const TargetImage>(
-                TargetImage{decoded.image.columns, decoded.image.rows, greys,
-                            hex(stable_hash(std::string_view(bytes)))});
-        reader.error("target_png", fmt::format("cannot be used: {}: {}", *name, decoded.problem));
-    } catch (const UsageError& problem) {
-        reader.error("target_png", fmt::format("cannot be used: {}", problem.what()));
-    }
+    const auto bytes = load_named(reader, "target_png", load_text);
+    if (!bytes) return nullptr;
+    image::DecodedImage decoded = image::decode_png(*bytes);
+    const auto& greys = decoded.image.greys;
+    if (decoded.problem.empty() &&
+        std::none_of(greys.begin(), greys.end(), [](double grey) { return grey > 0.0; }))
+        decoded.problem = "it is black, so it requests no radiation pressure";
+    if (decoded.problem.empty())
+        return std::make_shared<const TargetImage>(
+            TargetImage{decoded.image.columns, decoded.image.rows, greys,
+                        hex(stable_hash(std::string_view(*bytes)))});
+    reader.error("target_png",
+                 fmt::format("cannot be used: {}: {}", reader.word("target_png"), decoded.problem));
     return nullptr;
 }
 

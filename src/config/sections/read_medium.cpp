@@ -90,18 +90,7 @@ void read_layers(Reader& reader, Medium& medium) {
 }
 
 std::shared_ptr<const MaterialMap> read_map(Reader& reader, const MapLoader& load_map) {
-    const auto file = reader.find_word("map");
-    if (!file) return nullptr;
-    if (!load_map) {
-        reader.error("map", "names a file, but this job is read without access to files");
-        return nullptr;
-    }
-    try {
-        return load_map(*file);
-    } catch (const UsageError& problem) {
-        reader.error("map", fmt::format("cannot be used: {}", problem.what()));
-        return nullptr;
-    }
+    return load_named(reader, "map", load_map).value_or(nullptr);
 }
 
 /// If the map gives one of the speeds, the other one may be that of the layer.

@@ -161,23 +161,14 @@ Curve path_with_rests(Context& c, const PointsFile& file, Ends ends) {
 Curve read_csv(Context& c) {
     const bool closed = c.reader.find_flag("closed").value_or(false);
     if (!c.reader.has("file")) c.reader.missing("file");
-    const auto name = c.reader.find_word("file");
-    if (!name) return {};
-    if (!c.path.load_text) {
-        c.reader.error("file", "names a file, but this job is read without access to files");
-        return {};
-    }
-    try {
-        PointsFile file = read_points(c.path.load_text(*name), Columns::rests);
-        if (file.problem.empty() && !file.rests_s.empty())
-            return path_with_rests(c, file, closed ? Ends::closed : Ends::open);
-        if (file.problem.empty())
-            return checked_polyline(c, "file", std::move(file.points_m),
-                                    closed ? Ends::closed : Ends::open);
-        c.reader.error("file", fmt::format("cannot be used: {}: {}", *name, file.problem));
-    } catch (const UsageError& problem) {
-        c.reader.error("file", fmt::format("cannot be used: {}", problem.what()));
-    }
+    const auto text = load_named(c.reader, "file", c.path.load_text);
+    if (!text) return {};
+    PointsFile file = read_points(*text, Columns::rests);
+    const Ends ends = closed ? Ends::closed : Ends::open;
+    if (file.problem.empty() && !file.rests_s.empty()) return path_with_rests(c, file, ends);
+    if (file.problem.empty()) return checked_polyline(c, "file", std::move(file.points_m), ends);
+    c.reader.error("file",
+                   fmt::format("cannot be used: {}: {}", c.reader.word("file"), file.problem));
     return {};
 }
 

@@ -23,21 +23,11 @@ void check_time_step(const Reader& options, const std::optional<double>& step_s,
 /// `effective` ones may be present.
 std::shared_ptr<const StudyData> read_study(Reader& options, const StudyLoader& load_study,
                                             std::span<const char* const> effective) {
-    const auto file = options.find_word("study");
-    if (!file) return nullptr;
+    if (!options.has("study")) return nullptr;
     for (const std::string& key : options.keys())
         if (std::ranges::find(effective, std::string_view(key)) == effective.end())
             options.error(key, "has no effect with a study; remove it");
-    if (!load_study) {
-        options.error("study", "names a file, but this job is read without access to files");
-        return nullptr;
-    }
-    try {
-        return load_study(*file);
-    } catch (const UsageError& problem) {
-        options.error("study", fmt::format("cannot be used: {}", problem.what()));
-        return nullptr;
-    }
+    return load_named(options, "study", load_study).value_or(nullptr);
 }
 
 /// The table of one engine.

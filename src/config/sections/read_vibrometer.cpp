@@ -76,20 +76,13 @@ std::vector<Vec2> read_line(Reader& reader, double spacing_m) {
 }
 
 std::vector<Vec2> read_file(Reader& reader, const TextLoader& load_text) {
-    const auto name = reader.find_word("file");
-    if (!name) return {};
-    if (!load_text) {
-        reader.error("file", "names a file, but this job is read without access to files");
-        return {};
-    }
-    try {
-        PointsFile file = read_points(load_text(*name));
-        if (file.problem.empty()) return std::move(file.points_m);
-        reader.error("file", fmt::format("cannot be used: {}: {}", *name, file.problem));
-    } catch (const UsageError& problem) {
-        reader.error("file", fmt::format("cannot be used: {}", problem.what()));
-    }
-    return {};
+    const auto text = load_named(reader, "file", load_text);
+    if (!text) return {};
+    PointsFile file = read_points(*text);
+    if (!file.problem.empty())
+        reader.error("file",
+                     fmt::format("cannot be used: {}: {}", reader.word("file"), file.problem));
+    return std::move(file.points_m);
 }
 
 std::vector<Vec2> read_scan(Reader& reader, const TextLoader& load_text) {

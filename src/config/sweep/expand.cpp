@@ -261,6 +261,8 @@ std::string bad_cell(const CsvReader& reader, const Axis& axis) {
     return "";
 }
 
+constexpr std::size_t most_listed_keys = 100;
+
 Listed read_cases(std::string_view csv, const Place& at, DiagnosticList& diagnostics) {
     Listed listed;
     CsvReader reader(csv, CsvText::relaxed);
@@ -270,6 +272,9 @@ Listed read_cases(std::string_view csv, const Place& at, DiagnosticList& diagnos
     try {
         while (reader.next()) {
             if (listed.axis.keys.empty()) {
+                if (reader.cells().size() > most_listed_keys)
+                    return refuse(reader.line(),
+                                  fmt::format("exceeds the limit of {} keys", most_listed_keys));
                 for (const std::string& key : reader.cells()) {
                     const auto path = case_path({key, at, nullptr}, "sweep.list", diagnostics);
                     listed.axis.keys.push_back({key, path.value_or(Path{}), at, {}});
@@ -301,17 +306,13 @@ void add_listed_cases(const NodePtr& sweep_node, Sweep& sweep, const FileLoaders
     if (!entry) return;
     const std::size_t before = diagnostics.errors();
     const Place& at = entry->value->at;
-    const auto* file = std::get_if<std::string>(&entry->value->value);
-    if (!file || !files.load_text) {
-        diagnostics.error(at, file ? "sweep.list: the file cannot be read here"
-                                   : "sweep.list must be the path of a CSV file with one case per "
-                                     "line");
-        sweep.sound = false;
-        return;
-    }
-    Listed listed = read_cases(files.load_text(*file), at, diagnostics);
+    Reader reader(sweep_node, "sweep", diagnostics);
+    const auto text = load_named(reader, "list", files.load_text);
+    Listed listed;
+    if (text) listed = read_cases(*text, at, diagnostics);
     if (!listed.problem.empty())
-        diagnostics.error(at, fmt::format("sweep.list: {} {}", excerpt(*file), listed.problem));
+        diagnostics.error(
+            at, fmt::format("sweep.list: {} {}", excerpt(reader.word("list")), listed.problem));
     for (const SweptKey& key : listed.axis.keys)
         if (sweep.holds(key.key))
             diagnostics.error(at, fmt::format("sweep: {} is swept twice", key.key));

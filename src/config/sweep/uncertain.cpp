@@ -267,6 +267,8 @@ const std::array presets = {
 const std::vector<std::string> shapes = {"uniform", "normal", "lognormal", "triangular", "csv"};
 const std::vector<std::string> moduli = {"youngs_modulus_kPa", "shear_modulus_kPa"};
 
+constexpr std::size_t most_observations = 1'000'000;
+
 /// The numbers of a column of a CSV file in ascending order, or the reason why it was rejected.
 struct Column {
     std::vector<double> values;
@@ -297,6 +299,10 @@ Column column_of(std::string_view csv, const std::string& name) {
                         fmt::format("line {}: the column \"{}\" must contain a finite number, but "
                                     "the line is \"{}\"",
                                     reader.line(), excerpt(name), excerpt(reader.text()))};
+            if (column.values.size() == most_observations)
+                return {{},
+                        fmt::format("line {}: exceeds the limit of {} values", reader.line(),
+                                    most_observations)};
             column.values.push_back(*value);
         }
     } catch (const CsvError& error) {
@@ -311,12 +317,9 @@ Column column_of(std::string_view csv, const std::string& name) {
 
 sampling::Empirical read_samples(Reader& reader, const FileLoaders& files) {
     const std::string file = reader.word("file"), name = reader.word("column");
-    if (file.empty() || name.empty()) return {{0.0, 1.0}};
-    if (!files.load_text) {
-        reader.error("file", "cannot be read here");
-        return {{0.0, 1.0}};
-    }
-    Column column = column_of(files.load_text(file), name);
+    const auto text = load_named(reader, "file", files.load_text);
+    if (!text || name.empty()) return {{0.0, 1.0}};
+    Column column = column_of(*text, name);
     if (column.problem.empty()) return {std::move(column.values)};
     reader.error("file", fmt::format("{} {}", excerpt(file), column.problem));
     return {{0.0, 1.0}};

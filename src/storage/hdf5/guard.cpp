@@ -47,6 +47,23 @@ void limit(__rlimit_resource resource, rlim_t most) {
     ::_exit(0);
 }
 
+/// Throws UsageError if the file system stores less than a hundredth of a file above 64 MB.
+void refuse_holes(const std::filesystem::path& path, double size_B) {
+    const int file = size_B > 64e6 ? ::open(path.c_str(), O_RDONLY) : -1;
+    if (file < 0) return; // HDF5 reports why it cannot open it
+    double stored_B = 0.0;
+    off_t start = 0;
+    for (off_t end = 0; start >= 0 && 100.0 * stored_B < size_B;) {
+        start = ::lseek(file, end, SEEK_DATA); // -1: nothing but a hole is left
+        if (start >= 0) end = ::lseek(file, start, SEEK_HOLE);
+        stored_B += start >= 0 ? static_cast<double>(end - start) : 0.0;
+    }
+    ::close(file);
+    if (start < 0)
+        throw UsageError(fmt::format("it is a sparse file: it has {:.0f} MB but stores {:.3g} kB",
+                                     size_B / 1e6, stored_B / 1e3));
+}
+
 } // namespace
 
 bool survives(const std::function<void()>& work, double seconds) {
@@ -66,6 +83,7 @@ void must_survive(const std::filesystem::path& file, const std::function<void()>
     constexpr double slowest_B_s = 20e6;
     std::error_code unknown;
     const auto size_B = static_cast<double>(std::filesystem::file_size(file, unknown));
+    refuse_holes(file, unknown ? 0.0 : size_B);
     const double seconds = 5.0 + (unknown ? 0.0 : size_B / slowest_B_s);
     if (!survives(read, seconds))
         throw Error(fmt::format("{} is damaged in a way that crashes the HDF5 library or keeps it "

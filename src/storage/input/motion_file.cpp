@@ -19,6 +19,8 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
+constexpr std::size_t most_values = 8'000'000; // of a CSV file
+
 double number(std::string_view text, std::size_t line) {
     const auto value = number_in(text);
     if (!value) throw UsageError(fmt::format("line {}: \"{:.40}\" is not a number", line, text));
@@ -86,6 +88,10 @@ public:
                                          cells.size(), units_.size()));
         if (std::isalpha(static_cast<unsigned char>(cells[0].empty() ? '0' : cells[0].front())))
             return places(cells, line);
+        if (times_s_.size() > most_values / cells.size())
+            throw UsageError(fmt::format("line {}: more than {} numbers; longer motions are read "
+                                         "from HDF5 files",
+                                         line, most_values));
         times_s_.push_back(number(cells[0], line) * units_[0]);
         digits_ = std::max(digits_, digits_of(cells[0]));
         for (std::size_t p = 1; p < cells.size(); ++p)

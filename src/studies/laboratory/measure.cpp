@@ -31,7 +31,7 @@ using Columns = std::map<std::string, std::vector<double>>; // one value per rep
 std::vector<std::string> estimates_in(const std::filesystem::path& file) {
     std::vector<std::string> overrides;
     try {
-        const Json root = Json::parse(storage::read_file(file, storage::largest_user_text_B));
+        const Json root = Json::parse(storage::read_file(file, 1 << 22));
         for (const auto& [key, estimate] : root.at("estimates").items())
             overrides.push_back(fmt::format("{}={:.17g}", key, estimate.at("value").get<double>()));
     } catch (const Json::exception& error) {

@@ -267,7 +267,7 @@ TEST_CASE("an invalid table header is rejected, also in builds with assertions",
 TEST_CASE("a text that is too long for a job is rejected without parsing", "[job]") {
     CHECK(diagnostics_of(std::string(10'000'000, '#')) ==
           Texts{"job.toml: error: the file has 10000000 bytes, but a job file may have at most "
-                "4000000"});
+                "2500000"});
 }
 
 TEST_CASE("excessive nesting is rejected", "[job]") {
