@@ -43,6 +43,14 @@ class MutatedJobs(ProgramTest):
                 if "spectral" in change[1]:
                     self.says(said, "cases are chosen when they run")
 
+    def test_a_sweep_of_the_depth_of_a_body_is_planned_at_once(self):
+        text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
+        self.write_job(changed(('"medium.body[1].depth_mm" = [5.0, 6.0, 8.0, 10.0, 14.0]',
+                                '"medium.body[1].depth_mm" = { linspace = [5.0, 14.0, 20] }'), text=text))
+        said, code = self.accepted_or_refused("plan")
+        self.assertEqual(code, 0, said)
+        self.says(said, "40 cases")
+
     def test_a_large_sweep_with_an_array_is_validated_at_once(self):
         """The pattern of an array takes more time than all else that validates a case."""
         text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")

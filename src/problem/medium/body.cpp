@@ -2,6 +2,7 @@
 #include "problem/medium/body.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -146,6 +147,12 @@ public:
         return std::hypot(dot(p, across_), dot(p, up_)) <= shape_.radius_m - margin_m &&
                (endless_ || std::abs(dot(p, along_)) <= 0.5 * shape_.length_m - margin_m);
     }
+    /// Whether a step along x, y or z changes nothing.
+    std::array<bool, 3> is_uniform() const {
+        return {endless_ && along_.y == 0.0 && along_.z == 0.0,
+                endless_ && along_.x == 0.0 && along_.z == 0.0,
+                endless_ && along_.x == 0.0 && along_.y == 0.0};
+    }
     Vec3 reach_m() const {
         const double round = shape_.radius_m + 0.5 * face_.edge_m;
         const double half = endless_ ? infinity : 0.5 * (shape_.length_m + face_.edge_m);
@@ -221,8 +228,12 @@ bool holds_corners(const Shape& shape, Vec3 offset, Vec3 size, double margin_m) 
 
 template <class Shape>
 double sampled_share(const Shape& shape, Vec3 offset, Vec3 size, int samples) {
-    const auto count = [&](double length_m) { return length_m > 0.0 ? samples : 1; };
-    const int nx = count(size.x), ny = count(size.y), nz = count(size.z);
+    std::array<bool, 3> is_uniform{};
+    if constexpr (requires { shape.is_uniform(); }) is_uniform = shape.is_uniform();
+    const auto count = [&](double length_m, std::size_t axis) {
+        return length_m > 0.0 && !is_uniform[axis] ? samples : 1;
+    };
+    const int nx = count(size.x, 0), ny = count(size.y, 1), nz = count(size.z, 2);
     // Offset from the centre: (2 i + 1 - n) / 2n of the size, exactly symmetric.
     const auto place = [](int i, int n) { return (2.0 * i + 1.0 - n) / (2.0 * n); };
     const Vec3 part{size.x / nx, size.y / ny, size.z / nz};
