@@ -54,9 +54,9 @@ def lines_of(study, plane):
     return lines
 
 
-def summary_of(name, study):
+def summary_of(name, study, has_job=True):
     points = study.points - 2 * study.first
     outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first)}" if np.any(study.first) else ""
-    return (f"{name}.toml and {name}.h5: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
+    return (f"{f'{name}.toml and ' if has_job else ''}{name}.h5: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
             f"{counted(study.steps, 'step')} of {1e6 * study.time_step_s:.6g} us, "
             f"{counted(len(study.sources), 'source')}, {counted(len(study.sensor_nodes), 'sensor node')}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import program
 from .main import write_study
-from .record import GRID, KWAVE, SENSOR, SERIES
+from .record import GRID, KWAVE, SENSOR, flags_of
 from .structures import BadInput, Structure
 from .study import KNOWN, Study, three
 
@@ -175,11 +175,10 @@ def solve(parts, notes, order, ranks=1, launch=None, precision="double", quiet=T
         print(f"absorbing layer: {sizes[0]:g}, {sizes[1]:g}, {sizes[2]:g} points, {'outside' if np.any(study.first) else 'inside'} the grid")
         for text in [f"warning: {warning}" for warning in study.warnings] + study.notes:
             print(text)
-    flags = sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records)
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
         write_study(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
-                  "--output_precision", "double", *flags], ranks, launch, progress)
+                  "--output_precision", "double", *flags_of(records)], ranks, launch, progress)
         with h5py.File(f"{folder}/out.h5", "r") as file:
             is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
             return read_results(file, study, records, order if is_mask else "F")

@@ -15,6 +15,7 @@ import numpy as np
 from .checks import check_layer_nodes
 from .describe import lines_of, summary_of
 from .files import structures
+from .record import flags_of
 from .structures import BadInput
 from .study import Study
 
@@ -238,9 +239,7 @@ def main():
     chosen = options()
     try:
         study = Study(*structures(chosen.file))
-        if abs(study.spacing_m[0] - study.spacing_m[1]) > 1e-9 * study.spacing_m[0]:
-            raise BadInput("kgrid.dx and kgrid.dy differ, but must be equal; permute the axes so that only the "
-                           "spacing along z differs")
+        has_job = abs(study.spacing_m[0] - study.spacing_m[1]) <= 1e-9 * study.spacing_m[0]
         plane = place_of_sources(study)[0]
         if chosen.plane is not None:
             plane = chosen.plane - 1 + int(study.first[2])
@@ -248,11 +247,12 @@ def main():
                 raise BadInput(f"--plane must be 1 to {study.points[2] - 2 * study.first[2]}")
         check_layer_nodes(study, plane)
         out = output_of(chosen)
-        job = job_text(out.name, study, plane, chosen.precision, chosen.file.name)
+        job = job_text(out.name, study, plane, chosen.precision, chosen.file.name) if has_job else ""
         with complete(out.with_name(out.name + ".h5")) as part:
             write_study(part, study)
-        with complete(out.with_name(out.name + ".toml")) as part:
-            part.write_text(job, encoding="utf-8")
+        if has_job:
+            with complete(out.with_name(out.name + ".toml")) as part:
+                part.write_text(job, encoding="utf-8")
     except BadInput as problem:
         print(f"import-kwave: {problem}", file=sys.stderr)
         return 3
@@ -273,10 +273,15 @@ def main():
         print(f"warning: {warning}")
     for note in study.notes:
         print(f"note: {note}")
-    print(summary_of(out, study))
+    if not has_job:
+        print("note: kgrid.dx and kgrid.dy differ: no job is written, since the surface of a job has square cells; shearwake kwave "
+              "runs the study. For a job, permute the axes so that only the spacing along z differs")
+    print(summary_of(out, study, has_job))
     for line in lines_of(study, plane):
         print(f"  {line}")
-    print(f"next: shearwake run {out}.toml")
+    print(f"next: shearwake run {out}.toml" if has_job else
+          f"next: shearwake kwave -i {out}.h5 -o {out}-output.h5 {' '.join(flags_of(study.sensor_fields))} -s {study.sensor_start}"
+          + (" --precision single" if chosen.precision == "single" else ""))
     return 0
 
 

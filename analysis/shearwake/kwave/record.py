@@ -12,6 +12,11 @@ KWAVE = [*SERIES, "I_avg", *(f"{quantity}_{suffix}" for quantity in "pu" for suf
 NAMES = [*FIELDS, *KWAVE]  # of the program
 
 
+def flags_of(records):
+    """The options of `shearwake kwave` for records of k-Wave."""
+    return sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records if record in KWAVE)
+
+
 def recorded_fields(record):
     """The names of the program for those of sensor.record, in a fixed order. The fields are an extension of k-Wave's record; p is
     recorded with the normal stresses of which it is the negative mean."""
