@@ -145,8 +145,10 @@ ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, con
     const bool is_kwave = argc > 1 && argv[1] == std::string_view("kwave");
     const ExitCode usage = is_kwave ? ExitCode::internal : ExitCode::usage;
     const auto print_usage = [&] { // as k-Wave's programs do
-        if (is_kwave && world.is_root()) fmt::print("{}", find_command(app, "kwave")->help());
+        if (is_kwave && world.is_root())
+            fmt::print("{}", find_command(app, "kwave")->help(app.get_name()));
     };
+    if (is_kwave) app.name("shearwake"); // CLI11 takes it from argv only
     try {
         if (is_kwave)
             app.parse(arguments_of_kwave(app, {argv, static_cast<std::size_t>(argc)}));
