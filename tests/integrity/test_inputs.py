@@ -116,8 +116,8 @@ class Files(ProgramTest):
         (self.folder / "file").touch()
         (self.folder / "link").symlink_to("nowhere")
         for out, words in (("", "is empty"), ("-x", "write ./-x"), ("file", "is not a folder"), ("file/x", "is not a folder"),
-                           ("/dev/null", "is not a folder"), ("/proc/x", "cannot be written"), ("link", "does not exist"),
-                           ("x" * 300, "too long")):
+                           ("/dev/null", "is not a folder"), ("a\nb", "control characters"), ("/proc/x", "cannot be written"),
+                           ("link", "does not exist"), ("x" * 300, "too long")):
             with self.subTest(out=out):
                 done = self.shearwake("explore", "--no-browser", "--out", out, expect=2, timeout_s=60.0)
                 self.says(done.said, "--out", words)

@@ -2,6 +2,7 @@
 #include "app/commands/commands.hpp"
 #include "app/common/python_command.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <cerrno>
 #include <cstdlib>
@@ -24,6 +25,7 @@ void require_output_folder(const std::string& out) {
     const auto refuse = [&](const std::string& reason) {
         throw UsageError(fmt::format("--out: {} cannot be a folder for results: {}", out, reason));
     };
+    if (has_control_characters(out)) refuse("its name contains control characters");
     fs::path at = fs::absolute(out).lexically_normal();
     std::error_code error;
     while (fs::status(at, error).type() == fs::file_type::not_found && at.has_relative_path()) {
