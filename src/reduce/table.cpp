@@ -233,7 +233,7 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
 
 namespace {
 
-/// A row takes as much memory as five cells at least.
+/// A row takes as much memory as ten cells at least.
 constexpr std::size_t most_cells = 5'000'000;
 
 [[noreturn]] void fail(const std::string& file, std::size_t line, const std::string& what) {
@@ -271,7 +271,7 @@ TextTable read_csv(std::string_view text, const std::string& file_name) {
             fail(file_name, reader.line(),
                  fmt::format("{} cells for {} columns", reader.cells().size(),
                              table.columns.size()));
-        if (table.rows.size() >= most_cells / std::max<std::size_t>(table.columns.size(), 5))
+        if (table.rows.size() >= most_cells / std::max<std::size_t>(table.columns.size(), 10))
             fail(file_name, reader.line(), fmt::format("more than {} cells", most_cells));
         table.rows.push_back(reader.cells());
     }
