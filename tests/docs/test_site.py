@@ -35,7 +35,6 @@ class Site(ProgramTest):
             self.assertEqual(page.run("location.protocol"), "file:")
             self.assertTrue(page.wait("typeof explorer === 'object' && explorer.result"))
             self.assertRegex(page.run("document.querySelector('[data-column^=eta]').textContent"), r"^\d+\.\d+ %")
-            page.run("explorer.play(true)")
             self.assertTrue(page.wait("explorer.frame > 3"))
             self.assertEqual(page.errors(), [])
 
