@@ -136,11 +136,10 @@ void compute(const Case& c, const pipeline::CasePlan& plan, engines::Engine& eng
                         *plan.receptors, team);
 }
 
-} // namespace
-
-TEST_CASE("a rank allocates the planned memory within 10 %", "[mpi][long]") {
+void check_memory(bool of_long_cases) {
     const Comm world = Comm::world();
-    for (const test::FeatureCase& one : test::feature_cases())
+    for (const test::FeatureCase& one : test::feature_cases()) {
+        if (one.is_long != of_long_cases) continue;
         DYNAMIC_SECTION(one.name) {
             const Case& c = one.physics;
             const auto engine = engines::make_engine(c.solver);
@@ -154,6 +153,17 @@ TEST_CASE("a rank allocates the planned memory within 10 %", "[mpi][long]") {
                              planned_B / 1e6, allocated_B / 1e6));
             CHECK(allocated_B == Approx(planned_B).epsilon(0.1));
         }
+    }
+}
+
+} // namespace
+
+TEST_CASE("a rank allocates the planned memory within 10 %", "[mpi]") {
+    check_memory(false);
+}
+
+TEST_CASE("a rank allocates the planned memory of long cases within 10 %", "[mpi][long]") {
+    check_memory(true);
 }
 
 } // namespace test_planned_memory

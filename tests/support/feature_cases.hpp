@@ -9,10 +9,11 @@
 
 namespace shearwake::test {
 
-/// A case and its name.
+/// A case and its name. Long cases take 2 s and more on three ranks and two cores.
 struct FeatureCase {
     std::string name;
     Case physics;
+    bool is_long = false;
 };
 
 /// The case of `bench layered` on another grid, with frames 50 us apart.
@@ -148,9 +149,9 @@ inline std::vector<FeatureCase> bone_jobs() {
     };
     return {{"spectral, rigid lump", job_with(bone)},
             {"spectral, rigid cylinder", job_with(across)},
-            {"spectral, large rigid lump", job_with(large)},
+            {"spectral, large rigid lump", job_with(large), true},
             {"spectral, rigid layer", job_with(slab)},
-            {"spectral, rigid lump, receptors, tensors", with_stress(job_with(bone))},
+            {"spectral, rigid lump, receptors, tensors", with_stress(job_with(bone)), true},
             {"spectral, rigid cylinder, receptors, tensors", with_stress(job_with(across))}};
 }
 
@@ -180,9 +181,12 @@ inline std::vector<FeatureCase> spectral_jobs() {
     map.scene().medium.map = map_of_fat();
     map.solver = SpectralOptions{.time_step_s = map.time.interval_s};
     map.afferents = afferents_of(StressInput{});
-    return {{"spectral, small, step probed", small}, {"spectral, large, sponge", large},
-            {"spectral, body, displacements", body}, {"spectral, stiff body, tensors", stiff},
-            {"spectral, soft and light body", soft}, {"spectral, map, receptors", map}};
+    return {{"spectral, small, step probed", small},
+            {"spectral, large, sponge", large, true},
+            {"spectral, body, displacements", body, true},
+            {"spectral, stiff body, tensors", stiff, true},
+            {"spectral, soft and light body", soft, true},
+            {"spectral, map, receptors", map, true}};
 }
 
 /// Elastic bodies several hundred times stiffer than the layers, which the focus crosses.
@@ -197,10 +201,10 @@ inline std::vector<FeatureCase> stiff_jobs() {
         c.solver = SpectralOptions{.time_step_s = c.time.interval_s, .rigid_above = 1e6};
         return c;
     };
-    return {{"spectral, very stiff lump", job_with(Ellipsoid{{9e-3, 7e-3, 2e-3}})},
+    return {{"spectral, very stiff lump", job_with(Ellipsoid{{9e-3, 7e-3, 2e-3}}), true},
             {"spectral, very stiff box", job_with(Box{{14e-3, 12e-3, 4e-3}})},
             {"spectral, very stiff cylinder",
-             job_with(Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0})}};
+             job_with(Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0}), true}};
 }
 
 inline std::vector<FeatureCase> pstd_jobs() {
@@ -214,10 +218,10 @@ inline std::vector<FeatureCase> pstd_jobs() {
     absorbing.solver = PstdOptions{.top = PstdTop::fluid};
     Case moved = plain;
     moved.solver = PstdOptions{.load = PstdLoad::displacement};
-    return {{"pstd, plain", plain},
-            {"pstd, absorbing margin, force", absorbing},
-            {"pstd, prescribed displacement", moved},
-            {"pstd, single, body, volume", lossy},
+    return {{"pstd, plain", plain, true},
+            {"pstd, absorbing margin, force", absorbing, true},
+            {"pstd, prescribed displacement", moved, true},
+            {"pstd, single, body, volume", lossy, true},
             {"pstd, grid study", study_case()}};
 }
 
