@@ -9,6 +9,7 @@
 #include "fft/aligned.hpp"
 #include "parallel/comm.hpp"
 
+#include <array>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -99,7 +100,7 @@ private:
     struct Response {
         enum Kind { uu, wu, uw, ww, vv, kinds };
         fft::AlignedVector<Block> pencil;
-        std::vector<Block> of[kinds];
+        std::array<std::vector<Block>, kinds> of;
         std::vector<double> cosine, sine; // per marker, of one wavenumber across
     };
     void respond(const VerticalOperator& op, const Solve& solve, std::ptrdiff_t row,
