@@ -229,6 +229,14 @@ TEST_CASE("two distant foci have two maxima with the dip of their profiles", "[s
     const auto one = spots(near, near.scene().load.modulation.foci_m);
     CHECK(column(near, one, "felt_peaks_1") == 1.0);
     CHECK(column(near, one, "felt_gap_dB") == 0.0);
+    // Equal maxima whose dip is not noticeable are one. The largest samples are 1 mm inside the
+    // foci.
+    const Case close = two_foci(10e-3);
+    const auto flat = spots(close, close.scene().load.modulation.foci_m);
+    CHECK(column(close, flat, "felt_peaks_1") == 1.0);
+    const auto spot = [](double x_mm) { return std::exp(-x_mm * x_mm / 32.0); };
+    CHECK(column(close, flat, "felt_gap_dB") ==
+          Approx(20.0 * std::log10((spot(1.0) + spot(9.0)) / (2.0 * spot(5.0)))).margin(1e-6));
     Case along = near;
     along.sensation = SensationOptions{.line_m = {{0.0, -24e-3}, {0.0, 24e-3}}};
     CHECK(column(along, spots(along, {{0.0, -16e-3}, {0.0, 0.0}, {0.0, 16e-3}}), "felt_peaks_1") ==
@@ -253,6 +261,22 @@ TEST_CASE("the width is that of the profile at one just noticeable difference", 
     // All that is less than 6 dB below the peak lies within 4.7 mm, of which 4 mm count as near.
     CHECK(column(c, map, "felt_on_path_1") ==
           Approx(16.0 / (32.0 * 0.3 * std::numbers::ln10)).epsilon(0.01));
+}
+
+TEST_CASE("the width of a line is measured across it", "[sensation]") {
+    Case c = periodic_case();
+    c.domain = {.nx = 160, .ny = 160, .spacing_m = 0.25e-3};
+    const bool is_along_x = GENERATE(true, false);
+    const Vec2 end = is_along_x ? Vec2{12e-3, 0.0} : Vec2{0.0, 12e-3};
+    c.scene().load.modulation.trajectory = {
+        {Travel{.path = {-1.0 * end, end}, .motion = ConstantSpeed{2.4}}}};
+    const auto map = map_of(c, [&](Vec2 at, double t) {
+        const double across_m = is_along_x ? at.y : at.x;
+        return std::exp(-0.5 * std::pow(across_m / 4e-3, 2)) * tone_m(0.23, 100.0, t);
+    });
+    // As above: straight lines between samples.
+    CHECK(column(c, map, "felt_width_mm") ==
+          Approx(8.0 * std::sqrt(2.3 * std::numbers::ln10 / 10.0)).margin(0.01));
 }
 
 TEST_CASE("levels do not change when the problem is rotated or mirrored", "[sensation]") {
