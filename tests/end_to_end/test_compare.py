@@ -58,8 +58,8 @@ class Compare(ProgramTest):
         said = self.shearwake("compare", "long", self.out).said
         self.says(said, "not valid, first: waves of", "first:  ", "second: ", "(AM frequency 500\u00a0Hz)")
         warnings = self.compare("long", self.out)["pairs"][0]["warnings"]
-        self.assertIn("domain.extent_mm", [w["key"] for w in warnings[0]])
-        self.assertNotIn("domain.extent_mm", [w["key"] for w in warnings[1]])
+        returning = [[w["key"] for w in of_side if w["message"].startswith("waves of")] for of_side in warnings]
+        self.assertEqual(returning, [["domain.extent_mm"], []])
 
     def test_files_that_are_not_case_files_are_named(self):
         path = case_files(self.out)[0]
@@ -90,7 +90,7 @@ class Compare(ProgramTest):
         self.assertTrue(all(c["change"] == 0.0 for c in pair["columns"]))
         said = self.shearwake("compare", path, path).said
         self.says(said, "2 surfaces: equal", "all columns are equal")
-        self.assertNotIn("change", said)  # no heading of an empty table
+        self.assertNotIn("change", said[said.index("2 surfaces"):])  # no heading of an empty table
 
     def test_many_frames_are_summarised(self):
         self.shearwake("run", "job.toml", "-S", "record.frames=true", "--out", "a", "--quiet")

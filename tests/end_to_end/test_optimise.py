@@ -163,7 +163,7 @@ class Optimise(ProgramTest):
         self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png",
                               "optimise_mean.png", "optimise_path.png"}, figures)
         self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py",
-                  "uniformity of the optimum")
+                  "<h3>Uniformity along the path</h3>")
 
     def drawn(self, out, name):
         """The uniformity of each case of an output folder, from the time mean of u^2 of its file: {case: uniformity}."""
