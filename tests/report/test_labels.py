@@ -3,6 +3,7 @@
 
 Run: python3 -m pytest tests/report/test_labels.py    (unittest, numpy, matplotlib; seconds)
 """
+import math
 import tempfile
 import unittest
 from pathlib import Path
@@ -91,6 +92,13 @@ class LabelsTest(unittest.TestCase):
             self.assertGreaterEqual(len(places), 3)
             # The bar is 4.3 in long; six characters of 9 pt are 0.38 in wide.
             self.assertGreater(min(b - a for a, b in zip(places, places[1:])), 0.38 / 4.3)
+
+    def test_ticks_of_a_scale_around_one_do_not_touch(self):
+        for most in (1.01, 1.08, 1.3, 2.2, 12.0):
+            ticks = [math.log(tick) for tick in style.ratio_ticks((1.0 / most, most))]
+            self.assertIn(0.0, ticks)
+            # A label takes a tenth of half a panel of 2.6 inches.
+            self.assertGreater(min(b - a for a, b in zip(ticks, ticks[1:])), 0.1 * math.log(most), most)
 
     def test_a_uniform_medium_has_a_text_instead_of_a_scale(self):
         figure, (bar, plane) = plt.subplots(2)

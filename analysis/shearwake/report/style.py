@@ -106,9 +106,12 @@ def ratio_limits(values: Any) -> tuple[float, float] | None:
 
 
 def ratio_ticks(limits: tuple[float, float]) -> list[float]:
-    """At most nine ticks of a logarithmic scale around 1: 0.5, 0.67, 0.83, 1, 1.2, 1.5, 2."""
-    inside = [r for r in NICE_RATIOS if r <= limits[1]][-4:]
-    return [*(float(f"{1 / r:.4g}") for r in reversed(inside)), 1.0, *inside]
+    """Ticks of a logarithmic scale around 1, whose labels do not overlap: 0.5, 0.67, 0.83, 1, 1.2, 1.5, 2."""
+    ticks, apart = [1.0], limits[1] ** 0.15
+    for ratio in NICE_RATIOS:
+        if ticks[-1] * apart <= ratio <= limits[1]:
+            ticks.append(ratio)
+    return [*(float(f"{1 / r:.4g}") for r in reversed(ticks[1:])), *ticks]
 
 
 def ratio_axis(axis: Axis, limits: tuple[float, float]) -> None:
