@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/march.hpp"
 #include "engines/engine.hpp"
+#include "engines/march.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"

@@ -3,8 +3,8 @@
 
 #include "problem/case/optimise_options.hpp"
 #include "studies/optimise/search/best_envelope.hpp"
-#include "studies/optimise/search/waveform.hpp"
 #include "studies/optimise/search/variation.hpp"
+#include "studies/optimise/search/waveform.hpp"
 
 #include <optional>
 #include <vector>
