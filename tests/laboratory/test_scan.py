@@ -14,7 +14,9 @@ import numpy as np
 
 from shearwake.laboratory.measure_scan import Alignment
 from shearwake.laboratory.scan import BadScan, Scan, half_unit, plain_step_s
-from shearwake.laboratory.scan_files import in_child, read_scan, write_scan
+from shearwake.laboratory.child import in_child
+from shearwake.laboratory.scan_files import read_scan, write_scan
+from shearwake.laboratory.units import check_unit
 from shearwake.laboratory.scan_motion import one_period
 
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat"}
@@ -166,6 +168,14 @@ class Names(ScanTest):
         path = self.folder / "more.mat"
         scipy.io.savemat(path, {**self.arrays(), "velocity_unit": "m/s", "dir_z": -1.0})
         self.assertIn("without effect: velocity_unit, dir_z", read_scan(path).notes)
+
+    def test_stated_units_are_those_of_si_or_refused(self):
+        for text in ("m, s, m/s", "SI (m, m/s, s)", "PSV-400/A", "Metres per second", "velocity in m/s", b"m s^-1", 1.0):
+            check_unit("units", text)
+        for text in ("inch", "in", "in/s", "km", "ft", "mm, s, mm/s", "m, ms", "millimetres per second", b"\xc2\xb5m/s"):
+            with self.subTest(text=text), self.assertRaises(BadScan):
+                check_unit("x_units", text)
+        check_unit("without", "mm")  # not a unit
 
     def test_a_unit_that_would_be_ignored_is_refused(self):
         import h5py

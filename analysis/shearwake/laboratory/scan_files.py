@@ -9,31 +9,23 @@ import array
 import codecs
 import csv
 import difflib
-import importlib
 import io
 import math
-import os
-import pickle
-import re
-import resource
-import signal
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
-from ..inputs import ALLOWED_B, BadLink, open_self_contained, refuse_holes
+from ..inputs import BadLink, open_self_contained, refuse_holes
+from .child import in_child
 from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, plain_step_s, rounding_of
-from .scan_uff import LENGTHS, TIMES, UNLABELLED, plain_unit, read_uff, speed_of, uff_bytes
+from .scan_uff import read_uff, uff_bytes
+from .units import LENGTHS, TIMES, UNLABELLED, check_unit, plain_unit, speed_of
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
-SLOWEST_B_S = 20_000_000  # libraries that need longer are caught in a loop
-BUFFERS_B = 50_000_000  # address space of the buffers of a library
 Getter = Callable[[str], Any]
 NOT_A_SCAN = "it is not a scan: "
-
-
 LONGEST_M = 2.0  # between points on skin or on a gel
 LOWEST_Hz = 150.0  # vibrations that are felt have some 100 Hz; scans of more than 150 kHz whose times are in ms are not found
 
@@ -94,58 +86,6 @@ def read_scan(path: str | Path) -> Scan:
     return in_child(read_csv, path, "csv")
 
 
-def limit_child(seconds: int, more_B: int) -> None:
-    """Limits the CPU time of this process, its time, and the memory that it may allocate from now on."""
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(10 * seconds)  # busy machines and network file systems
-    used_B = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
-    most_B = used_B + more_B
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    resource.setrlimit(resource.RLIMIT_AS, (most_B if hard == resource.RLIM_INFINITY else min(most_B, hard), hard))
-
-
-def in_child(read: Callable[[Path], Scan], path: Path, library: str = "h5py") -> Scan:
-    """read(path) in a forked process with limits of time and memory: a damaged file can crash the library that reads it,
-    or keep it busy."""
-    size_B = path.stat().st_size
-    seconds = 8 + size_B // SLOWEST_B_S
-    most_B = 3 * ALLOWED_B + BUFFERS_B + 20 * size_B  # three copies of the values, and a compression to a seventh
-    source, sink = os.pipe()
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            importlib.import_module(library)  # what it allocates for itself is not limited
-            limit_child(seconds, most_B)
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # messages of the C library about damaged memory
-            answer: Scan | BadScan
-            try:
-                answer = read(path)
-            except BadScan as error:
-                answer = error
-            except MemoryError:
-                answer = BadScan(f"the file is damaged, or does not fit into memory: its {size_B} bytes need more than "
-                                 f"{most_B / 1e6:.0f} MB, the limit for a file of this size")
-            with os.fdopen(sink, "wb") as out:
-                pickle.dump(answer, out, protocol=5)
-            code = 0
-        finally:
-            os._exit(code)
-    os.close(sink)
-    with os.fdopen(source, "rb") as file:
-        content = file.read()
-    status = os.waitpid(child, 0)[1]
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGALRM):
-        raise BadScan(f"it takes more than {seconds} s to read, more than its size explains; it is damaged")
-    if status != 0:
-        raise BadScan("the library that reads such files fails at it; the file is damaged, or does not fit into memory")
-    answer = pickle.loads(content)
-    if isinstance(answer, BadScan):
-        raise answer
-    return answer
-
-
 def named(get: Getter, names: tuple[str, ...], what: str) -> Any:
     for name in names:
         value = get(name)
@@ -177,15 +117,6 @@ def settings(given: dict[str, Any], one: Callable[[Any, str], float], notes: lis
                       for name, fallback in (("direction_x", 0.0), ("direction_y", 0.0), ("direction_z", 1.0)))
     return {"trigger_delay_s": delay_s, "direction": direction, "notes": notes,
             "states_direction": any(name in given for name in SETTINGS[1:])}
-
-
-def check_unit(name: str, value: Any) -> None:
-    """Rejects a stated unit that is not one of SI: it would be ignored."""
-    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-    unit = plain_unit(text)
-    if re.search(r"(?<![a-z])units?(?![a-z])", name.lower()) and (unit in LENGTHS or unit in TIMES or "/" in unit) \
-            and unit not in ("m", "s", "m/s"):
-        raise BadScan(f"{name} is \"{text.strip()[:20]}\", but values are read in m, s and m/s; convert them and remove it")
 
 
 KNOWN = ("time", "t", "x", "y", "velocity", "v", "quality", "point", *DELAYS, *SETTINGS)

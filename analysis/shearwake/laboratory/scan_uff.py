@@ -16,6 +16,7 @@ from typing import IO, Any
 import numpy as np
 
 from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, half_unit, plain_step_s
+from .units import TIMES, metres, speed_of, unit_label
 
 TIME_RESPONSE, GENERAL = 1, 0
 TIME, UNKNOWN, GENERAL_QUANTITY = 17, 0, 1
@@ -23,13 +24,6 @@ DISPLACEMENT, VELOCITY, ACCELERATION = 8, 11, 12
 SINGLE, DOUBLE = 2, 4
 HEADER_LINES = 11
 LONGEST_LINE, MOST_LINES = 10_000, 500_000  # of a data set
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-UNLABELLED = ("", "none", "unknown")
-# Other spellings of units in lower case, as regular expressions, and what replaces them. Micro may be UTF-8 that was read as Latin-1.
-SPELLINGS = ((r"[\s.\u00b7*_()\[\]]", ""), ("\u00e2?\u00b5|\u00ee\u00bc|\u03bc", "u"), ("per", "/"), ("\\^?-1|\u207b\u00b9", "-1"), ("(.*)s-1", r"\1/s"),
-             ("met(?:er|re)s?", "m"), ("milli", "m"), ("micro(?=[ms])", "u"), ("microns?", "um"), ("centi", "c"),
-             ("nano", "n"), ("sec(?:ond)?s?$", "s"))
 # Units per metre of the systems of data set 164; None: stated in its second record.
 PER_METRE = {1: 1.0, 2: 1.0 / 0.3048, 3: 1.0, 4: 1.0 / 0.3048, 5: 1e3, 6: 1e2, 7: 1.0 / 0.0254, 8: 1e3, 9: None, 10: 1e3}
 TITLE = "velocity along the line of sight"  # of the data sets that this program writes
@@ -173,33 +167,9 @@ def units_per_metre(content: list[str]) -> float:
     return known
 
 
-def metres(per_metre: float) -> str:
-    """The unit of length, as text."""
-    return next((name for name, size in LENGTHS.items() if abs(size * per_metre - 1.0) < 1e-9), f"{1.0 / per_metre:.6g} m")
-
-
-def plain_unit(text: str) -> str:
-    """A unit in lower case, with abbreviations of ASCII and "/" for divisions: "Millimetres per second" is "mm/s"."""
-    text = text.lower()
-    for spelling, plain in SPELLINGS:
-        text = re.sub(spelling, plain, text)
-    return text
-
-
-def unit_label(line: str) -> str | None:
-    """The unit of a record, None if there is none."""
-    text = plain_unit(line[47:67])
-    return None if text in UNLABELLED else text
-
-
 def whole(line: str, start: int, width: int, what: str) -> int:
     """An integer, of which blanks mean 0."""
     return field(line[start:start + width].strip() or "0", 0, width, what)
-
-
-def speed_of(label: str) -> float | None:
-    length, _, time = label.partition("/")
-    return LENGTHS.get(length) if TIMES.get(time) == 1.0 else None
 
 
 def exact(head: list[str]) -> dict[str, list[float]]:
