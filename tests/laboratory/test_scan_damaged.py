@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Damaged and hostile files of scans."""
+import os
+import random
+import signal
+import unittest
+
+import numpy as np
+from scans import KINDS, ScanTest, some_scan
+
+from shearwake.laboratory.child import in_child
+from shearwake.laboratory.scan import BadScan
+from shearwake.laboratory.scan_files import read_scan, write_scan
+
+
+class Hostile(ScanTest):
+    def test_truncated_files_are_refused(self):
+        for kind in ("uff", "uffb"):
+            content = self.written(kind).read_bytes()
+            for share in (0.3, 0.6, 0.9, 0.99):
+                with self.subTest(kind=kind, share=share):
+                    self.refused(content[:int(share * len(content))], "truncated")
+
+    def test_a_claimed_size_of_10_GB_is_refused(self):
+        content = self.written("uffb").read_bytes()
+        size = f"{30 * 8:12d}".encode()
+        self.assertIn(size, content)
+        self.refused(content.replace(size, f"{10 ** 10:12d}".encode()), "claims 10000000000 bytes")
+        import h5py
+
+        path = self.folder / "large.h5"
+        with h5py.File(path, "w") as file:
+            file.create_dataset("time", shape=(1_250_000_000,), dtype="f8", chunks=(1024,))
+            for name in ("x", "y", "velocity"):
+                file[name] = np.zeros(1)
+        with self.assertRaisesRegex(BadScan, "time has 1250000000 values"):
+            read_scan(path)
+
+    def test_links_to_other_files_are_named_and_not_followed(self):
+        import h5py
+
+        scan, path = some_scan(), self.folder / "links.h5"
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["v"] = file["g/velocity"] = scan.velocity_m_s
+        (self.folder / "raw").write_bytes(scan.velocity_m_s.tobytes())
+
+        def virtual(file):
+            layout = h5py.VirtualLayout(scan.velocity_m_s.shape, "f8")
+            layout[...] = h5py.VirtualSource("other.h5", "v", scan.velocity_m_s.shape)
+            file.create_virtual_dataset("velocity", layout)
+
+        def soft(file):
+            file["away"], file["velocity"] = h5py.ExternalLink("other.h5", "/g"), h5py.SoftLink("/away/velocity")
+
+        for make, words in (
+                (lambda file: file.__setitem__("velocity", h5py.ExternalLink("other.h5", "/v")),
+                 "the link /velocity leads to another file, other.h5"),
+                (soft, "the link /away leads to another file, other.h5"),
+                (lambda file: file.__setitem__("vibrometer", h5py.ExternalLink("other.h5", "/g")),
+                 "the link /vibrometer leads to another file, other.h5"),
+                (lambda file: file.create_dataset("velocity", scan.velocity_m_s.shape, "f8",
+                                                  external=[("raw", 0, scan.velocity_m_s.nbytes)]),
+                 "the dataset /velocity stores its values in another file"),
+                (virtual, "the dataset /velocity stores its values in another file")):
+            with h5py.File(path, "w") as file:
+                for name, values in (("time", scan.time_s), ("x", scan.x_m), ("y", scan.y_m)):
+                    file[name] = values
+                make(file)
+            with self.subTest(words=words), self.assertRaises(BadScan) as caught:
+                read_scan(path)
+            self.assertIn(words, str(caught.exception))
+
+    def test_files_that_grow_by_decompression_are_refused(self):
+        import h5py
+        import scipy.io
+
+        n = 10_000_000
+        path = self.folder / "bomb.h5"
+        with h5py.File(path, "w") as file:
+            file.create_dataset("time", (n,), "f8", chunks=(1000,), compression="gzip")
+            file.create_dataset("velocity", data=np.zeros((1, n)), chunks=(1, n // 10), compression="gzip")
+            file["x"] = file["y"] = np.zeros(1)
+        with self.assertRaisesRegex(BadScan, "10000000 values .80 MB. but stores 0 kB; at most 64 MB, or 100 times"):
+            read_scan(path)
+        path = self.folder / "bomb.mat"
+        scipy.io.savemat(path, {"time": np.zeros(4 * n), "velocity": np.zeros((1, 1))}, do_compression=True)
+        self.assertLess(path.stat().st_size, 1_000_000)
+        with self.assertRaisesRegex(BadScan, "needs more memory than the limit"):
+            read_scan(path)
+
+    def test_matlab_and_hdf5_files_with_wrong_contents_are_refused(self):
+        import h5py
+        import scipy.io
+
+        scan = some_scan()
+        good = {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s}
+        cases = (({"velocity": scan.velocity_m_s[:3]}, "5 points and 30 times, but velocities of the shape (3, 30)"),
+                 ({"velocity": np.zeros((5, 30, 2))}, "velocities of the shape"),
+                 ({"velocity": 1e3 * np.ones((5, 30)) + 1.0}, "must be in m/s"),
+                 ({"y": scan.y_m[:4]}, "different numbers of points"),
+                 ({"time": np.full(30, np.nan)}, "time contains a value that is not a finite number"),
+                 ({"x": np.full(5, np.inf)}, "x contains a value that is not a finite number"),
+                 ({"velocity": np.ones((5, 30)) * 1j}, "not an array of real numbers"),
+                 ({"trigger_delay": np.nan}, "trigger_delay must be one finite number"),
+                 ({"time": None}, "it has no time"))
+        for change, words in cases:
+            arrays = {name: values for name, values in {**good, **change}.items() if values is not None}
+            five, seven = self.folder / "five.mat", self.folder / "seven.h5"
+            scipy.io.savemat(five, arrays)
+            with h5py.File(seven, "w") as file:
+                for name, values in arrays.items():
+                    file[name] = values
+            for path in (five, seven):
+                with self.subTest(words=words, path=path.name), self.assertRaises(BadScan) as caught:
+                    read_scan(path)
+                self.assertIn(words, str(caught.exception))
+        content = five.read_bytes()
+        for share in (0.3, 0.6, 0.9):
+            with self.subTest(share=share):
+                self.refused(content[:int(share * len(content))], "cannot be read as a MATLAB file", ".mat")
+        size = (30 * 8).to_bytes(4, "little")
+        scipy.io.savemat(five, good)
+        claimed = five.read_bytes().replace(size, (4 * 10 ** 9).to_bytes(4, "little"))
+        self.refused(claimed, "cannot be read as a MATLAB file", ".mat")
+
+    def test_a_file_that_crashes_its_library_is_refused(self):
+        def crash(_):
+            os.kill(os.getpid(), signal.SIGSEGV)
+
+        def exhaust(_):
+            raise MemoryError
+
+        for read in (crash, exhaust):
+            with self.subTest(read=read.__name__), self.assertRaisesRegex(BadScan, "the file is damaged"):
+                in_child(read, self.folder)
+
+    def test_csv_with_wrong_fields_is_refused(self):
+        good = self.written("csv").read_text()
+        for text, words in ((good.replace("x_m", "x_mm", 1), "the first line must begin with"),
+                            (good.rstrip() + ",1\n", "every line must have 33 fields"),
+                            (good.replace("0.2", "zero", 1), "not a number"),
+                            (good.replace(",0.0,", ",nan,", 1), "time contains a value that is not a finite number"),
+                            ("", "the first line must begin with")):
+            with self.subTest(words=words):
+                self.refused(text, words, ".csv")
+
+    def test_values_that_cannot_be_velocities_are_refused(self):
+        scan = some_scan()
+        for change, words in ((lambda s: s.velocity_m_s.__setitem__((0, 0), np.inf), "infinite"),
+                              (lambda s: s.velocity_m_s.__setitem__((0, 0), 1e5), "must be in m/s"),
+                              (lambda s: s.x_m.__setitem__(0, 300.0), "must be in metres"),
+                              (lambda s: s.time_s.__setitem__(3, s.time_s[2]), "uniformly spaced")):
+            scan = some_scan()
+            change(scan)
+            path = self.folder / "changed.mat"
+            write_scan(path, scan, "mat")
+            with self.subTest(words=words), self.assertRaisesRegex(BadScan, words):
+                read_scan(path)
+
+    def test_changed_bytes_give_a_scan_or_a_reason(self):
+        rng = random.Random(3)
+        for kind, suffix in KINDS.items():
+            content = self.written(kind).read_bytes()
+            for n in range(150):
+                changed = bytearray(content)
+                for _ in range(rng.choice((1, 3, 20))):
+                    at = rng.randrange(len(changed))
+                    what = rng.random()
+                    if what < 0.5:
+                        changed[at] = rng.randrange(256)
+                    elif what < 0.75:
+                        del changed[at:at + rng.randrange(1, 40)]
+                    else:
+                        changed[at:at] = changed[:rng.randrange(1, 40)]
+                with self.subTest(kind=kind, n=n):
+                    try:
+                        read_scan(self.file(bytes(changed), suffix))
+                    except BadScan as error:
+                        self.assertTrue(str(error))
+
+
+if __name__ == "__main__":
+    unittest.main()
