@@ -35,7 +35,7 @@ bool is_swept(const Reader& reader, std::string_view key, const std::string& wor
 }
 
 /// The other keys on the axis of x are determined by x, unless x contains a value twice.
-bool x_tells_all(const SweptKey& x) {
+bool x_determines_all(const SweptKey& x) {
     std::unordered_set<std::string> values;
     for (const NodePtr& value : x.values)
         values.insert(render(*value));
@@ -47,7 +47,7 @@ std::vector<std::string> default_series(const Sweep& sweep, const std::string& x
     for (const Axis& axis : sweep.axes) {
         const auto its_x = std::find_if(axis.keys.begin(), axis.keys.end(),
                                         [&](const SweptKey& key) { return key.key == x; });
-        if (its_x != axis.keys.end() && x_tells_all(*its_x)) continue;
+        if (its_x != axis.keys.end() && x_determines_all(*its_x)) continue;
         for (const SweptKey& key : axis.keys)
             if (key.key != x) series.push_back(key.key);
     }

@@ -16,7 +16,7 @@ enum class Kind { real, complex, integer };
 constexpr std::array axes = {"x", "y", "z"};
 constexpr std::array planes = {"xy", "xz", "yz"};
 
-/// The text of an attribute of fixed or variable length; nothing if it is missing or no text.
+/// The text of an attribute of fixed or variable length; nothing if it is missing or is not a text.
 std::optional<std::string> text_attribute(hid_t object, const char* name);
 
 /// Values of every node of a slab of x, or one for all.

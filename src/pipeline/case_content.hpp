@@ -73,8 +73,8 @@ double edge_share(const Domain& domain, const std::vector<double>& mean_u2);
 /// and of the afferents (`afferents`, lines "key: message"). The computed mean of u_z^2 (empty:
 /// unknown) decides on waves that may return through periodic edges. If they carry too much energy,
 /// the severity is `error`: the readings are not valid. If they carry almost none, the warning is
-/// omitted. The sums of the surface at each frame (empty: unknown) decide on the uplift by images.
-/// Not collective.
+/// omitted. The sums at the first measured depth at each frame (empty: unknown) decide on the
+/// uplift by images. Not collective.
 std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solver,
                                   const std::vector<std::string>& afferents,
                                   const std::vector<double>& mean_u2,

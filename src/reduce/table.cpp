@@ -234,7 +234,7 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
 namespace {
 
 /// A row takes as much memory as ten cells at least.
-constexpr std::size_t most_cells = 5'000'000;
+constexpr std::size_t most_cells = 10'000'000;
 
 [[noreturn]] void fail(const std::string& file, std::size_t line, const std::string& what) {
     throw UsageError(fmt::format("{}:{}: this is not a valid table: {}", file, line, what),

@@ -29,7 +29,7 @@ struct Request {
 };
 
 /// Longest line of a request. It limits the memory of a job and of its reading.
-inline constexpr std::size_t longest_request_B = 1'000'000;
+constexpr std::size_t longest_request_B = 1'000'000;
 
 /// Reads requests and keeps the newest. Requests that it replaces, and lines that are not valid,
 /// are answered at once. Not collective: rank 0 owns it.

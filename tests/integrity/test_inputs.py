@@ -5,7 +5,6 @@ import os
 import resource
 import subprocess
 import threading
-import time
 import unittest
 
 import h5py
@@ -184,11 +183,9 @@ class Files(ProgramTest):
         lines = ["t_ms," + ",".join(["u_um"] * n), "x_mm," + ",".join(x for x, _ in places),
                  "y_mm," + ",".join(y for _, y in places), "0," + ",".join(["0"] * n), "1," + ",".join(["1"] * n)]
         (self.folder / "m.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        began = time.process_time()
         done = self.shearwake("respond", "m.csv", expect=None)
         self.assertIn(done.returncode, (2, 3), done.said)
         self.says(done.said, "99999 pins exceed the limit")
-        self.assertLess(time.process_time() - began, 60.0)
 
 
 class Texts(ProgramTest):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """pstdElastic3D of k-Wave as a Python function, which runs the program `shearwake kwave`."""
+import os
 import subprocess
 import tempfile
 from pathlib import Path
@@ -19,11 +20,15 @@ OPTIONS = {"pml_size": "PMLSize", "pml_alpha": "PMLAlpha", "pml_inside": "PMLIns
            "multi_axial_pml_ratio": "MultiAxialPMLRatio", "scale_source_terms": "ScaleSourceTerms", "cart_interp": "CartInterp"}
 REFUSED = ("time_reversal_boundary_data", "frequency_response")
 # Options of k-wave-python about its processors and files.
-IGNORED = {"use_kspace", "backend", "device", "debug", "device_num", "data_path", "save_only", "binary_path"}
-# The names in SimulationOptions of k-wave-python.
-DEPRECATED = {"pml_size": "pml_size", "pml_alpha": "pml_alpha", "pml_inside": "pml_inside", "smooth_p0": "smooth_p0",
-              "multi_axial_PML_ratio": "multi_axial_pml_ratio", "scale_source_terms": "scale_source_terms",
-              "cart_interp": "cart_interp", "data_cast": "data_cast", "use_sg": "use_sg"}
+IGNORED = {"use_kspace", "backend", "device", "debug", "device_num", "data_path", "binary_path"}
+# The names in SimulationOptions of k-wave-python; those that change no result; and those that must be off, with its defaults.
+DEPRECATED = {"pml_inside": "pml_inside", "multi_axial_PML_ratio": "multi_axial_pml_ratio", "scale_source_terms": "scale_source_terms",
+              "data_cast": "data_cast", "use_sg": "use_sg"}
+COMBINED = {"pml_size", "pml_alpha", "cart_interp", "cartesian_interp", "smooth_p0", "smooth_c0", "smooth_rho0",
+            *(f"pml_{axis}_{what}" for axis in AXES for what in ("size", "alpha"))}
+WITHOUT_EFFECT = {"use_kspace", "data_recast", "hdf_compression_level", "pml_search_range", "radial_symmetry", "create_log",
+                  "stream_to_disk", "save_to_disk", "data_path", "input_filename", "output_filename", "simulation_type", "plot_scale"}
+MUST_BE_OFF = ("use_fd", "use_finite_difference", "axisymmetric", "pml_auto", "save_to_disk_exit", "save_only")
 
 
 def attribute(item, name, default=None):
@@ -135,21 +140,70 @@ def computed(arguments, ranks, launch, progress):
         raise program.error_of(running.returncode, said)
 
 
+def of_simulation_options(simulation_options):
+    """SimulationOptions of k-wave-python as keywords. Raises BadInput for a field that would change the result and is not known."""
+    def value_of(name):
+        value = attribute(simulation_options, name)
+        return None if callable(value) else value
+    fields = simulation_options if isinstance(simulation_options, dict) else getattr(simulation_options, "__dict__", {})
+    for name, value in fields.items():
+        if name in MUST_BE_OFF and value:
+            raise BadInput(f"simulation_options.{name} is not supported")
+        if not name.startswith("_") and not callable(value) and name not in {*DEPRECATED, *COMBINED, *WITHOUT_EFFECT, *MUST_BE_OFF}:
+            raise BadInput(f"simulation_options.{name} is unknown")
+    if getattr(value_of("simulation_type"), "name", "") == "AXISYMMETRIC":
+        raise BadInput("simulation_options.simulation_type is AXISYMMETRIC, which is not supported")
+    given = {keyword: value_of(name) for name, keyword in DEPRECATED.items()}
+    for what, default in (("size", 10.0), ("alpha", 2.0)):
+        common, axes = value_of(f"pml_{what}"), [value_of(f"pml_{axis}_{what}") for axis in AXES]
+        given[f"pml_{what}"] = common
+        if any(value is not None for value in axes):  # as in k-wave-python, an axis overrides the common value
+            every = np.broadcast_to(np.ravel(default if common is None else common), 3)
+            given[f"pml_{what}"] = [of_all if value is None else float(value) for value, of_all in zip(axes, every)]
+    smooth = [value_of(name) for name in ("smooth_p0", "smooth_c0", "smooth_rho0")]
+    if any(value is not None for value in smooth):
+        given["smooth"] = [float(default if value is None else value) for value, default in zip(smooth, (True, False, False))]
+    nearest = "nearest" in (value_of("cart_interp"), value_of("cartesian_interp"))
+    given["cart_interp"] = "nearest" if nearest else value_of("cart_interp") or value_of("cartesian_interp")
+    return {keyword: value for keyword, value in given.items() if value is not None}
+
+
+def ranks_of(value):
+    """A number of ranks: of the argument or of num_threads, which may be "all"."""
+    if value == "all":
+        return len(os.sched_getaffinity(0))
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise BadInput(f"the number of ranks must be a whole number from 1 on, not {value!r}")
+    return int(value)
+
+
+def precision_of(cast, precision):
+    """The precision of `data_cast` or `dtype` if it is given: "off", "double", "single", also with "gpuArray-", or a type of NumPy."""
+    if precision not in ("double", "single"):
+        raise BadInput(f"precision must be 'double' or 'single', not {precision!r}")
+    if cast is None:
+        return precision
+    name = cast.removeprefix("gpuArray-") if isinstance(cast, str) else np.dtype(cast).name
+    found = {"off": precision, "double": "double", "float64": "double", "single": "single", "float32": "single"}.get(name)
+    if found is None:
+        raise BadInput(f"data_cast must be 'off', 'double' or 'single', not {cast!r}")
+    return found
+
+
 def study_options(options, simulation_options):
     """The structure `options` of pstdElastic3D, and the other options."""
-    given = {}
-    for name, keyword in DEPRECATED.items():
-        value = attribute(simulation_options, name)
-        if value is not None and not callable(value):
-            given[keyword] = value
-    given.update(options)
+    given = {**of_simulation_options(simulation_options), **options}
+    if "smooth_p0" in options and "smooth" not in options:
+        given.pop("smooth", None)
+    if given.pop("save_only", None):
+        raise BadInput("save_only is not supported")
     fields = {}
     for keyword, name in OPTIONS.items():
         value = given.pop(keyword, None)
         if value is not None:
             fields[name] = value if isinstance(value, str) else np.asarray(value, dtype=float)
-    if "smooth" not in options and "Smooth" in fields:
-        fields["Smooth"] = np.array([float(fields["Smooth"]), 0.0, 0.0])  # of smooth_p0
+    if "smooth_p0" in options and "smooth" not in options:
+        fields["Smooth"] = np.array([float(fields["Smooth"]), 0.0, 0.0])
     if not given.pop("use_sg", True):
         raise BadInput("use_sg must be True: the grid is staggered")
     return Structure(fields, "options"), {name: value for name, value in given.items() if name not in IGNORED}
@@ -198,7 +252,7 @@ def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None,
     The defaults are those of pstdElastic3D in MATLAB, not those of kspaceFirstOrder: pml_size 10, pml_inside True, pml_alpha 2,
     multi_axial_pml_ratio 0.1, smooth (True, False, False) for p0, speeds and density, scale_source_terms True, record ["p"].
     The arguments of the deprecated interface, (kgrid, source, sensor, medium, simulation_options, execution_options), are recognised
-    by their fields. `ranks` MPI ranks compute in "double" or "single" `precision`; `launch` replaces mpirun. `progress` (default:
+    by their fields or by the last two names; options that would change the result and are not supported are errors. `ranks` MPI ranks compute in "double" or "single" `precision`; `launch` replaces mpirun. `progress` (default:
     unless quiet) shows a bar.
 
     Returns a dictionary of float64: series (n, Nt) and statistics (n) of the n points, and values of the entire grid
@@ -209,19 +263,20 @@ def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None,
     (n - 1/2) dt, n = record_start_index, ...
 
     Raises ValueError for faults of the arguments, and ShearwakeError if the program fails."""
-    order = "C"
+    order = "C" if simulation_options is None and execution_options is None else "F"
     if attribute(sensor, "sound_speed_shear") is not None:
         medium, source, sensor, order = sensor, medium, source, "F"
     try:
         fields, others = study_options(options, simulation_options)
-        cast = others.pop("data_cast", None) or others.pop("dtype", None)
-        if cast is not None and np.dtype({"off": "float64"}.get(cast, cast) if isinstance(cast, str) else cast) == np.float32:
-            precision = "single"
-        ranks = others.pop("num_threads", None) or attribute(execution_options, "num_threads") or ranks
+        dtype, cast = others.pop("dtype", None), others.pop("data_cast", None)
+        precision = precision_of(dtype if cast is None else cast, precision)
+        threads = others.pop("num_threads", None)
+        threads = attribute(execution_options, "num_threads") if threads is None else threads
+        ranks = ranks_of(ranks if threads is None else threads)
         if others:
             raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}")
         parts = {"kgrid": grid_structure(kgrid), "medium": structure(medium, "medium"), "source": structure(source, "source"),
                  "sensor": structure(sensor or {}, "sensor"), "options": fields}
-        return solve(parts, [], order, int(ranks), launch, precision, quiet, not quiet if progress is None else progress)
+        return solve(parts, [], order, ranks, launch, precision, quiet, not quiet if progress is None else progress)
     except BadInput as error:
         raise ValueError(str(error)) from error

@@ -74,8 +74,10 @@ class Budget:
         if address in self.seen and isinstance(item, h5py.Dataset):
             self.again_B -= item.nbytes
         self.seen.add(address)
-        if self.items < 0 or self.again_B < 0:
-            raise BadInput(f"its structures have more than {MOST_ITEMS} fields and cells, or refer to the same arrays repeatedly")
+        if self.items < 0:
+            raise BadInput(f"its structures have more than {MOST_ITEMS} fields and cells")
+        if self.again_B < 0:
+            raise BadInput(f"its structures refer to the same arrays repeatedly, more than {ALLOWED_B // 1_000_000} MB in all")
 
 
 def of_octave(group, level, left):

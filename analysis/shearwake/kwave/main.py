@@ -6,6 +6,7 @@ import contextlib
 import difflib
 import errno
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -279,8 +280,8 @@ def main():
     print(summary_of(out, study, has_job))
     for line in lines_of(study, plane):
         print(f"  {line}")
-    print(f"next: shearwake run {out}.toml" if has_job else
-          f"next: shearwake kwave -i {out}.h5 -o {out}-output.h5 {' '.join(flags_of(study.sensor_fields))} -s {study.sensor_start}"
+    print(f"next: shearwake run {shlex.quote(f'{out}.toml')}" if has_job else
+          f"next: shearwake kwave -i {shlex.quote(f'{out}.h5')} -o {shlex.quote(f'{out}-output.h5')} {' '.join(flags_of(study.sensor_fields))} -s {study.sensor_start}"
           + (" --precision single" if chosen.precision == "single" else ""))
     return 0
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
 
 from ..case import Case
 from ..tables import read_statistics
@@ -102,17 +101,16 @@ def of_optima(selection: Selection) -> list[Number]:
     rows = next(iter(optima.by_case(selection).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == optima.middle(rows))
     name = optima.words(optima.optima(selection).maximised)
-    plain = "" if "unmodulated" in optima.invalid(selection) else f"{amount(row['eta_unmodulated_1'])} without modulation"
-    return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", plain),
+
+    def plain(value: str) -> str:
+        return "" if "unmodulated" in optima.invalid(selection) else f"{value} without modulation"
+    uniformity, drawn = (row.get(f"uniformity_{name}_1", math.nan) for name in ("optimum", "unmodulated"))
+    last = ((number(uniformity, 2), "uniformity: smallest rms along the path relative to its mean",
+             plain(number(drawn, 2)) if math.isfinite(drawn) else "") if math.isfinite(uniformity) else  # nan: the focus rests
+            (amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", ""))
+    return [(amount(row["eta_optimum_1"]), f"{name} of the optimum", plain(amount(row["eta_unmodulated_1"]))),
             (amount(row["eta_ceiling_1"]), "proven upper bound for its path", f"{amount(row['ceiling_over_optimum_1'])} times the optimum"),
-            uniformity_or_strength(row)]
-
-
-def uniformity_or_strength(row: dict[str, Any]) -> Number:
-    found, plain = (row.get(f"uniformity_{name}_1", math.nan) for name in ("optimum", "unmodulated"))
-    if math.isnan(found):  # the focus rests
-        return amount(row["strength_at_least_1"]), "strength at least, relative to the load without modulation", ""
-    return number(found, 2), "uniformity: smallest rms along the path relative to its mean", f"{number(plain, 2)} without modulation"
+            last]
 
 
 def numbers(selection: Selection) -> list[Number]:

@@ -35,7 +35,7 @@ constexpr double most_periods = 1e6;
 constexpr double most_frames_per_period = 1000.0;
 constexpr std::ptrdiff_t many_frames = 20000;
 /// The share of a wave's energy that a sponge may give back, and the sponge's width that does it,
-/// in wavelengths (case/edge_absorption).
+/// in wavelengths (case/edges.hpp).
 constexpr double tolerated_return = 0.01;
 double width_for(double wavelength_m) {
     return wavelength_m / 1.65;

@@ -54,7 +54,7 @@ struct Sample {
     std::vector<double> group_sizes;              // of each case of the sweep
 };
 
-/// A group stays whole (bundles.hpp) if it takes at most this multiple of a team's share of the
+/// A group stays whole (Bundle) if it takes at most this multiple of a team's share of the
 /// time.
 constexpr double largest_whole_share = 1.25;
 

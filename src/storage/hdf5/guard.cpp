@@ -49,7 +49,7 @@ void limit(__rlimit_resource resource, rlim_t most) {
 
 /// Throws UsageError if the file system stores less than a hundredth of a file above 64 MB.
 void refuse_holes(const std::filesystem::path& path, double size_B) {
-    const int file = size_B > 64e6 ? ::open(path.c_str(), O_RDONLY) : -1;
+    const int file = size_B > 64e6 ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
     if (file < 0) return; // HDF5 reports why it cannot open it
     double stored_B = 0.0;
     off_t start = 0;
@@ -58,8 +58,9 @@ void refuse_holes(const std::filesystem::path& path, double size_B) {
         if (start >= 0) end = ::lseek(file, start, SEEK_HOLE);
         stored_B += start >= 0 ? static_cast<double>(end - start) : 0.0;
     }
+    const bool is_sparse = start < 0 && errno == ENXIO; // not a file system without SEEK_DATA
     ::close(file);
-    if (start < 0)
+    if (is_sparse)
         throw UsageError(fmt::format("it is a sparse file: it has {:.0f} MB but stores {:.3g} kB",
                                      size_B / 1e6, stored_B / 1e3));
 }

@@ -32,7 +32,7 @@
 namespace shearwake::adaptive {
 namespace {
 
-/// What a shard of a sweep with adaptive axes knows of the other shards. While it exists, a lock in
+/// The state of the other shards of a sweep with adaptive axes. While it exists, a lock in
 /// the output folder shows that this shard takes part, also while it computes no case. Without
 /// --shard it does nothing. On rank 0; not collective.
 class OtherShards {

@@ -27,11 +27,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Columns = std::map<std::string, std::vector<double>>; // one value per repetition
 
+constexpr std::uintmax_t largest_fit_B = 4'000'000;
+
 /// The estimates of `shearwake fit` as overrides. Not collective.
 std::vector<std::string> estimates_in(const std::filesystem::path& file) {
     std::vector<std::string> overrides;
     try {
-        const Json root = Json::parse(storage::read_file(file, 1 << 22));
+        const Json root = Json::parse(storage::read_file(file, largest_fit_B));
         for (const auto& [key, estimate] : root.at("estimates").items())
             overrides.push_back(fmt::format("{}={:.17g}", key, estimate.at("value").get<double>()));
     } catch (const Json::exception& error) {

@@ -22,6 +22,12 @@ Readings readings_of(const schedule::OutputFolder& folder, const std::string& ma
 /// [case][strength]. Collective.
 std::vector<std::vector<BestSm>> agreed_sm(const Study& study, const Comm& world);
 
+/// A job file whose only case has the motion of an optimum and this envelope: the job of the study
+/// with its overrides and the swept values of the case, without [sweep], [table], [uncertain] and
+/// [optimise]. Not collective.
+std::string job_of_optimum(const Study& study, const OptimisedCase& of, const MovedCase& moved,
+                           const SampledGain& envelope);
+
 /// Writes the table of the study as CSV and Markdown and the exported waveforms to the folder
 /// `optimise`, and returns the Markdown. Throws UsageError (environment). Not collective.
 std::string write_optima(const Study& study, const Optima& results, const Readings& basis);

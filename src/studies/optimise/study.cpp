@@ -177,7 +177,7 @@ Optimum optimum(const OptimisedCase& c, const Forms& forms, const MotionChange& 
     std::vector<Eigen::VectorXd> more = rounded(relaxed_envelope(moved, result.ceiling));
     more.push_back(result.am.envelope.values);
     result.found = best_for(moved, strength, options, more);
-    if (!(result.found.eta > 0.0))
+    if (options.uniformity > 0.0 && !(result.found.eta > 0.0))
         throw UsageError(
             fmt::format("case {}: no envelope was found with a strength of {:g} and "
                         "optimise.uniformity = {:g}; the unmodulated load has a uniformity of "

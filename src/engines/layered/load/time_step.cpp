@@ -9,11 +9,12 @@
 #include "problem/case/edges.hpp"
 #include "problem/load/load.hpp"
 
+#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <Eigen/Core>
-#include <Eigen/Dense>
+#include <complex>
 #include <fmt/format.h>
 #include <iterator>
 #include <numbers>
@@ -51,7 +52,7 @@ private:
 };
 
 /// The spectrum of a footprint falls to this fraction at the end of its band.
-inline constexpr double band_fraction = 1e-6;
+constexpr double band_fraction = 1e-6;
 
 using Complex = std::complex<double>;
 

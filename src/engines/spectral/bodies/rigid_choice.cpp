@@ -173,7 +173,7 @@ std::string obstacle(const Case& c, std::size_t i) {
     if (is_light) return "it is lighter than its surroundings";
     const double spacings = lateral_thickness_m(body) / c.domain.spacing_m;
     if (endless_along(body, c.domain) == Endless::no && spacings < accurate_spacings)
-        return fmt::format("it is {:.2g} grid spacings wide, and elastic bodies are more accurate "
+        return fmt::format("it is {:.3g} grid spacings wide, and elastic bodies are more accurate "
                            "below {:.2g}",
                            spacings, accurate_spacings);
     Case chosen = c;

@@ -116,7 +116,7 @@ private:
                 std::fill(s_.scratch.begin(), s_.scratch.end(), Block{});
                 const WaveBlock waves = s_.vectors.waves(row, block);
                 one.add_force(waves, unit.data(), pitch, s_.per_point(), force);
-                s_.solve({row, block, row * s_.vectors.blocks() + block}, force);
+                s_.solve(s_.pencil(row, block), force);
                 s_.transfer.strain(planes.in_line(waves), force, planes.line(row), planes.stride());
             }
             planes.end_row_from(row, plane);

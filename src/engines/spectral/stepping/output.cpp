@@ -35,7 +35,7 @@ void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::ptrdiff_t row = 0; row < state_.vectors.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < state_.vectors.blocks(); ++block) {
-            const Block* u = state_.u({row, block, row * state_.vectors.blocks() + block});
+            const Block* u = state_.u(state_.pencil(row, block));
             const WaveBlock waves = state_.vectors.waves(row, block);
             Block value[parts] = {};
             if (at_level < state_.vertical.levels())
@@ -58,7 +58,7 @@ void Stepper::plane_of_w(double depth_m, double* plane) const {
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::ptrdiff_t row = 0; row < state_.vectors.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < state_.vectors.blocks(); ++block) {
-            const Block* u = state_.u({row, block, row * state_.vectors.blocks() + block});
+            const Block* u = state_.u(state_.pencil(row, block));
             Block w[parts] = {};
             for (std::ptrdiff_t i = 0; i <= state_.mesh.degree; ++i) {
                 const double weight = weights[static_cast<std::size_t>(i)];

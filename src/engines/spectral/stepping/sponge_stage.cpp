@@ -65,7 +65,7 @@ SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s) {
 namespace {
 
 /// Absorbing margin of the domain. Every few steps the velocity in the margin is reduced by its
-/// share b = 1 - e^{-gamma T}, with gamma of case/edge_absorption and the interval T. In nearly
+/// share b = 1 - e^{-gamma T}, with gamma of case/edges.hpp and the interval T. In nearly
 /// incompressible tissue b v has a divergence, which a scheme whose step is independent of c_p
 /// cannot propagate away. The loss is therefore applied as an impulse, -M b v, to which the
 /// implicit operator responds.
@@ -161,7 +161,7 @@ private:
         for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
             const bool is_nyquist = vectors_.is_nyquist(row);
             for (std::ptrdiff_t block = 0; acts_on(row, block); ++block) {
-                const Pencil p{row, block, row * s_.vectors.blocks() + block};
+                const Pencil p = s_.pencil(row, block);
                 kernels_.put(vectors_.waves(row, block), s_.vertical.levels(), s_.u(p),
                              s_.u_before(p), line(row), stride);
             }

@@ -13,8 +13,8 @@
 namespace shearwake::spectral {
 
 /// A part of a step. The order of the stages and the equation that they solve together are those of
-/// Stepper (stepper.hpp). Each stage has a file of its own and knows of the others only what is in
-/// StepState.
+/// Stepper (stepper.hpp). Each stage has a file of its own and depends on the others only
+/// through StepState.
 class Stage {
 public:
     explicit Stage(StepState& state) : s_(state) {}

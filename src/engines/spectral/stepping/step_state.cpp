@@ -63,11 +63,11 @@ void StepState::factorise(Operator which) {
             for (std::ptrdiff_t block = 0; block < vectors.blocks(); ++block)
                 vertical.factorise(which, vectors.waves(row, block).k, step_s,
                                    factors_.data() +
-                                       (row * vectors.blocks() + block) * vertical.factor_size());
+                                       pencil(row, block).at * vertical.factor_size());
         slab_bodies.assemble(vertical, background_solve());
     });
     bodies->assemble(vertical, [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        solve_held({row, block, row * vectors.blocks() + block}, force);
+        solve_held(pencil(row, block), force);
     });
 }
 
@@ -81,7 +81,7 @@ void StepState::end_step() {
 
 RigidBodies::Solve StepState::background_solve() const {
     return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        vertical.solve_implicit(factor(row * vectors.blocks() + block), force);
+        vertical.solve_implicit(factor(pencil(row, block).at), force);
     };
 }
 

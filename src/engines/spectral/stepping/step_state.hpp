@@ -105,6 +105,9 @@ public:
     /// Weight of the second difference: from rest, the first step has half of it.
     double scale() const { return step == 0 ? 0.5 : 1.0; }
     double per_point() const { return 1.0 / static_cast<double>(c.domain.nx * c.domain.ny); }
+    Pencil pencil(std::ptrdiff_t row, std::ptrdiff_t block) const {
+        return {row, block, row * vectors.blocks() + block};
+    }
     /// Number of Blocks of a pencil, and the places of its displacement and of its factor.
     std::ptrdiff_t size() const { return vertical.unknowns() * parts; }
     const Block* u(const Pencil& p) const { return now.data() + p.at * size(); }
@@ -207,7 +210,7 @@ void StepState::each_pencil(Reads reads, Begin begin, Use use) {
         const bool is_nyquist = vectors.is_nyquist(row);
         begin(row);
         for (std::ptrdiff_t block = 0; block < vectors.blocks() && !is_nyquist; ++block)
-            use(Pencil{row, block, row * vectors.blocks() + block});
+            use(pencil(row, block));
         if (reads.strain)
             planes.end_row(row,
                            is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);

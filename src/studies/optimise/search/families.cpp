@@ -43,6 +43,7 @@ std::vector<double> am_frequencies_Hz(const Case& c, const Knots& knots,
 AmEnvelope best_am(const Forms& forms, const Knots& knots, const Required& required,
                    const std::vector<double>& frequencies_Hz) {
     AmEnvelope best{.envelope = unmodulated(forms)};
+    if (!required.is_met_by(forms, best.envelope.values)) best.envelope.eta = 0.0;
     for (const double frequency_Hz : frequencies_Hz)
         for (int d = 1; d <= depths; ++d)
             for (int p = 0; p < phases; ++p) {

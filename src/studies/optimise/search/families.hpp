@@ -23,7 +23,8 @@ std::vector<double> am_frequencies_Hz(const Case& c, const Knots& knots,
                                       const OptimiseOptions& options);
 
 /// The AM-STM with the largest eta that meets the requirements, over these frequencies and a fine
-/// grid of depths and phases; the unmodulated load if none is better.
+/// grid of depths and phases; the unmodulated load if none is better, with eta = 0 if it does not
+/// meet them either.
 AmEnvelope best_am(const Forms& forms, const Knots& knots, const Required& required,
                    const std::vector<double>& frequencies_Hz);
 

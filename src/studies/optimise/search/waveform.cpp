@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "measures/window.hpp"
+#include "studies/optimise/search/gram.hpp"
 #include "studies/optimise/search/quotient.hpp"
 #include "studies/optimise/search/variation.hpp"
 
@@ -48,6 +49,8 @@ std::string why_not(const Case& c, const OptimiseOptions& options) {
         return "optimise.over has more than \"envelope\", but no focus moves along a path at "
                "constant "
                "speed without rests";
+    if (options.uniformity > 0.0 && samples_along_path(c).empty())
+        return "optimise.uniformity requires a focus that moves along a path";
     return {};
 }
 

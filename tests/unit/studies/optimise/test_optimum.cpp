@@ -193,6 +193,10 @@ TEST_CASE("a uniformity that the unmodulated load misses is reached if an envelo
     CHECK(Required{0.5, 0.9}.is_met_by(forms, found.values));
     // At full strength only the unmodulated load is left.
     CHECK(best_envelope(forms, {1.0, 0.9}, starts(2, 6, 1)).eta == 0.0);
+    // So is a search for AM that has no frequencies.
+    CHECK(best_am(forms, {.count = 2, .interval_s = 1e-3}, {0.5, 0.9}, {}).envelope.eta == 0.0);
+    CHECK(best_am(forms, {.count = 2, .interval_s = 1e-3}, {0.5, 0.6}, {}).envelope.eta ==
+          Approx(1.0));
 }
 
 TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {

@@ -46,6 +46,14 @@ engine = "layered"
 
 } // namespace
 
+TEST_CASE("a uniformity is required of a focus that moves along a path", "[optimise]") {
+    Case c = circle();
+    CHECK(why_not(c, {.uniformity = 0.8}).empty());
+    c.scene().load.modulation.trajectory.parts = {Hold{}};
+    CHECK(why_not(c, {.uniformity = 0.8}) ==
+          "optimise.uniformity requires a focus that moves along a path");
+}
+
 TEST_CASE("a larger or slower path takes longer, and its load repeats with it", "[optimise]") {
     const Case c = circle();
     REQUIRE(has_speed(c));
