@@ -278,7 +278,10 @@ Input Reader::input() {
     read_sources("u", velocities);
     read_sources("s", stresses);
     // The samples of sxx, syy and szz contain p0 already.
-    if (flag("p0_source_flag", 1) == 1) open("p0_source_input", Kind::real, {n_[2], n_[1], n_[0]});
+    if (flag("p0_source_flag", 1) == 1) {
+        open("p0_source_input", Kind::real, {n_[2], n_[1], n_[0]});
+        field("p0_source_input"); // throws if a value is not finite
+    }
     read_sensor();
     return std::move(input_);
 }

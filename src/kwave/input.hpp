@@ -39,6 +39,7 @@ struct Input {
     std::map<std::string, double> numbers;
     std::string description;
     StepLimits limits;
+    double soft_nodes = 0.0;                // of this rank, with a negative bulk modulus
     double fluid_faces = 0.0;               // of this rank, between a fluid node and a solid one
     std::size_t source_values = 0;          // stored on every rank
     std::shared_ptr<const StudyData> study; // to which `setup` refers; none for a file of k-Wave

@@ -101,6 +101,7 @@ void Reader::read_material() {
             for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z) {
                 const Node n{x, y, z};
                 const pstd::NodeMaterial here = setup.material(n);
+                if (3.0 * m.lambda(n) + 2.0 * m.mu(n) < 0.0) input_.soft_nodes += 1.0;
                 const auto [low, high] = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
                 if (here == last && high == last_density) continue;
                 last = here;

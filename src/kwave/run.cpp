@@ -55,6 +55,8 @@ void check_arguments(const Arguments& a) {
             refuse(fmt::format("{}: the folder is not writable", path.string()));
         if (std::filesystem::is_directory(path))
             refuse(fmt::format("{} is a folder", path.string()));
+        if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path))
+            refuse(fmt::format("{} is not a regular file", path.string()));
         if (std::filesystem::equivalent(path, a.input, ignored))
             refuse(fmt::format("{} would replace the input file", path.string()));
     }
@@ -228,6 +230,11 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
                                  "moduli next to them are those of the file",
                                  faces));
+    if (const double nodes = world.sum(input->soft_nodes); nodes > 0.0)
+        print(world,
+              fmt::format("warning: lambda + 2 mu/3, the bulk modulus, is negative at {:.0f} "
+                          "nodes, which no stable solid has",
+                          nodes));
     if (arguments.verbose > 0)
         print(world, fmt::format("  {} sensor nodes, {} sources; records {}", input->sensor.size(),
                                  input->setup.sources.size(), fmt::join(arguments.records, ", ")));

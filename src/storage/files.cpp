@@ -158,6 +158,8 @@ void flush_to_disk(const fs::path& path) {
 void publish(const fs::path& part, const fs::path& path) {
     flush_to_disk(part);
     std::error_code error;
+    if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+        refuse("cannot replace, because it is not a regular file,", path, EINVAL);
     fs::rename(part, path, error);
     if (error) refuse("cannot rename to", path, error.value());
     flush_directory(path);

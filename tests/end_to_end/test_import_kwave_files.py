@@ -393,6 +393,9 @@ class Errors(FilesTest):
         with h5py.File(study_file) as file:
             self.assertEqual((file["grid"].attrs["time_step_s"], file["grid"].attrs["steps"]), (5e-6, 837))
             numpy.testing.assert_array_equal(file["grid/points"][()], [32, 81, 32])
+        self.changed(options={"PMLSize": "auto", "PMLInside": False, "PMLRange": [10.0, 20.0], "HDFCompressionLevel": 9.0})
+        # 9 + 2 * 18 = 45
+        self.says(self.imported("study.mat"), "is, as in k-Wave, 11, 18, 12", "HDFCompressionLevel: ignored")
         self.changed(options={"PMLSize": "auto"})
         self.refused("study.mat", "supports only with options.PMLInside = false")
 

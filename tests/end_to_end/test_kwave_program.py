@@ -155,6 +155,8 @@ class Program(KWaveTest):
         shutil.copyfile(self.folder / "out.h5", self.folder / "complete.h5")
         for leg, ranks in enumerate((1, 2, 3)):
             self.run_file(file, *records, "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40", ranks=ranks)
+            with h5py.File(self.folder / "c.h5") as checkpoint:
+                self.assertEqual(checkpoint.attrs["file_type"], b"checkpoint")
             with h5py.File(self.folder / "out.h5") as out:
                 self.assertEqual((out["t_index"][0, 0, 0], out["p"].shape), (40 * (leg + 1), (1, 140, 9)))
         self.assertIn("must be a checkpoint of the same input file and options",
@@ -227,6 +229,22 @@ class Errors(KWaveTest):
                 ("u_source_index", 16801, "u_source_index contains 16801"), ("pml_x", 1.5, "pml_x is 1.5", "index 1")):
             with self.subTest(name=name, value=value):
                 self.refused(self.set_to(name, value), *words)
+        self.refused(self.set_to("p0_source_input", numpy.nan, (3, 2, 1)), "p0_source_input contains nan", "(2, 3, 4)",
+                     case="p0_pml_outside")
+
+    def test_only_regular_files_are_replaced(self):
+        os.mkfifo(self.folder / "pipe.h5")
+        done = subprocess.run([PROGRAM, "kwave", "-i", DATA / "homogeneous_input.h5", "-o", "pipe.h5", "--benchmark", "2"],
+                              cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.says(done.stderr, "pipe.h5 is not a regular file")
+        self.assertTrue((self.folder / "pipe.h5").is_fifo())
+
+    def test_negative_bulk_modulus_is_warned_of(self):
+        with h5py.File(DATA / "homogeneous_input.h5") as file:
+            mu = float(file["mu"][0, 0, 0])
+        said = self.run_file(self.changed("homogeneous", self.set_to("lambda", -0.9 * mu)), "--benchmark", "2")
+        self.says(said, "warning: lambda + 2 mu/3, the bulk modulus, is negative at")
 
     def test_fault_of_a_node_is_named_on_every_number_of_ranks(self):
         for ranks in (1, 2):

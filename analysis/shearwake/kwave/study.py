@@ -17,10 +17,10 @@ KNOWN = {
     "source": {"u_mask", "u_mode", "ux", "uy", "uz", "s_mask", "s_mode", "sxx", "syy", "szz", "sxy", "sxz",
                "syz", "p0"},
     "sensor": {"mask", "record", "record_start_index"},
-    "options": {"PMLSize", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms", "CartInterp"},
+    "options": {"PMLSize", "PMLRange", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms", "CartInterp"},
 }
 # Options of pstdElastic3D about plots, files and the processor.
-IGNORED = {"CreateLog", "DataCast", "DataRecast", "DisplayMask", "LogScale", "MeshPlot", "MovieArgs",
+IGNORED = {"CreateLog", "DataCast", "DataRecast", "DisplayMask", "HDFCompressionLevel", "LogScale", "MeshPlot", "MovieArgs",
            "MovieName", "MovieProfile", "MovieType", "PlotFreq", "PlotLayout", "PlotPML", "PlotScale", "PlotSim",
            "RecordMovie", "SaveToDisk", "SaveToDiskExit", "StreamToDisk"}
 
@@ -190,7 +190,10 @@ class Study:
         """The sizes of getOptimalPMLSize in k-Wave: the enlarged grid has the smallest largest prime factor."""
         if self.options.number("PMLInside", 1.0) != 0.0:
             raise BadInput("options.PMLSize is \"auto\", which k-Wave supports only with options.PMLInside = false")
-        sizes = range(10, 41)
+        least, most = (int(size) for size in np.ravel(self.options.array("PMLRange") if "PMLRange" in self.options else [10, 40]))
+        if not 0 < least <= most:
+            raise BadInput("options.PMLRange must be two whole numbers above 0 in ascending order")
+        sizes = range(least, most + 1)
         found = np.array([min(sizes, key=lambda size: largest_factor(int(points) + 2 * size)) for points in self.points], dtype=float)
         self.notes.append("options.PMLSize: \"auto\" is, as in k-Wave, " + ", ".join(f"{size:g}" for size in found))
         return found

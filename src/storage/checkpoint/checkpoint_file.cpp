@@ -143,6 +143,7 @@ void CheckpointFileWriter::commit(const CheckpointOwner& owner, const Checkpoint
         }
         for (const auto& [name, sum] : checksums_)
             h5::put_attribute(h5::open_dataset(file.raw(), name).raw(), "checksum", sum);
+        h5::put_attribute(file.raw(), "file_type", "checkpoint");
         h5::put_attribute(file.raw(), "case_id", owner.case_id);
         h5::put_attribute(file.raw(), "git_id", owner.git_id);
         h5::put_attribute(file.raw(), "sequence", facts.sequence);
