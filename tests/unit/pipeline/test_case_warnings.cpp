@@ -113,7 +113,7 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
     CHECK(stated(10.0, 200.0).empty()); // 1/sqrt(101), and eta by (200/201)^2 (101/100) - 1 < .1 %
     CHECK_THAT(stated(20.0, 50.0), Catch::Contains("eta by 3.6 %")); // (50/51)^2 (401/400) - 1
     CHECK_THAT(stated(14.0, 70.0), Catch::Contains("eta by 2.3 %")); // (70/71)^2 (197/196) - 1
-    CHECK(stated(14.0, 100.0).empty());                               // 1.5 %, and the field by 7 %
+    CHECK(stated(14.0, 100.0).empty());                              // 1.5 %, and the field by 7 %
     CHECK_THAT(stated(9.0, 0.0), !Catch::Contains("eta"));
     // A small region is depressed on average: its energy falls by twice the uplift times the mean.
     CHECK_THAT(stated(12.0, 200.0, 8.0), Catch::Contains("eta by 11 %")); // (200/201)^2 (161/144)
