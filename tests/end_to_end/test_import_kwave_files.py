@@ -9,32 +9,9 @@ import numpy
 import scipy.io
 import scipy.sparse
 
-from kwave import import_kwave, save
-from program import ROOT, ProgramTest, environment
-
-POINTS = (10, 9, 8)
-
-
-def study():
-    mask = numpy.zeros(POINTS)
-    mask[3:5, 4, 2], mask[6, 4, 2] = 1.0, 1.0
-    c_s = 5.0 + numpy.arange(10.0)[:, None, None] * numpy.ones(POINTS)
-    return {
-        "kgrid": {**{f"N{axis}": n for axis, n in zip("xyz", POINTS)}, "dx": 1e-3, "dy": 1e-3, "dz": 2e-3,
-                  "dt": 1e-5, "Nt": 20},
-        "medium": {"sound_speed_compression": 20.0, "sound_speed_shear": c_s, "density": 1000.0,
-                   "sound_speed_ref": "mean"},
-        "source": {"u_mask": mask, "uz": numpy.arange(60.0).reshape(3, 20), "u_mode": "dirichlet"},
-        "sensor": {"mask": numpy.array([[3.0, 4, 2, 5, 4, 2]]).T, "record": ["p", "uz"]},
-        "options": {"PMLInside": True, "PMLSize": numpy.array([[2.0, 2, 2]])},
-    }
-
-
-def cell(words):
-    cells = numpy.empty((1, len(words)), dtype=object)
-    cells[0, :] = words
-    return cells
-
+from kwave import save
+from program import ROOT, environment
+from small_study import POINTS, FilesTest, cell, study
 
 def as_in_python(value):
     """A value as Python scripts store it with h5py: arrays with reversed indices, texts as strings."""
@@ -60,13 +37,6 @@ def octave_value(group, name, value):
         value = numpy.asarray(value, dtype=float)
         item["type"] = numpy.bytes_("matrix" if value.ndim else "scalar")
         item["value"] = value.T
-
-
-class FilesTest(ProgramTest):
-    def imported(self, name, expect=0):
-        code, said = import_kwave(self.folder, name, "--out", "study")
-        self.assertEqual(code, expect, said)
-        return said
 
 
 class Files(FilesTest):
@@ -150,9 +120,6 @@ class Files(FilesTest):
 
 
 class Errors(FilesTest):
-    def refused(self, name, *words, expect=3):
-        self.says(self.imported(name, expect=expect), *words)
-
     def test_arrays_that_grow_by_decompression_are_refused(self):
         structures = study()
         structures["medium"]["density"] = numpy.zeros((230, 200, 200))  # 74 MB, of which 70 kB are stored
@@ -297,120 +264,6 @@ class Errors(FilesTest):
         structures["kgrid"]["dt"] = 0.995 * limit_s
         scipy.io.savemat(self.folder / "outside.mat", structures)
         self.refused("outside.mat", "is unstable: at this spacing and in this medium")
-
-    def test_places_of_sources_and_sensor_are_printed(self):
-        structures = study()
-        structures["sensor"]["record"] = cell(["p", "uz"])
-        scipy.io.savemat(self.folder / "study.mat", structures)
-        self.says(self.imported("study.mat"), "10 x 9 x 8 nodes, 20 steps of 10 us, 1 source, 3 sensor nodes",
-                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (uz, sxx, syy, szz, p): 3 nodes, x 3 to 5, y 4, z 2",
-                  "measured: u_z in the plane z 3 (measure.depths_mm = [5])")
-        # A cube whose array was stored with reversed indices has the right shape, but another place.
-        cube = study()
-        for axis in "xyz":
-            cube["kgrid"][f"N{axis}"] = 10
-        mask = numpy.zeros((10, 10, 10))
-        mask[3, 4, 2] = 1.0
-        cube["medium"]["sound_speed_shear"] = 5.0
-        cube["source"].update(u_mask=mask, uz=numpy.ones((1, 20)))
-        cube["sensor"]["mask"] = cube["sensor"]["mask"].T
-        with h5py.File(self.folder / "study.h5py", "w") as file:
-            for group, fields in cube.items():
-                for name, value in fields.items():
-                    file[f"{group}/{name}"] = value  # without .T
-        self.says(self.imported("study.h5py"), "source uz (dirichlet): 1 node, x 3, y 5, z 4",
-                  "Nx and Nz are equal: the arrays of the file are taken as (z, y, x)")
-
-    def changed(self, **parts):
-        structures = study()
-        structures["sensor"]["record"] = cell(["p", "uz"])
-        for name, fields in parts.items():
-            structures[name].update(fields)
-        scipy.io.savemat(self.folder / "study.mat", structures)
-        return self.folder / "study.h5"
-
-    def test_cuboids_have_whole_ascending_corners(self):
-        for corners, words in (([5.0, 4, 2, 3, 4, 2], "second corner lies before the first"), ([3.0, 4, 2, 5, 4, 1], "second corner"),
-                               ([3.5, 4, 2, 5, 4, 2], "contains the corner 3.5"), ([3.0, 4, 2, 11, 4, 2], "outside of the grid")):
-            with self.subTest(corners=corners):
-                self.changed(sensor={"mask": numpy.array([corners]).T})
-                self.refused("study.mat", words)
-
-    def test_sensors_do_not_reach_into_a_layer_outside_of_the_grid(self):
-        for mask in ([[0.0, 4, 2, 5, 4, 2]], [[3.0, 4, 2, 11, 4, 2]], [[3.0, 4, 2, 1e9, 4, 2]], [[-5.5e-3, 0.0, 0.0]], [[4.5e-3, 0, 0]]):
-            with self.subTest(mask=mask):
-                self.changed(sensor={"mask": numpy.array(mask).T}, options={"PMLInside": False})
-                self.refused("study.mat", "sensor.mask has points outside of the grid")
-        study_file = self.changed(sensor={"mask": numpy.array([[1.0, 1, 1, 10, 9, 1]]).T}, options={"PMLInside": False})
-        self.imported("study.mat")
-        with h5py.File(study_file) as file:
-            numpy.testing.assert_array_equal(file["sensor/nodes"][[0, -1]], [[2, 2, 2], [11, 10, 2]])
-
-    def test_cartesian_points_half_way_between_nodes_are_rounded_away_from_zero(self):
-        # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm. The first point is replaced by the last at its node.
-        at_mm = numpy.array([[0.6, -0.6, 0.2], [0.5, -0.5, 0.0], [1.5, 2.5, 1.0], [-2.5, 0.4, -3.0]]).T
-        study_file = self.changed(sensor={"mask": 1e-3 * at_mm}, options={"CartInterp": "nearest"})
-        self.imported("study.mat")
-        with h5py.File(study_file) as file:
-            numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
-
-    def test_cartesian_points_are_weighted_means_of_eight_nodes(self):
-        at_mm = numpy.array([[0.25, 0.0, -1.0], [4.0, -4.0, 6.0]]).T
-        study_file = self.changed(sensor={"mask": 1e-3 * at_mm})
-        self.says(self.imported("study.mat"), "interpolated linearly", "2 points between 16 nodes")
-        with h5py.File(study_file) as file:
-            nodes, weights = file["sensor/nodes"][()].reshape(2, 8, 3), file["sensor/weights"][()]
-        numpy.testing.assert_allclose(numpy.einsum("pn,pna->pa", weights, nodes), [[5.25, 4.0, 3.5], [9.0, 0.0, 7.0]], atol=1e-12)
-        numpy.testing.assert_allclose(weights.sum(axis=1), 1.0)
-        self.assertTrue((nodes >= 0).all() and (nodes < [10, 9, 8]).all())
-
-    def test_times_that_contradict_each_other_are_rejected(self):
-        times = 1e-5 * numpy.arange(20)
-        for fields, words in (({"t_array": times, "dt": 2e-5}, "kgrid.dt is 2e-05 s, but the times of kgrid.t_array are 1e-05 s"),
-                              ({"t_array": times[:15]}, "kgrid.Nt is 20, but kgrid.t_array contains 15"),
-                              ({"t_array": times[:15], "Nt": "auto"}, ""),
-                              ({"t_array": numpy.float32(times)}, ""),
-                              ({"t_array": numpy.float32(times + 1e-2), "dt": "auto", "Nt": "auto"}, ""),
-                              ({"t_array": "auto"}, "")):
-            with self.subTest(fields=fields):
-                study_file = self.changed(kgrid=fields)
-                if words:
-                    self.refused("study.mat", words)
-                    continue
-                self.imported("study.mat")
-                with h5py.File(study_file) as file:
-                    self.assertEqual(file["grid"].attrs["steps"], 15 if "Nt" in fields and "dt" not in fields else 20)
-                    # Single precision after 10 ms: 1e-9 s of 2e-4 s.
-                    self.assertAlmostEqual(file["grid"].attrs["time_step_s"] / 1e-5, 1.0, places=4)
-
-    def test_automatic_times_and_layers_are_those_of_kwave(self):
-        study_file = self.changed(kgrid={"t_array": "auto", "dt": "auto", "Nt": "auto"},
-                                  options={"PMLSize": "auto", "PMLInside": False})
-        # makeTime: .1 * 1 mm / (20 m/s) and the diagonal of 10 x 9 x 16 mm at 5 m/s. getOptimalPMLSize: 10 + 2 * 11 = 32,
-        # 9 + 2 * 36 = 81 and 8 + 2 * 12 = 32.
-        self.says(self.imported("study.mat"), "837 steps of 5 us", "is, as in k-Wave, 11, 36, 12",
-                  "k-Wave itself chooses times only for an initial pressure")
-        with h5py.File(study_file) as file:
-            self.assertEqual((file["grid"].attrs["time_step_s"], file["grid"].attrs["steps"]), (5e-6, 837))
-            numpy.testing.assert_array_equal(file["grid/points"][()], [32, 81, 32])
-        self.changed(options={"PMLSize": "auto", "PMLInside": False, "PMLRange": [10.0, 20.0], "HDFCompressionLevel": 9.0})
-        # 9 + 2 * 18 = 45
-        self.says(self.imported("study.mat"), "is, as in k-Wave, 11, 18, 12", "HDFCompressionLevel: ignored")
-        self.changed(options={"PMLSize": "auto"})
-        self.refused("study.mat", "supports only with options.PMLInside = false")
-
-    def test_automatic_times_that_divide_the_duration_count_the_last_step(self):
-        """makeTime adds a step where the quotient is a whole number except for rounding: (8, 16, 16) mm at 5 m/s take 4.8 ms."""
-        structures = study()
-        structures["medium"].update(sound_speed_shear=5.0)
-        structures["kgrid"].update(Nx=8, Ny=16, Nz=8, dt="auto", Nt="auto")
-        structures["source"] = {"p0": numpy.ones((8, 16, 8))}
-        structures["options"].update(Smooth=False)
-        structures["sensor"]["record"] = cell(["p", "uz"])
-        scipy.io.savemat(self.folder / "study.mat", structures)
-        said = self.imported("study.mat")
-        self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999
-        self.assertNotIn("k-Wave itself", said)
 
     def test_ranges_of_octave_that_are_endless_are_refused(self):
         kind = [("base", "f8"), ("limit", "f8"), ("increment", "f8")]
