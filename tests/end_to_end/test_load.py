@@ -25,7 +25,7 @@ class Loads(ProgramTest):
         def ids(text):
             (self.folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
             said = self.shearwake("plan", "job.toml").said
-            return [line for line in said.splitlines() if "am_frequency_Hz" in line]
+            return [line.split()[0] for line in said.splitlines() if "am_frequency_Hz" in line]
         self.write_points("")
         self.write_job(without_reference(CSV))
         first = ids("x_mm,y_mm\n-14,0\n0,0\n0,8\n")
