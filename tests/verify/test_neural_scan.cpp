@@ -17,10 +17,10 @@ using namespace shearwake;
 
 namespace {
 
-const std::vector<double>& values(const VariableGroup& group, const std::string& name) {
+const std::vector<double>& values(const VariableGroup& group, std::string_view name) {
     for (const Variable& v : group.variables)
         if (v.name == name) return v.values;
-    throw std::runtime_error("no variable " + name);
+    throw std::runtime_error("no variable " + std::string(name));
 }
 
 } // namespace
