@@ -15,7 +15,7 @@ from unittest import mock
 from synthetic import AM, FWHM, Folder, Page, case_id
 
 from shearwake.report import (curve_chart, fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time,
-                              layout, load, references, sample, validity, warnings_of)
+                              layout, load, opening, references, sample, validity, warnings_of)
 from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"
@@ -184,9 +184,12 @@ class HeadlineTest(unittest.TestCase):
         sweep.sweep.uncertain = {"keys": [AM], "exceedance": {"eta_period_1": 0.1}}
         with mock.patch.object(sample, "read_statistics", lambda *_: rows):
             text = sample.sentence(sweep)
+            with mock.patch.object(opening, "read_statistics", lambda *_: rows):
+                probability = opening.numbers(sweep)[-1]
         self.assertIn("Over 23 of 25 samples", text)
         self.assertIn("between 0.2 and 0.4 (too few samples: 1 values).", text)
         self.assertIn("(95 % confidence interval 0.9 to 1; too few samples: 0 values)", text)
+        self.assertEqual(probability[0], "90 to 100 %")
 
     def test_the_table_of_the_page_states_which_cases_are_valid(self):
         folder = Folder(self.root)

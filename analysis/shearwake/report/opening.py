@@ -91,8 +91,9 @@ def of_samples(selection: Selection) -> list[Number]:
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
         if likely := sample.likeliest(selection, statistics, threshold, value):
             where, row = likely
-            found.append((f"{number(100 * row['value'], 3)} %", f"probability that {sample.column_words(selection, threshold)} exceeds "
-                          f"{number(value)}", sample.label(selection, where) + str(sample.doubt(row))))
+            low, high = (number(100 * row[end], 2) for end in ("low_95", "high_95"))
+            found.append((f"{low} to {high} %", f"probability that {sample.column_words(selection, threshold)} exceeds {number(value)} "
+                          "(95 % confidence interval)", sample.label(selection, where) + str(sample.doubt(row))))
     return found
 
 

@@ -170,7 +170,7 @@ TEST_CASE("a sample without valid readings states why", "[reduce][sensitivity]")
     CHECK(notes(1.0).first == "none of 32 samples has a value (domain.extent_mm: 31, failed: 1)");
     // One that is valid: too few.
     run.table.rows[1][at] = std::string("yes");
-    CHECK(notes(1.0).first == "too few samples: 1 values; at least 30 are required");
+    CHECK(notes(1.0).first == "too few samples: 1 value; at least 30 are required");
     CHECK(notes(1.0).second == "too few samples: none of them has a value in all of its 5 cases");
 }
 
