@@ -363,6 +363,13 @@ ExitCode run(const Arguments& given, const Comm& world) {
                                      "ranks with mpirun -n {}, or with kspaceFirstOrder-elastic",
                                      world.size(), arguments.threads, arguments.threads,
                                      arguments.threads));
+        // An older output must not be mistaken for the result of a run that fails; k-Wave's
+        // functions read it without regard to the exit code. The output of an earlier leg states
+        // its last step.
+        on_root(world, [&] {
+            if (arguments.checkpoint.empty() || !std::filesystem::exists(arguments.checkpoint))
+                std::filesystem::remove(arguments.output);
+        });
         if (!arguments.checkpoint.empty()) schedule::watch_for_stop_signals(world);
         fail_together(world, [&] {
             if (arguments.precision == "single")
@@ -371,7 +378,11 @@ ExitCode run(const Arguments& given, const Comm& world) {
                 run_with<double>(arguments, world, phases);
         });
     } catch (const Error& error) { // thrown on all ranks
-        throw UsageError(error.what(), ExitCode::internal);
+        const bool is_older = std::filesystem::exists(arguments.output);
+        throw UsageError(error.what() +
+                             (is_older ? "; " + arguments.output.string() + " is of an earlier run"
+                                       : std::string()),
+                         ExitCode::internal);
     }
     return ExitCode::done;
 }

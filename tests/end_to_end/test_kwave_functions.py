@@ -348,12 +348,24 @@ save('-v7', 'out.mat', 'all_records', 'p', 'box', 'message', 'kinds', 'sizes');
         self.assertIn("options.PMLSize is 20", out["message"])
 
 
-class Octave(ProgramTest):
-    def test_file_of_octave_needs_no_kwave(self):
-        """The way of kspaceFirstOrder3DC: the program by its name in a folder, without mpirun or LD_LIBRARY_PATH."""
-        done = subprocess.run(f"export LD_LIBRARY_PATH=; cd {ROOT}/scripts; ./kspaceFirstOrder-elastic -i {DATA}/ewp_3d_input.h5 "
-                              f"-o {self.folder}/out.h5 --p_max -s 1", shell=True, env={**environment(), "SHEARWAKE": str(PROGRAM)},
+class Shell(ProgramTest):
+    def test_command_of_kspacefirstorder3dc(self):
+        """The shell line and the options of that function, with spaces in BinaryPath masked as there. It does not mask the names of the
+        files, which lie in tempdir."""
+        binaries = self.folder / "k wave"
+        binaries.mkdir()
+        (binaries / "kspaceFirstOrder-elastic").symlink_to(ROOT / "scripts" / "kspaceFirstOrder-elastic")
+        masked = str(binaries).replace(" ", "\\ ") + "/"
+        done = subprocess.run(f"export LD_LIBRARY_PATH=;  OMP_PLACES=cores;  OMP_PROC_BIND=SPREAD;  cd {masked}; ./kspaceFirstOrder-elastic "
+                              f"-i {DATA}/ewp_3d_input.h5 -o {self.folder}/out.h5 -g 0 -t 2 --verbose 0 --p_raw --p_max --p_final --u_max "
+                              "--u_non_staggered_raw -s 5", shell=True, env={**environment(), "SHEARWAKE": str(PROGRAM)},
                               check=False, capture_output=True, encoding="utf-8")
         self.assertEqual(done.returncode, 0, done.stderr)
-        with h5py.File(self.folder / "out.h5") as out:
+        self.says(done.stdout, "2 ranks")
+        with h5py.File(self.folder / "out.h5") as out, h5py.File(DATA / "ewp_3d_input.h5") as given:
             self.assertEqual(out["p_max/1"].shape, (1, 20, 24))
+            self.assertEqual(out["p/1"].shape, (int(given["Nt"][0, 0, 0]) - 4, 1, 20, 24))
+            self.assertEqual(out["ux_non_staggered/1"].shape, out["p/1"].shape)
+            # what that function reads besides
+            for name in ("Nx", "Ny", "Nz", "pml_x_size", "pml_y_size", "pml_z_size"):
+                self.assertEqual(out[name][0, 0, 0], given[name][0, 0, 0])

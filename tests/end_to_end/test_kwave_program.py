@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`shearwake kwave` reproduces k-Wave's results from its elastic input files, and rejects others."""
+import functools
 import os
 import random
 import shutil
@@ -197,11 +198,63 @@ class Program(KWaveTest):
             self.says(self.run_file(DATA / "ewp_3d_input.h5", "--benchmark", "2", ranks=ranks), f"note: {faces} faces between fluid and solid")
 
     def test_name_of_kwave_starts_ranks(self):
-        done = subprocess.run([ROOT / "scripts" / "kspaceFirstOrder-elastic", "-i", DATA / "plane_wave_input.h5", "-o", "out.h5", "-t", "2",
-                               "--benchmark", "5"], cwd=self.folder, env={**environment(), "SHEARWAKE": str(PROGRAM)},
-                              capture_output=True, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.says(done.stdout, "2 ranks", " 100 %")
+        for options in (["-t", "2"], ["-pt", "2"], ["-t2", "-u"], ["-upt2"]):
+            done = subprocess.run([ROOT / "scripts" / "kspaceFirstOrder-elastic", "-i", DATA / "plane_wave_input.h5", "-o", "out.h5", *options,
+                                   "--benchmark", "5"], cwd=self.folder, env={**environment(), "SHEARWAKE": str(PROGRAM)},
+                                  capture_output=True, encoding="utf-8", check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.says(done.stdout, "2 ranks", " 100 %")
+
+    def test_readers_of_kwave_find_each_value_at_its_place(self):
+        """A prescribed stress of all nodes makes p = step (10000 x + 100 y + z), with indices from 1, so that each index is seen."""
+        with h5py.File(DATA / "homogeneous_input.h5") as given:
+            points = [int(given["N" + axis][0, 0, 0]) for axis in AXES]
+        x, y, z = numpy.meshgrid(*(numpy.arange(1, n + 1) for n in points), indexing="ij")
+        field = 10000.0 * x + 100.0 * y + z
+
+        def prescribed(file):
+            put(file, "ux_source_flag", [[[0]]])
+            put(file, "s_source_mode", [[[0]]])
+            put(file, "s_source_many", [[[1]]])
+            put(file, "s_source_index", numpy.arange(1, field.size + 1)[None, None])
+            for name in ("sxx", "syy", "szz"):
+                put(file, f"{name}_source_flag", [[[2]]])
+                # the part of each of the three components of a split stress
+                put(file, f"{name}_source_input", numpy.outer([1.0, 2.0], -field.ravel(order="F") / 3.0)[None], "float")
+
+        path = self.changed("homogeneous", prescribed)
+        self.run_file(path, "-p", "--p_max", "--p_final", "--benchmark", "2", "--copy_sensor_mask")
+        with h5py.File(self.folder / "out.h5") as file:
+            matlab = {name: file[name][()].T for name in file}               # h5read reverses the indices
+            python = {name: file[name][:].squeeze() for name in file}  # as k-wave-python reads files
+        rows = field.ravel(order="F")[matlab["sensor_mask_index"].ravel().astype(int) - 1]
+        self.assertEqual((matlab["p"].shape, python["p"].shape), ((12, 2, 1), (2, 12)))
+        close = functools.partial(numpy.testing.assert_allclose, rtol=1e-6)  # numbers of 32 bits
+        close(matlab["p"][:, :, 0], numpy.outer(rows, [1.0, 2.0]))
+        close(python["p"], numpy.outer([1.0, 2.0], rows))
+        close(matlab["p_max"].ravel(), 2.0 * rows)
+        close(python["p_max"], 2.0 * rows)
+        close(matlab["p_final"], 2.0 * field)
+        close(python["p_final"][2, 3, 4], 2.0 * 50403.0)
+        with h5py.File(path, "a") as file:
+            put(file, "sensor_mask_type", [[[1]]])
+            put(file, "sensor_mask_corners", [[[3, 4, 5, 6, 6, 6], [28, 25, 24, 28, 25, 24]]])
+        self.run_file(path, "-p", "--p_max", "--benchmark", "2")
+        with h5py.File(self.folder / "out.h5") as file:
+            close(file["p/1"][()].T, field[2:6, 3:6, 4:6, None] * [1.0, 2.0])
+            close(file["p_max/2"][()].T, [[[2.0 * 282524.0]]])
+
+    def test_run_that_is_killed_leaves_no_older_output(self):
+        def longer(file):
+            file["Nt"][...] = 100000
+        (self.folder / "out.h5").write_bytes(b"older")
+        running = subprocess.Popen([PROGRAM, "kwave", "-i", self.changed("stress_lossy", longer), "-o", "out.h5", "-r", "1"], cwd=self.folder,
+                                   env=environment(), stdout=subprocess.PIPE, encoding="utf-8")
+        self.assertTrue(any(" %" in line for line in running.stdout))  # stops at the first line of progress
+        self.assertFalse((self.folder / "out.h5").exists())
+        running.kill()
+        running.communicate()
+        self.assertFalse((self.folder / "out.h5").exists())
 
 
 class Errors(KWaveTest):
@@ -231,6 +284,21 @@ class Errors(KWaveTest):
                 self.refused(self.set_to(name, value), *words)
         self.refused(self.set_to("p0_source_input", numpy.nan, (3, 2, 1)), "p0_source_input contains nan", "(2, 3, 4)",
                      case="p0_pml_outside")
+
+    def test_failed_run_leaves_no_older_output(self):
+        for ranks in (1, 2):
+            (self.folder / "out.h5").write_bytes(b"older")
+            self.refused(self.set_to("mu", -1.0), "mu is -1", ranks=ranks)
+        (self.folder / "out.h5").write_bytes(b"older")
+        self.run_file(self.folder / "absent.h5", expect=1)
+        self.assertFalse((self.folder / "out.h5").exists())
+
+    def test_failed_resumption_names_the_older_output(self):
+        self.run_file(DATA / "homogeneous_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3")
+        said = self.run_file(DATA / "dirichlet_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3", expect=1)
+        self.says(said, "must be a checkpoint of the same input file and options; ", "out.h5 is of an earlier run")
+        with h5py.File(self.folder / "out.h5") as out:
+            self.assertEqual((out["t_index"][0, 0, 0], out["Nt"][0, 0, 0]), (3, 120))
 
     def test_only_regular_files_are_replaced(self):
         os.mkfifo(self.folder / "pipe.h5")

@@ -13,7 +13,8 @@ void add_kwave(CLI::App& app, Action& action) {
     add_value(command, "-i", arguments.input, "FILE",
               "input file: of k-Wave, or the study of scripts/import-kwave")
         ->required();
-    add_value(command, "-o", arguments.output, "FILE", "output file, which is replaced")
+    add_value(command, "-o", arguments.output, "FILE",
+              "output file; an existing one is removed at the start")
         ->required();
     for (const auto& [name, text] : std::initializer_list<std::pair<const char*, const char*>>{
              {"-p,--p_raw", "pressure at the sensor in every step (default)"},
