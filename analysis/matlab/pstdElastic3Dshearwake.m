@@ -61,10 +61,10 @@ end
 % The Python package lies next to the folder of this file.
 package = fileparts(fileparts(mfilename('fullpath')));
 precisions = {'double', 'single'};
-command = sprintf('PYTHONPATH="%s:$PYTHONPATH" "%s" -m shearwake.kwave "%s" "%s" --ranks %d --precision %s 2>&1', ...
-    package, own.Python, file, folder, own.Ranks, precisions{1 + is_single});
+command = sprintf('PYTHONSAFEPATH=1 PYTHONPATH=%s"${PYTHONPATH:+:$PYTHONPATH}" %s -m shearwake.kwave %s %s --ranks %d --precision %s 2>&1', ...
+    quoted(package), quoted(own.Python), quoted(file), quoted(folder), own.Ranks, precisions{1 + is_single});
 if ~isempty(own.Program)
-    command = sprintf('SHEARWAKE="%s" %s', own.Program, command);
+    command = sprintf('SHEARWAKE=%s %s', quoted(own.Program), command);
 end
 if ~ispc && ~exist('OCTAVE_VERSION', 'builtin')
     command = ['LD_LIBRARY_PATH= ' command]; % libraries of MATLAB do not fit other programs
@@ -97,6 +97,11 @@ elseif isfield(sensor, 'mask') && size(sensor.mask, 1) == 6 && ismatrix(sensor.m
 else
     sensor_data = results.p;
 end
+end
+
+function text = quoted(text)
+% For the shell, in which only the quotation mark itself ends a quotation.
+text = ['''' strrep(text, '''', '''\''''') ''''];
 end
 
 function rmdir_all(folder)
