@@ -170,6 +170,9 @@ class Records(ImportTest):
             expected = file["sensor"]["p"][()].T.reshape(steps, *numpy.array(points)[[1, 2, 0]]).transpose(0, 3, 1, 2)
         self.assertGreater(numpy.abs(expected).max(), 0.0)
         numpy.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * numpy.abs(expected).max())  # rounding errors
+        # The job of that import remains beside a study without a job.
+        self.says(self.imported(study((0, 1, 2), "uy")), "warning: study.toml is the job of another study")
+        self.says(self.shearwake("check", "study.toml", expect=3).said, "domain.spacing_mm is 1, but the spacing of the study along y is")
 
     def test_mean_intensity_is_not_that_of_other_records(self):
         """The intensity needs series of p and u that the output does not contain."""

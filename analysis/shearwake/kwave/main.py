@@ -277,6 +277,8 @@ def main():
     if not has_job:
         print("note: kgrid.dx and kgrid.dy differ: no job is written, since the surface of a job has square cells; shearwake kwave "
               "runs the study. For a job, permute the axes so that only the spacing along z differs")
+        if Path(f"{out}.toml").exists():
+            print(f"warning: {out}.toml is the job of another study; run and check reject it")
     print(summary_of(out, study, has_job))
     for line in lines_of(study, plane):
         print(f"  {line}")
