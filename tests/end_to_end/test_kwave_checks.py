@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the unit tests of k-Wave's elastic code check, from input files and with pstd_elastic_3d, against schemes that are written anew
+with NumPy. Numbers of the files have 32 bits; with those of pstd_elastic_3d the limits are k-Wave's."""
+import itertools
+import os
+
+import h5py
+import numpy
+import pytest
+
+from kwave import AXES, FIELDS, at_edge, at_half, elastic_file
+from program import PROGRAM, environment
+from shearwake.kwave import pstd_elastic_3d
+from test_kwave_program import KWaveTest
+
+OF_FILES = 1e-5  # as in test_kwave_program.py; measured as at most 1.4e-6 here
+
+
+def derivative(values, spacing_m, axis, side):
+    """Half a cell towards `side` of the values."""
+    k = 2.0 * numpy.pi * numpy.fft.fftfreq(values.shape[axis], spacing_m[axis])
+    k = k.reshape([-1 if a == axis else 1 for a in range(values.ndim)])
+    return numpy.fft.ifft(1j * k * numpy.exp(side * 0.5j * k * spacing_m[axis]) * numpy.fft.fft(values, axis=axis), axis=axis).real
+
+
+def fluid(points, spacing_m, step_s, steps, c, rho, source, at):
+    """Pressure and velocities of a fluid on a staggered grid at the node `at` in all steps (4, steps), and finally everywhere. A signal of
+    p has the sign of a pressure."""
+    p, u, series, c_at = numpy.zeros(points), [numpy.zeros(points) for _ in AXES], [], c[tuple(source["at"])]
+    between = [at_half(rho, axis) for axis in range(3)]
+    for step in range(steps):
+        u = [u[axis] - step_s / between[axis] * derivative(p, spacing_m, axis, 1) for axis in range(3)]
+        for axis, name in enumerate(AXES):
+            if f"u{name}" in source:
+                change = source[f"u{name}"][step]
+                at_source = u[axis][tuple(source["at"])]
+                u[axis][tuple(source["at"])] = change if source["fixed"] else at_source + 2.0 * c_at * step_s / spacing_m[axis] * change
+        p = p - step_s * rho * c ** 2 * sum(derivative(u[axis], spacing_m, axis, -1) for axis in range(3))
+        if "p" in source:
+            old = p[tuple(source["at"])]
+            p[tuple(source["at"])] = source["p"][step] if source["fixed"] else old + 2.0 * c_at * step_s / spacing_m[0] * source["p"][step]
+        if "p0" in source and step < 2:
+            p = p + 0.5 * source["p0"]
+        series.append([p[at], *(part[at] for part in u)])
+    return numpy.array(series).T, [p, *u]
+
+
+def elastic_2d(spacing_m, step_s, steps, medium, source):
+    """The in-plane velocities (2, steps, ...) of plane strain, with both parts of each velocity."""
+    c_p, c_s, rho, alpha_p, alpha_s = medium
+    mu, c_at = rho * c_s ** 2, c_p[tuple(source["at"])]
+    lam = rho * c_p ** 2 - 2.0 * mu
+    neper = 100.0 * (1e-6 / (2.0 * numpy.pi)) ** 2 / (20.0 * numpy.log10(numpy.e))
+    eta = 2.0 * rho * c_s ** 3 * neper * alpha_s
+    chi = 2.0 * rho * c_p ** 3 * neper * alpha_p - 2.0 * eta
+    mu_xy, eta_xy = (at_edge(values[..., None], (0, 1))[..., 0] for values in (mu, eta))
+    between = [at_half(rho, axis) for axis in range(2)]
+    s, u, found = numpy.zeros((2, 2, *c_p.shape)), numpy.zeros((2, 2, *c_p.shape)), []
+
+    def change(values, axis, side):
+        return derivative(values, spacing_m, axis, side)
+
+    for step in range(steps):
+        g = numpy.array([[change(s[i, j], j, 1 if i == j else -1) for j in range(2)] for i in range(2)])
+        a = [g[i].sum(axis=0) / between[i] for i in range(2)]
+        u = u + step_s * g / numpy.array(between)[:, None]
+        here = tuple(source["at"])
+        for axis in range(2) if source["kind"] == "u" else ():
+            value = source["signal"][step]
+            u[(axis, axis, *here)] = value if source["fixed"] else u[(axis, axis, *here)] + 2.0 * c_at * step_s / spacing_m[axis] * value
+        total = u.sum(axis=1)
+        for values, bulk, shear, shear_xy in ((total, lam, mu, mu_xy), (a, chi, eta, eta_xy)):
+            strain = [change(values[i], i, -1) for i in range(2)]
+            for i in range(2):
+                s[i, i] += step_s * (bulk * sum(strain) + 2.0 * shear * strain[i])
+            s[0, 1] += step_s * shear_xy * (change(values[0], 1, 1) + change(values[1], 0, 1))
+        if source["kind"] == "p0" and step < 2:
+            s[(0, 0, *here)] -= 0.5 * source["signal"]
+            s[(1, 1, *here)] -= 0.5 * source["signal"]
+        for i in range(2) if source["kind"] == "s" else ():
+            value = source["signal"][step]
+            s[(i, i, *here)] = value if source["fixed"] else s[(i, i, *here)] + 2.0 * c_at * step_s / spacing_m[0] * value
+        s[1, 0] = s[0, 1]
+        found.append(total)
+    return numpy.array(found).transpose(1, 0, 2, 3)
+
+
+class Checks(KWaveTest):
+    def setUp(self):
+        super().setUp()
+        os.environ.update(environment(), SHEARWAKE=str(PROGRAM))
+
+    def by_file(self, setup, sensor, *records, ranks=1, **options):
+        """The datasets of the output of `shearwake kwave`, with the order of indices of MATLAB."""
+        elastic_file(self.folder / "in.h5", *setup, sensor, **options)
+        self.run_file(self.folder / "in.h5", *records, "--output_precision", "double", ranks=ranks)
+        with h5py.File(self.folder / "out.h5") as file:
+            return {name: [values[()].T for values in item.values()] if isinstance(item, h5py.Group) else item[()].T
+                    for name, item in file.items()}
+
+    def by_function(self, setup, sensor, record, **options):
+        points, spacing_m, step_s, steps, medium, source = setup
+        return pstd_elastic_3d({"N": points, "spacing": spacing_m, "dt": step_s, "Nt": steps}, source, {"mask": sensor, "record": record}, medium,
+                               {"smooth_p0": False}, quiet=True, **options)
+
+    def same(self, found, expected, limit, name=""):
+        self.assertGreater(numpy.abs(expected).max(), 0.0, name)
+        numpy.testing.assert_allclose(found, expected, rtol=0, atol=limit * numpy.abs(expected).max(), err_msg=name)
+
+    def layers(self, points, interface, steps=60):
+        """A fluid over a lossy solid with a focused piston, as in most of these tests."""
+        solid = numpy.zeros(points, dtype=bool)
+        solid[interface:] = True
+        mask = numpy.zeros(points)
+        middle = [n // 2 for n in points]
+        mask[4, middle[1] - 3:middle[1] + 3, middle[2] - 2:middle[2] + 3] = 1.0
+        delays = numpy.sqrt(numpy.sum((numpy.argwhere(mask.T)[:, ::-1] - middle) ** 2, axis=1)) / 0.15
+        times = numpy.arange(steps) - (delays.max() - delays)[:, None]
+        wave = 1e-6 * numpy.where(times > 0.0, numpy.sin(0.3 * times) * numpy.exp(-(times / 20.0 - 1.0) ** 2), 0.0)
+        return (points, (1e-4, 1.1e-4, 0.9e-4), 5e-9, steps, {
+            "sound_speed_compression": numpy.where(solid, 2000.0, 1500.0), "sound_speed_shear": numpy.where(solid, 800.0, 0.0),
+            "density": numpy.where(solid, 1200.0, 1000.0), "alpha_coeff_compression": 0.1, "alpha_coeff_shear": 0.5},
+                {"u_mask": mask, "ux": wave})
+
+    def test_file_is_that_of_pstdelastic3d(self):
+        """The structures through a file, whose numbers have 32 bits, and without it. Fluid over solid: both have the modulus 0."""
+        setup = self.layers((24, 20, 18), 12)
+        sensor = numpy.zeros((24, 20, 18))
+        sensor[8:16, 9, ::2] = 1.0
+        files = self.by_file(setup, sensor, "-p", "-u", "--p_final", ranks=2)
+        for name, values in self.by_function(setup, sensor, ["p", "u", "p_final"], pml_size=4).items():
+            self.same(files[name].reshape(values.shape), values, OF_FILES, name)
+
+    def test_cuboids_equal_masks(self):
+        setup = self.layers((24, 20, 18), 12)
+        records = [f"--{q}{end}" for q in "pu" for end in ("_raw", "_max", "_min", "_rms", "_max_all", "_min_all", "_final")] + [
+            "--u_non_staggered_raw", "--I_raw", "--I_avg"]
+        corners = numpy.array([[10, 8, 7, 14, 12, 9], [5, 7, 6, 12, 9, 9]]).T  # they intersect
+        boxes = self.by_file(setup, corners, *records)
+        for number, corner in enumerate(corners.T):
+            mask = numpy.zeros((24, 20, 18))
+            mask[tuple(slice(low - 1, high) for low, high in zip(corner[:3], corner[3:]))] = 1.0
+            for name, values in self.by_file(setup, mask, *records).items():
+                if isinstance(boxes[name], list):
+                    self.same(boxes[name][number].reshape(values.shape, order="F"), values, 1e-15, name)
+                elif name.endswith(("_all", "_final")):
+                    self.same(boxes[name], values, 1e-15, name)
+        self.assertEqual(sum(isinstance(values, list) for values in boxes.values()), 25)
+
+    def test_parts_of_the_velocity_add_up(self):
+        found = self.by_file(self.layers((24, 20, 18), 12), numpy.ones((24, 20, 18)), "--u_split_field_raw", "--u_non_staggered_raw")
+        for axis in AXES:
+            self.same(found[f"u{axis}_split_p"] + found[f"u{axis}_split_s"], found[f"u{axis}_non_staggered"], 1e-15)
+
+    def test_one_series_equals_one_per_node(self):
+        *first, _ = self.layers((24, 20, 18), 12)
+        first[4] = {"sound_speed_compression": 1500.0, "sound_speed_shear": 1000.0, "density": 1000.0}
+        mask = numpy.zeros((24, 20, 18))
+        mask[12, 7:11, 6:9] = 1.0
+        waves = {name: (n + 1.0) * numpy.sin((0.2 + 0.02 * n) * numpy.arange(60.0))[None] for n, name in enumerate(FIELDS[3:])}
+        one, each = (self.by_file((*first, {"s_mask": mask, **{name: numpy.tile(wave, (count, 1)) for name, wave in waves.items()}}),
+                                  numpy.array([[1, 1, 1, 24, 20, 18]]).T, "--p_final", "--p_max") for count in (1, 12))
+        self.same(each["p_final"], one["p_final"], 1e-15)
+        self.same(each["p_max"][0], one["p_max"][0], 1e-15)
+
+    def test_file_of_the_size_of_save_to_disk(self):
+        points = (96, 80, 64)
+        sensor = numpy.zeros(points)
+        sensor[:, :, 31] = 1.0
+        found = self.by_file(self.layers(points, 48, 4), sensor, "-p", ranks=2, pml_size=10)
+        self.assertEqual(found["p"].shape, (96 * 80, 4, 1))
+        self.assertGreater(numpy.abs(found["p"]).max(), 0.0)
+
+    def test_fluid_equals_a_fluid_code(self):
+        """Without an absorbing layer: an initial pressure, and a pressure and each velocity, added or prescribed."""
+        points, spacing_m, step_s, steps = (24, 20, 18), (1e-3, 1.1e-3, 0.9e-3), 1e-7, 80
+        c, rho = numpy.full(points, 1500.0), numpy.full(points, 1000.0)
+        c[14:], rho[14:] = 1700.0, 1200.0
+        mask, sensor, p0 = numpy.zeros(points), numpy.zeros(points), numpy.zeros(points)
+        mask[6, 10, 8] = sensor[16, 13, 11] = 1.0
+        p0[5:8, 9:12, 7:10] = 5.0
+        wave = 20.0 * numpy.sin(0.25 * numpy.arange(float(steps)))
+        for name, fixed in (("p0", False), *itertools.product(("p", "ux", "uy", "uz"), (False, True))):
+            signal = wave if name == "p" else wave / 1.5e6
+            source = {"p0": {"p0": p0}, "p": {"s_mask": mask, **dict.fromkeys(("sxx", "syy", "szz"), -signal[None])}}.get(
+                name, {"u_mask": mask, name: signal[None]})
+            if fixed:
+                source["s_mode" if name == "p" else "u_mode"] = "dirichlet"
+            setup = (points, spacing_m, step_s, steps, {"sound_speed_compression": c, "sound_speed_shear": 0.0, "density": rho}, source)
+            series, final = fluid(points, spacing_m, step_s, steps, c, rho, {"at": (6, 10, 8), "fixed": fixed, name: p0 if name == "p0" else signal},
+                                  (16, 13, 11))
+            files = self.by_file(setup, sensor, "-p", "-u", "--p_final", "--u_final", pml_alpha=0.0)
+            result = self.by_function(setup, sensor, ["p", "u", "p_final", "u_final"], pml_size=4, pml_alpha=0.0)
+            for field, at_sensor, everywhere in zip(("p", "ux", "uy", "uz"), series, final):
+                for found, limit in ((files, OF_FILES), (result, 5e-13)):
+                    self.same(found[field].ravel(), at_sensor, limit, f"{name} {fixed} {field}")
+                    self.same(found[f"{field}_final"], everywhere, limit, f"{name} {fixed} {field}_final")
+
+    def compare_2d(self, lossy, kind, fixed, layered, line, limits):
+        """A line source along an axis against plane strain in the plane of the others."""
+        plane, depth, step_s, steps, at = (22, 20), 6, 5e-9, 60, (6, 8)
+        spacing_m = (1e-4, 1.1e-4)
+        solid = numpy.zeros(plane, dtype=bool)
+        solid[11:] = layered
+        uniform = numpy.ones(plane)
+        medium = [numpy.where(solid, 2000.0, 1500.0), 800.0 * solid, numpy.where(solid, 1200.0, 1000.0), 0.5 * uniform * (1.0 + solid) * lossy,
+                  0.5 * uniform * (1.0 + solid) * lossy]
+        wave = 3.0 * numpy.sin(0.3 * numpy.arange(float(steps)))
+        signal = {"p0": 3.0, "s": wave, "u": wave / 1.5e6}[kind]
+        expected = elastic_2d(spacing_m, step_s, steps, medium, {"at": at, "kind": kind, "fixed": fixed, "signal": signal})
+
+        def extended(values):
+            return numpy.repeat(numpy.expand_dims(values, line), depth, axis=line)
+        mask = numpy.zeros(plane)
+        mask[at] = 1.0
+        names = ("sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression", "alpha_coeff_shear")
+        source = {"p0": 3.0 * extended(mask)} if kind == "p0" else {f"{kind}_mask": extended(mask), f"{kind}_mode": "dirichlet" if fixed else "additive",
+                  **dict.fromkeys(("ux", "uy", "uz") if kind == "u" else ("sxx", "syy", "szz"), signal[None])}
+        setup = (extended(mask).shape, tuple(numpy.insert(spacing_m, line, 1e-4)), step_s, steps,
+                 {name: extended(values) for name, values in zip(names, medium) if lossy or not name.startswith("alpha")}, source)
+        sensor = numpy.zeros(setup[0])
+        numpy.moveaxis(sensor, line, 0)[depth // 2] = 1.0
+        found = []
+        if "file" in limits:
+            found.append((self.by_file(setup, sensor, "-u", pml_size=2, pml_alpha=0.0), limits["file"]))
+        if "function" in limits:
+            found.append((self.by_function(setup, sensor, ["u"], pml_size=2, pml_alpha=0.0), limits["function"]))
+        scale = numpy.abs(expected).max()
+        for result, limit in found:
+            for values, axis in zip(expected, numpy.delete(numpy.arange(3), line)):
+                series = result[f"u{AXES[axis]}"].reshape(*plane, steps, order="F")
+                numpy.testing.assert_allclose(series.transpose(2, 0, 1), values, rtol=0, atol=limit * scale, err_msg=f"{kind} {fixed} {line}")
+
+    def cases_2d(self):
+        return itertools.product((False, True), (("p0", False), ("s", False), ("s", True), ("u", False), ("u", True)), (False, True))
+
+    def test_line_source_equals_two_dimensions(self):
+        for number, (lossy, (kind, fixed), layered) in enumerate(self.cases_2d()):
+            self.compare_2d(lossy, kind, fixed, layered, number % 3, {"file": OF_FILES})
+
+    @pytest.mark.long
+    def test_line_source_along_each_axis_equals_two_dimensions(self):
+        for (lossy, (kind, fixed), layered), line in itertools.product(self.cases_2d(), range(3)):
+            self.compare_2d(lossy, kind, fixed, layered, line, {"file": OF_FILES, "function": 1e-14})
