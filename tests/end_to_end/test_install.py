@@ -10,7 +10,7 @@ import unittest
 import pytest
 
 from kwave import reference, save, structures_of
-from program import PATIENCE_s, PROGRAM, ProgramTest, case_files, environment
+from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, case_files, environment
 
 
 class Installed(ProgramTest):
@@ -52,6 +52,23 @@ class Installed(ProgramTest):
         self.command("shearwake-import-kwave", "study.mat", cwd=self.user)
         self.command("shearwake", "run", "study.toml", cwd=self.user)
         self.assertEqual(len(case_files(self.user / "out" / "study")), 1)
+
+    def test_the_elastic_program_of_kwave_is_installed(self):
+        data = ROOT / "tests" / "data" / "kwave"
+        said = self.command("kspaceFirstOrder-elastic", "-i", data / "plane_wave_input.h5", "-o", "out.h5", "-pt", "2", "--benchmark", "5",
+                            cwd=self.user)
+        self.says(said, "2 ranks", "100 %")
+        self.assertTrue((self.user / "out.h5").exists())
+        folder, = self.prefix.glob("lib/python3*/*-packages")
+        text = ("import sys; sys.path.insert(0, sys.argv[1]); import numpy; from shearwake.kwave import pstd_elastic_3d\n"
+                "mask = numpy.zeros((12, 10, 8)); mask[6, 5, 4] = 1\n"
+                "print(pstd_elastic_3d(dict(N=(12, 10, 8), spacing=(1e-3,) * 3, dt=1e-5, Nt=6), dict(sound_speed_compression=20.0, "
+                "sound_speed_shear=5.0, density=1e3), dict(u_mask=mask, uz=numpy.ones((1, 6))), dict(mask=mask), pml_size=2, quiet=True)['p'].shape)")
+        self.assertEqual(self.command(sys.executable, "-c", text, folder, cwd=self.user).strip(), "(1, 6)")
+        if shutil.which("octave-cli"):
+            text = (f"addpath('{self.prefix}/share/shearwake/analysis/matlab'); load('{data}/plane_wave_study.mat'); kgrid.Nt = 6; "
+                    f"found = pstdElastic3Dshearwake(kgrid, medium, source, sensor, options{{:}}, 'Python', '{sys.executable}'); disp(size(found.p))")
+            self.says(self.command("octave-cli", "--quiet", "--eval", text, cwd=self.user), " 6\n")
 
     def test_the_python_package_is_installed_and_finds_the_program(self):
         folders = list(self.prefix.glob("lib/python3*/*-packages"))

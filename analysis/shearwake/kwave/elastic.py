@@ -52,7 +52,7 @@ def structure(item, name):
     fields = {}
     for field in KNOWN[name]:
         value = attribute(item, field)
-        if value is not None:
+        if value is not None and np.size(value) > 0:  # an empty array as in MATLAB
             fields[field] = value if isinstance(value, str) else list(value) if field == "record" else np.asarray(value, dtype=float)
     return Structure(fields, name)
 
