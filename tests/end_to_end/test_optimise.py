@@ -361,15 +361,23 @@ class Optimise(ProgramTest):
     def test_jobs_that_cannot_be_optimised_are_rejected(self):
         self.job((STEADY[STEADY.index("[optimise]"):], ""))
         self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has no table [optimise]")
-        self.job(('kind = "STM"', 'kind = "AM-STM"\nam_frequency_Hz = 280.0'))
-        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has an envelope, which would be replaced")
-        self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "share_40_400_1"'))
-        self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1"', "bands_Hz")
-        self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "felt_path_dB"'))
-        self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1", but is "felt_path_dB"')
-        self.job(("knot_us = 500.0", 'knot_us = 500.0\nover = ["speed"]'))
+        self.shearwake("check", "job.toml")
+        knots = "knot_us = 500.0"
+        for old, new, *says in (
+                ('kind = "STM"', 'kind = "AM-STM"\nam_frequency_Hz = 280.0', "has an envelope, which would be replaced"),
+                (knots, knots + '\nmaximise = "share_40_400_1"', 'must be "eta_period_1" or "sharpness_1"', "bands_Hz"),
+                (knots, knots + '\nmaximise = "felt_path_dB"', 'must be "eta_period_1" or "sharpness_1", but is "felt_path_dB"'),
+                (knots, knots + "\nam_frequency_Hz = [100.0]", "optimise.am_frequency_Hz: 100 Hz has no whole number of periods"),
+                (knots, knots + "\nsm_frequency_Hz = [100.0]", "optimise.sm_frequency_Hz: 100 Hz has no whole number of periods"),
+                ("update_rate_Hz = 2800.0", "update_rate_Hz = 2801.0", "optimise.update_rate_Hz = 2801 results in"),
+                ('kind = "STM"\n' + CIRCLE, 'kind = "LM"\nlm_frequency_Hz = 140.0\nlm_amplitude_mm = 4.0', 'over has more than "envelope"')):
+            with self.subTest(new=new):
+                self.job((old, new), *([(knots, knots + '\nover = ["envelope", "size"]')] if "LM" in new else []))
+                for command in ("optimise", "check"):  # the same error
+                    self.says(self.shearwake(command, "job.toml", expect=3).said, *says)
+        self.job((knots, knots + '\nover = ["speed"]'))
         self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
-        self.job(("knot_us = 500.0", "knots_us = 500.0"))
+        self.job((knots, "knots_us = 500.0"))
         self.says(self.shearwake("check", "job.toml", expect=3).said, "knot_us")
 
 

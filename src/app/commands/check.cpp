@@ -7,6 +7,7 @@
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/job_source.hpp"
+#include "studies/optimise/study.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -45,6 +46,16 @@ void print_json(const CheckArguments& arguments, const std::optional<config::Job
     fmt::print("{}", json_document("check", members));
 }
 
+/// Why `optimise` would reject the job; empty if it would not, or if there is nothing to optimise.
+std::string optimise_error(const config::Job& job) {
+    try {
+        if (job.optimise) optimise::optimised_cases(job.plan, *job.optimise);
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return {};
+}
+
 ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
     std::optional<config::Job> job;
     std::vector<config::Diagnostic> diagnostics;
@@ -66,8 +77,8 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!world.is_root()) return ExitCode::done;
     const std::size_t of_job = diagnostics.size();
-    std::string error;
-    if (job && arguments.target == schedule::Target::this_machine)
+    std::string error = job ? optimise_error(*job) : "";
+    if (error.empty() && job && arguments.target == schedule::Target::this_machine)
         error = schedule::excess(schedule::least_demand(cases_of(job->plan), world.size()),
                                  memory_B, std::filesystem::path("out") / job->plan.name,
                                  schedule::run_elsewhere);
