@@ -41,14 +41,16 @@ double continued(double centre_Hz) {
 
 /// Periods of its centre that a window must contain to judge a band.
 constexpr double fewest_periods = 3.0;
-/// Lines per 1/T of a Hann window. A line per 1/T would miss the bands below 4.3/T.
-constexpr double hann_lines = 4.0;
+/// Lines per 1/T of a Hann window.
+constexpr double hann_lines = 2.0;
+/// Half the width of the spectrum of a tone in a Hann window [1/T].
+constexpr double hann_reach = 2.0;
 
-/// The weights of a window of whole periods or of a Hann window, and its duration.
+/// The weights of a window of whole periods or of a Hann window with its slope [1/s], and its
+/// duration.
 struct Window {
-    std::vector<double> weights;
+    std::vector<double> weights, slopes;
     double duration_s = 0.0;
-    bool is_tapered = false;
     std::string reason;
 };
 
@@ -72,13 +74,16 @@ Window window_of(const Case& c) {
         window.weights = window_weights(time, std::max(0.0, to_s - window.duration_s), to_s);
     } else {
         window.duration_s = std::min(settled_s, to_s);
-        window.is_tapered = true;
         window.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
-        const double from_s = to_s - window.duration_s;
-        for (std::ptrdiff_t n = 0; n < time.frames; ++n)
-            if (const double t_s = time.frame_s(n); t_s > from_s && t_s < to_s)
-                window.weights[static_cast<std::size_t>(n)] =
-                    std::pow(std::sin(std::numbers::pi * (t_s - from_s) / window.duration_s), 2);
+        window.slopes = window.weights;
+        const double from_s = to_s - window.duration_s, turn = std::numbers::pi / window.duration_s;
+        for (std::ptrdiff_t n = 0; n < time.frames; ++n) {
+            const double t_s = time.frame_s(n);
+            if (!(t_s > from_s && t_s < to_s)) continue;
+            const auto at = static_cast<std::size_t>(n);
+            window.weights[at] = std::pow(std::sin(turn * (t_s - from_s)), 2);
+            window.slopes[at] = turn * std::sin(2.0 * turn * (t_s - from_s));
+        }
     }
     return window;
 }
@@ -120,7 +125,7 @@ SensationLines sensation_lines(const Case& c) {
                                    1e6 * lines.interval_s, lines.bands.back().high_Hz);
         return lines;
     }
-    double dense = 1.0;
+    double dense = 1.0, reach_Hz = 0.0;
     if (lines.repeats) {
         lines.window_s = c.time.duration_s();
         lines.weights.assign(static_cast<std::size_t>(c.time.frames),
@@ -131,16 +136,20 @@ SensationLines sensation_lines(const Case& c) {
         if (!lines.reason.empty()) return lines;
         lines.window_s = window.duration_s;
         lines.weights = std::move(window.weights);
+        lines.slopes = std::move(window.slopes);
         const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
         double squares = 0.0;
         for (double& weight : lines.weights) {
             weight /= sum;
             squares += weight * weight;
         }
+        for (double& slope : lines.slopes)
+            slope /= sum;
         // By Parseval's theorem, a Hann window of N frames has the power N sum w^2 / (sum w)^2,
         // 3/2, in lines 1/T apart.
-        if (window.is_tapered) {
+        if (!lines.slopes.empty()) {
             dense = hann_lines;
+            reach_Hz = hann_reach / lines.window_s;
             lines.power = lines.interval_s / (squares * lines.window_s * dense);
         }
         std::erase_if(lines.bands, [&](const SensationBand& band) {
@@ -154,38 +163,45 @@ SensationLines sensation_lines(const Case& c) {
         }
     }
     const double step_Hz = 1.0 / (dense * lines.window_s);
-    const auto first =
-        std::max(1.0, std::ceil(lines.bands.front().low_Hz / step_Hz * (1.0 - rounding)));
-    std::size_t band = 0;
-    for (double n = first; n * step_Hz <= lines.bands.back().high_Hz * (1.0 + rounding) &&
-                           n * step_Hz < nyquist_Hz * (1.0 - rounding);
-         ++n) {
-        const double f_Hz = n * step_Hz;
-        while (band + 1 < lines.bands.size() && f_Hz > lines.bands[band].high_Hz)
-            ++band;
-        lines.frequencies_Hz.push_back(f_Hz);
-        lines.band_of.push_back(band);
-    }
+    const double low_Hz = lines.bands.front().low_Hz - reach_Hz,
+                 high_Hz = lines.bands.back().high_Hz + reach_Hz;
+    for (double n = std::max(1.0, std::ceil(low_Hz / step_Hz * (1.0 - rounding)));
+         n * step_Hz <= high_Hz * (1.0 + rounding) && n * step_Hz < nyquist_Hz * (1.0 - rounding);
+         ++n)
+        lines.frequencies_Hz.push_back(n * step_Hz);
     if (lines.frequencies_Hz.empty())
         lines.reason = fmt::format("the load has no line between {:g} and {:g} Hz",
                                    lines.bands.front().low_Hz, lines.bands.back().high_Hz);
     return lines;
 }
 
+std::size_t SensationLines::band_of(double f_Hz) const {
+    if (f_Hz < bands.front().low_Hz * (1.0 - rounding)) return bands.size();
+    return static_cast<std::size_t>(
+        std::ranges::find_if(
+            bands, [&](double high_Hz) { return f_Hz <= high_Hz * (1.0 + rounding); },
+            &SensationBand::high_Hz) -
+        bands.begin());
+}
+
 std::vector<std::complex<double>> SensationLines::factors(std::ptrdiff_t number) const {
     const auto frames = static_cast<std::ptrdiff_t>(weights.size());
     std::vector<std::complex<double>> all;
-    all.reserve(frequencies_Hz.size());
+    all.reserve(sums());
     for (const double f_Hz : frequencies_Hz) {
         const double turn = two_pi * f_Hz * interval_s;
-        const auto at = [&](std::ptrdiff_t n) {
-            if (!repeats && (n < 0 || n >= frames)) return std::complex<double>{};
-            const double weight = weights[static_cast<std::size_t>((n + frames) % frames)];
-            return std::polar(weight, -turn * static_cast<double>(n + 1));
-        };
         const double response = 2.0 - 2.0 * std::cos(turn);
-        all.push_back(std::pow(two_pi * f_Hz, 2) / response *
-                      (2.0 * at(number) - at(number - 1) - at(number + 1)));
+        const auto add = [&](const std::vector<double>& window) {
+            const auto at = [&](std::ptrdiff_t n) {
+                if (!repeats && (n < 0 || n >= frames)) return std::complex<double>{};
+                return std::polar(1.0, -turn * static_cast<double>(n + 1)) *
+                       window[static_cast<std::size_t>((n + frames) % frames)];
+            };
+            all.push_back(std::pow(two_pi * f_Hz, 2) / response *
+                          (2.0 * at(number) - at(number - 1) - at(number + 1)));
+        };
+        add(weights);
+        if (!slopes.empty()) add(slopes);
     }
     return all;
 }
@@ -199,13 +215,14 @@ SensationSums::SensationSums(const Case& c, std::ptrdiff_t x_start, std::ptrdiff
     count_ = std::clamp(x_start + x_count, region_.x0, std::max(region_.x0, region_.x1)) -
              region_.x0 - first_;
     columns_ = std::max<std::ptrdiff_t>(0, region_.y1 - region_.y0);
-    frames_.assign(static_cast<std::size_t>(count_ * columns_) * line_frames, 0.0);
-    factors_.assign(lines_.frequencies_Hz.size() * 2 * line_frames, 0.0);
-    sums_.assign(static_cast<std::size_t>(count_ * row_length()), 0.0);
+    filled_ = (columns_ + lane_count - 1) / lane_count * lane_count;
+    frames_.resize(static_cast<std::size_t>(count_ * filled_ / lane_count) * line_frames);
+    factors_.assign(lines_.sums() * 2 * line_frames, 0.0);
+    sums_.resize(static_cast<std::size_t>(count_ * row_length() / lane_count));
 }
 
 std::ptrdiff_t SensationSums::row_length() const {
-    return 2 * columns_ * static_cast<std::ptrdiff_t>(lines_.frequencies_Hz.size());
+    return 2 * filled_ * static_cast<std::ptrdiff_t>(lines_.sums());
 }
 
 void SensationSums::add(std::ptrdiff_t number, View2<const double> u_z_m) {
@@ -220,8 +237,8 @@ void SensationSums::add(std::ptrdiff_t number, View2<const double> u_z_m) {
     for (std::ptrdiff_t i = 0; i < count_; ++i) {
         const auto row = u_z_m.row(region_.x0 + first_ + i - x_start_);
         std::copy_n(row.begin() + region_.y0, columns_,
-                    frames_.begin() +
-                        (i * static_cast<std::ptrdiff_t>(line_frames) + waiting_) * columns_);
+                    scalars(frames_.data()) +
+                        (i * static_cast<std::ptrdiff_t>(line_frames) + waiting_) * filled_);
     }
     if (++waiting_ == static_cast<std::ptrdiff_t>(line_frames)) flush();
 }
@@ -234,10 +251,10 @@ void SensationSums::flush() {
                   factors_.begin() + static_cast<std::ptrdiff_t>(k + line_frames), 0.0);
     const RowSumKernels& kernels = simd::kernels<RowSumKernels>();
     for (std::ptrdiff_t i = 0; i < count_; ++i)
-        kernels.add_lines(frames_.data() + i * static_cast<std::ptrdiff_t>(line_frames) * columns_,
-                          waiting_, columns_, factors_.data(),
-                          2 * static_cast<std::ptrdiff_t>(lines_.frequencies_Hz.size()),
-                          sums_.data() + i * row_length());
+        kernels.add_lines(
+            scalars(frames_.data()) + i * static_cast<std::ptrdiff_t>(line_frames) * filled_,
+            waiting_, filled_, factors_.data(), 2 * static_cast<std::ptrdiff_t>(lines_.sums()),
+            sums() + i * row_length());
     waiting_ = 0;
 }
 
@@ -251,13 +268,24 @@ SensationMap SensationSums::levels() {
     std::vector<double> squares(lines_.bands.size() * static_cast<std::size_t>(columns_));
     for (std::ptrdiff_t i = 0; i < count_; ++i) {
         std::ranges::fill(squares, 0.0);
-        const double* part = sums_.data() + i * row_length();
-        for (const std::size_t band : lines_.band_of)
-            for (int side = 0; side < 2; ++side) {
-                double* square = squares.data() + band * static_cast<std::size_t>(columns_);
-                for (std::ptrdiff_t j = 0; j < columns_; ++j, ++part)
-                    square[j] += 2.0 * lines_.power * *part * *part; // rms: 2 |A_k|^2 per line
+        const double* part = sums() + i * row_length();
+        const auto at = [&](std::ptrdiff_t sum, std::ptrdiff_t j) {
+            return std::complex<double>(part[2 * sum * filled_ + j],
+                                        part[(2 * sum + 1) * filled_ + j]);
+        };
+        for (const double line_Hz : lines_.frequencies_Hz) {
+            std::size_t band = lines_.band_of(line_Hz);
+            for (std::ptrdiff_t j = 0; j < columns_; ++j) {
+                const std::complex<double> amplitude = at(0, j);
+                if (!lines_.slopes.empty())
+                    band = lines_.band_of(line_Hz - (at(1, j) / amplitude).imag() / two_pi);
+                if (band < lines_.bands.size()) // rms: 2 |A_k|^2 per line
+                    squares[band * static_cast<std::size_t>(columns_) +
+                            static_cast<std::size_t>(j)] +=
+                        2.0 * lines_.power * std::norm(amplitude);
             }
+            part += row_length() / std::ssize(lines_.frequencies_Hz);
+        }
         for (std::size_t j = 0; j < static_cast<std::size_t>(columns_); ++j) {
             double most = 0.0, sum = 0.0, band_Hz = not_a_number;
             for (std::size_t b = 0; b < lines_.bands.size(); ++b) {
@@ -284,9 +312,10 @@ double sensation_memory_B(const Case& c, int ranks) {
     const auto rows = static_cast<double>(region.x1 - region.x0),
                columns = static_cast<double>(region.y1 - region.y0);
     const double of_slab =
-        2.0 * static_cast<double>(lines.frequencies_Hz.size()) + static_cast<double>(line_frames);
+        2.0 * static_cast<double>(lines.sums()) + static_cast<double>(line_frames);
     constexpr double maps = 6.0; // three of the rank and three on rank 0
-    return std::min(rows, std::ceil(rows / ranks) + 1.0) * columns * of_slab * sizeof(double) +
+    return std::min(rows, std::ceil(rows / ranks) + 1.0) * (columns + lane_count) * of_slab *
+               sizeof(double) +
            maps * rows * columns * sizeof(double);
 }
 

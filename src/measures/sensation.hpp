@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/block.hpp"
 #include "base/view.hpp"
 #include "measures/surface_sums.hpp"
 #include "problem/case/case.hpp"
@@ -40,23 +41,32 @@ constexpr double jnd_dB = 2.3, least_jnd_dB = 1.65, largest_jnd_dB = 2.98;
 /// The spectral lines from which levels are computed: in the periodic regime those of the period.
 /// Otherwise those of a window before `measure.at`: the largest whole number of periods of the
 /// load after `settled_after`, or, if the load has no period or none fits, a Hann window over the
-/// settled part, with lines four times as dense as those of its length. Such a window judges only
-/// bands of whose centre it contains at least three periods. A Hann window loses 3.2 dB of a tone
-/// at the centre of a band to its neighbours with three periods, 0.6 dB with 7.5, 0.05 dB with 12.
+/// settled part, with lines half as far apart as its length resolves. Such a window judges only
+/// bands of whose centre it contains at least three periods. A tone has several lines in a Hann
+/// window. Each counts in the band of the tone, f - Im(D/A) / 2 pi, where A is its amplitude and D
+/// that with the slope of the window (reassignment; Auger and Flandrin 1995, IEEE Transactions on
+/// Signal Processing 43).
 struct SensationLines {
     std::vector<SensationBand> bands; // those that are judged
     std::vector<double> frequencies_Hz;
-    std::vector<std::size_t> band_of; // index of the band of each line
-    double window_s = 0.0;            // duration of the window
-    double power = 1.0;               // by which sums of squared amplitudes are multiplied
-    bool is_window = false;           // not in the periodic regime
-    std::string reason;               // why there is no level; empty: there is one
-    /// The factors of u in frame `number` in the complex amplitudes of the acceleration [1/s^2].
-    /// The acceleration is the second difference in time, which a constant and a drift do not
-    /// change, divided by its response at the frequency of the line.
+    double window_s = 0.0;  // duration of the window
+    double power = 1.0;     // by which sums of squared amplitudes are multiplied
+    bool is_window = false; // not in the periodic regime
+    std::string reason;     // why there is no level; empty: there is one
+    /// The factors of u in frame `number` in the complex amplitudes of the acceleration [1/s^2],
+    /// with a Hann window each followed by that with the slope of the window [1/s^3]. The
+    /// acceleration is the second difference in time, which a constant and a drift do not change,
+    /// divided by its response at the frequency of the line.
     std::vector<std::complex<double>> factors(std::ptrdiff_t number) const;
+    /// Their number.
+    std::size_t sums() const { return frequencies_Hz.size() * (slopes.empty() ? 1 : 2); }
+    /// Tones that are closer are not separated; 0 if the load has only the lines.
+    double separation_Hz() const { return slopes.empty() ? 0.0 : 4.0 / window_s; }
+    /// Index of the band that contains a frequency; the number of bands if none does.
+    std::size_t band_of(double f_Hz) const;
 
     std::vector<double> weights; // of the frames in the second difference, with sum 1
+    std::vector<double> slopes;  // of a Hann window, in the same unit per second; otherwise empty
     double interval_s = 0.0;
     bool repeats = false; // the frame after the last one is the first one
 };
@@ -81,9 +91,9 @@ public:
     /// The frame of this number, in any order, each once.
     void add(std::ptrdiff_t number, View2<const double> u_z_m);
     /// The sums so far, one row after the other. Complete after flush().
-    std::vector<double>& sums() { return sums_; }
+    double* sums() { return scalars(sums_.data()); }
     void flush();
-    /// Sums per row.
+    /// Sums per row, whose columns are filled up to complete blocks.
     std::ptrdiff_t row_length() const;
     /// The rows of this slab, which follow those of the slab before.
     SensationMap levels();
@@ -97,10 +107,11 @@ private:
     SensationLines lines_;
     Region region_;
     std::ptrdiff_t x_start_ = 0, first_ = 0, count_ = 0, columns_ = 0;
+    std::ptrdiff_t filled_ = 0;   // columns in complete blocks
     std::ptrdiff_t waiting_ = 0;  // frames in `frames_`
-    std::vector<double> frames_;  // frames that are added together
+    std::vector<Block> frames_;   // frames that are added together
     std::vector<double> factors_; // real and imaginary, of each line and waiting frame
-    std::vector<double> sums_;
+    std::vector<Block> sums_;
 };
 
 /// Memory of the sums and maps of one of `ranks` ranks [B]; 0 if nothing is computed.

@@ -7,6 +7,7 @@
 #include "problem/load/footprint.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
@@ -86,30 +87,31 @@ std::vector<PathPoint> path_points(const std::vector<std::vector<Vec2>>& lines) 
     return points;
 }
 
-/// The width of the profile through a point around its largest value within `near_m`, `drop_dB`
-/// below that value; NaN if it does not fall that far inside the map.
-double width_m(const Levels& levels, Vec2 at_m, Vec2 across, double near_m, double step_m,
-               double drop_dB) {
+using Widths = std::array<double, 3>;
+
+/// The widths of the profile through a point around its largest value within `near_m`, at each of
+/// the drops [dB] below that value, which increase; NaN if it does not fall that far inside the
+/// map.
+Widths widths_m(const Levels& levels, Vec2 at_m, Vec2 across, double near_m, double step_m,
+                const Widths& drops_dB) {
     double top = levels.level(at_m), top_at = 0.0;
     for (double s = -near_m; s <= near_m; s += step_m)
         if (const double level = levels.level(at_m + s * across); level > top) {
             top = level;
             top_at = s;
         }
-    double width = 0.0;
+    Widths widths = {};
     for (const double side : {-1.0, 1.0}) {
         double before = top;
-        for (double s = step_m;; s += step_m) {
+        std::size_t n = 0;
+        for (double s = step_m; n < widths.size(); s += step_m) {
             const double level = levels.level(at_m + (top_at + side * s) * across);
-            if (std::isnan(level)) return not_a_number;
-            if (level < top - drop_dB) {
-                width += s - step_m * (top - drop_dB - level) / (before - level);
-                break;
-            }
+            for (; n < widths.size() && !(level >= top - drops_dB[n]); ++n) // also NaN
+                widths[n] += s - step_m * (top - drops_dB[n] - level) / (before - level);
             before = level;
         }
     }
-    return width;
+    return widths;
 }
 
 /// The depths of the saddles between the maxima inside a line and higher ones, descending. That of
@@ -217,6 +219,9 @@ private:
         if (lines_.is_window && reason_.empty())
             note = fmt::format("from a window of {:.4g} ms, which judges bands from {:g} Hz on",
                                1e3 * lines_.window_s, lines_.bands.front().centre_Hz);
+        if (lines_.separation_Hz() > 0.0)
+            note += fmt::format(" and does not separate tones that are less than {:.3g} Hz apart",
+                                lines_.separation_Hz());
         for (const SensationBand& band : lines_.bands)
             if (band.is_extrapolated && band.centre_Hz == band_Hz)
                 note += fmt::format("{}the threshold at {:g} Hz is extrapolated",
@@ -280,35 +285,35 @@ private:
 
     void add_widths() {
         constexpr double fewest = 0.5; // share of the path on which the width must exist
-        const auto points = path_points(shapes_);
-        const auto width = [&](const char* name, double drop_dB) {
-            double sum = 0.0, weight = 0.0, all = 0.0;
-            for (const PathPoint& point : points)
-                for (const Vec2 across : point.across) {
-                    const double part = point.weight / static_cast<double>(point.across.size());
-                    all += part;
-                    const double of_point =
-                        reason_.empty() && std::isfinite(levels_.level(point.at_m))
-                            ? width_m(levels_, point.at_m, across, fwhm_m_,
-                                      0.25 * c_.domain.spacing_m, drop_dB)
-                            : not_a_number;
-                    if (std::isnan(of_point)) continue;
-                    sum += part * of_point;
-                    weight += part;
+        constexpr Widths drops_dB = {least_jnd_dB, jnd_dB, largest_jnd_dB};
+        Widths sums = {}, weights = {};
+        double all = 0.0;
+        for (const PathPoint& point : path_points(shapes_))
+            for (const Vec2 across : point.across) {
+                const double part = point.weight / static_cast<double>(point.across.size());
+                all += part;
+                if (!reason_.empty() || !std::isfinite(levels_.level(point.at_m))) continue;
+                const Widths widths = widths_m(levels_, point.at_m, across, fwhm_m_,
+                                               0.25 * c_.domain.spacing_m, drops_dB);
+                for (std::size_t n = 0; n < widths.size(); ++n) {
+                    if (std::isnan(widths[n])) continue;
+                    sums[n] += part * widths[n];
+                    weights[n] += part;
                 }
-            const bool exists = weight >= fewest * all;
+            }
+        const auto add_width = [&](const char* name, std::size_t n) {
             std::string note;
             if (std::isnan(path_dB_))
                 note = path_note_;
-            else if (weight < all * (1.0 - rounding_of_weights))
+            else if (weights[n] < all * (1.0 - rounding_of_weights))
                 note = fmt::format("across {:.3g} % of the path, the level does not fall by {:g} "
                                    "dB inside the measured region",
-                                   100.0 * (1.0 - weight / all), drop_dB);
-            add(name, exists ? 1e3 * sum / weight : not_a_number, note);
+                                   100.0 * (1.0 - weights[n] / all), drops_dB[n]);
+            add(name, weights[n] >= fewest * all ? 1e3 * sums[n] / weights[n] : not_a_number, note);
         };
-        width("felt_width_mm", jnd_dB);
-        width("felt_width_low_mm", least_jnd_dB);
-        width("felt_width_high_mm", largest_jnd_dB);
+        add_width("felt_width_mm", 1);
+        add_width("felt_width_low_mm", 0);
+        add_width("felt_width_high_mm", 2);
     }
 
     void add_line() {

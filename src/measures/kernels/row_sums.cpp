@@ -56,10 +56,10 @@ void add_four(const double* u0, std::ptrdiff_t count, const double* re, const do
                  re2 = kept(all_lanes(re[2])), re3 = kept(all_lanes(re[3])),
                  im0 = kept(all_lanes(im[0])), im1 = kept(all_lanes(im[1])),
                  im2 = kept(all_lanes(im[2])), im3 = kept(all_lanes(im[3]));
-    std::ptrdiff_t j = 0;
-    for (; j + width <= count; j += width) {
-        Vector sum_re = load(sums + j), sum_im = load(sums + count + j);
-        const Vector v0 = load(u0 + j), v1 = load(u1 + j), v2 = load(u2 + j), v3 = load(u3 + j);
+    for (std::ptrdiff_t j = 0; j < count; j += width) {
+        Vector sum_re = load_aligned(sums + j), sum_im = load_aligned(sums + count + j);
+        const Vector v0 = load_aligned(u0 + j), v1 = load_aligned(u1 + j),
+                     v2 = load_aligned(u2 + j), v3 = load_aligned(u3 + j);
         sum_re += re0 * v0;
         sum_im += im0 * v0;
         sum_re += re1 * v1;
@@ -68,19 +68,9 @@ void add_four(const double* u0, std::ptrdiff_t count, const double* re, const do
         sum_im += im2 * v2;
         sum_re += re3 * v3;
         sum_im += im3 * v3;
-        store(sum_re, sums + j);
-        store(sum_im, sums + count + j);
+        store_aligned(sum_re, sums + j);
+        store_aligned(sum_im, sums + count + j);
     }
-    for (; j < count; ++j)
-        for (std::ptrdiff_t part = 0; part < 2; ++part) {
-            const double* f = part == 0 ? re : im;
-            double sum = sums[part * count + j];
-            sum += f[0] * u0[j];
-            sum += f[1] * u1[j];
-            sum += f[2] * u2[j];
-            sum += f[3] * u3[j];
-            sums[part * count + j] = sum;
-        }
 }
 
 void add_lines(const double* frames, std::ptrdiff_t used, std::ptrdiff_t count,

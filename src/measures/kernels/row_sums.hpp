@@ -22,7 +22,8 @@ struct RowSumKernels {
     /// Adds to row k of `sums` (lines x count) the sum over the first `used` rows of `frames`
     /// (line_frames x count) times their factors (lines x line_frames), one frame after the other,
     /// so that a value does not depend on which frames are added together. The number of lines is
-    /// even, and the factors of the rows up to the next multiple of four are zero.
+    /// even, and the factors of the rows up to the next multiple of four are zero. `count` is a
+    /// multiple of lane_count, and `frames` and `sums` are aligned as a Block.
     void (*add_lines)(const double* frames, std::ptrdiff_t used, std::ptrdiff_t count,
                       const double* factors, std::ptrdiff_t lines, double* sums);
 };

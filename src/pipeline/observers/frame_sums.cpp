@@ -152,11 +152,11 @@ DistributedRows SensationLevels::rows() const {
 
 void SensationLevels::save(StateWriter& state) {
     sums_->flush();
-    if (sums_->row_length() > 0) state.put("sensation", rows(), sums_->sums().data());
+    if (sums_->row_length() > 0) state.put("sensation", rows(), sums_->sums());
 }
 
 void SensationLevels::restore(const StateReader& state) {
-    if (sums_->row_length() > 0) state.get("sensation", rows(), sums_->sums().data());
+    if (sums_->row_length() > 0) state.get("sensation", rows(), sums_->sums());
 }
 
 void SensationLevels::finish() {
