@@ -26,9 +26,9 @@ public:
     using Values = spectral::LateralField::Values;
     using Motion = std::function<Vec3(Vec3)>; // of an offset from the centre in radii
 
-    /// kappa = s radius/c_s for growth e^{st}; the body is centred here apart from parts of a
-    /// spacing.
-    ElasticBody(Body body, double spacings_per_radius, double kappa, Span span) {
+    /// kappa = s radius/c_s for growth e^{st}; the body is centred apart from (x, y) in spacings.
+    ElasticBody(Body body, double spacings_per_radius, double kappa, Span span,
+                Vec3 offset = {0.2, 0.3, 0.0}) {
         const double spacing_m = body_radius_m / spacings_per_radius;
         const auto points = [&](double width) {
             return std::max(4L, 2 * std::lround(0.5 * width * spacings_per_radius));
@@ -36,7 +36,7 @@ public:
         case_ = small_tissue();
         Layer layer = tissue(1500.0, 0.0);
         layer.thickness_m = span.depth * body_radius_m;
-        body.centre_m = {0.2 * spacing_m, 0.3 * spacing_m, 0.5 * span.depth * body_radius_m};
+        body.centre_m = spacing_m * offset + Vec3{0.0, 0.0, 0.5 * span.depth * body_radius_m};
         centre_m_ = body.centre_m;
         case_.scene().medium = {{layer}, Base::rigid};
         case_.scene().medium.bodies = {std::move(body)};

@@ -48,11 +48,55 @@ Material mixed(const Material& a, const Material& b, double share) {
             mean(share, a.mu_Pa, b.mu_Pa), mean(share, a.viscosity_Pa_s, b.viscosity_Pa_s)};
 }
 
-/// Bruggeman's symmetric effective medium of three dimensions, the root mu of
-///     f (mu_b - mu) / (mu_b + 2 mu) + (1 - f) (mu_a - mu) / (mu_a + 2 mu) = 0.
-double effective_mu_Pa(double a_Pa, double b_Pa, double f) {
-    const double sum = (2.0 - 3.0 * f) * a_Pa + (3.0 * f - 1.0) * b_Pa;
-    return 0.25 * (sum + std::sqrt(sum * sum + 8.0 * a_Pa * b_Pa));
+struct Part {
+    CellMaterial material;
+    double share;
+};
+
+/// The self-consistent estimate at growth s, the root mu of the sum of share (mu_i - mu) / (mu_i +
+/// 1.5 mu) with mu_i + s viscosity_i for mu_i, which decreases with mu.
+double effective_mu_Pa(std::span<const Part> parts, double s) {
+    double low_Pa = std::numeric_limits<double>::infinity(), high_Pa = 0.0;
+    for (const auto& [m, share] : parts) {
+        low_Pa = std::min(low_Pa, m.mu_Pa + s * m.viscosity_Pa_s);
+        high_Pa = std::max(high_Pa, m.mu_Pa + s * m.viscosity_Pa_s);
+    }
+    for (int i = 0; i < 50; ++i) { // contrast times 2^-50
+        const double mu_Pa = 0.5 * (low_Pa + high_Pa);
+        double sum = 0.0;
+        for (const auto& [m, share] : parts) {
+            const double own_Pa = m.mu_Pa + s * m.viscosity_Pa_s;
+            sum += share * (own_Pa - mu_Pa) / (own_Pa + 1.5 * mu_Pa);
+        }
+        (sum > 0.0 ? low_Pa : high_Pa) = mu_Pa;
+    }
+    return 0.5 * (low_Pa + high_Pa);
+}
+
+double across_Pa(std::span<const Part> parts, double s) {
+    double sum = 0.0;
+    for (const auto& [m, share] : parts)
+        sum += share / (m.mu_across_Pa + s * m.viscosity_across_Pa_s);
+    return 1.0 / sum;
+}
+
+/// Shear moduli and viscosities of a laminate that contains the means. See material_of_cell.
+void set_shear(CellMaterial& m, std::span<const Part> parts, const Material& around) {
+    bool stiffer = false, softer = false, more_viscous = false;
+    double loss_s = 0.0;
+    for (const auto& [part, share] : parts) {
+        stiffer |= part.mu_Pa > around.mu_Pa;
+        softer |= part.mu_Pa < around.mu_Pa;
+        more_viscous |= part.viscosity_Pa_s > around.viscosity_Pa_s;
+        loss_s = std::max({loss_s, part.viscosity_Pa_s / part.mu_Pa,
+                           part.viscosity_across_Pa_s / part.mu_across_Pa});
+    }
+    m.mu_across_Pa = across_Pa(parts, 0.0);
+    if (stiffer) m.mu_Pa = effective_mu_Pa(parts, 0.0);
+    if (loss_s == 0.0) return;
+    const double s = 0.25 / loss_s;
+    m.viscosity_across_Pa_s = (across_Pa(parts, s) - m.mu_across_Pa) / s;
+    if (more_viscous && !softer) m.viscosity_Pa_s = (effective_mu_Pa(parts, s) - m.mu_Pa) / s;
 }
 
 /// See material_of_cell. `slope` is a multiple of the normal.
@@ -62,12 +106,7 @@ CellMaterial laminated(const CellMaterial& a, const Material& b, double share, V
     m.lambda_Pa =
         mean(share, a.lambda_Pa / p_a, b.lambda_Pa / p_b) / mean(share, 1.0 / p_a, 1.0 / p_b);
     if (a.mu_across_Pa == 0.0 || b.mu_Pa == 0.0) return m; // next to a fluid
-    if (b.mu_Pa > a.mu_Pa) m.mu_Pa = effective_mu_Pa(a.mu_Pa, b.mu_Pa, share);
-    m.mu_across_Pa = 1.0 / mean(share, 1.0 / a.mu_across_Pa, 1.0 / b.mu_Pa);
-    m.viscosity_across_Pa_s =
-        m.mu_across_Pa * m.mu_across_Pa *
-        mean(share, a.viscosity_across_Pa_s / (a.mu_across_Pa * a.mu_across_Pa),
-             b.viscosity_Pa_s / (b.mu_Pa * b.mu_Pa));
+    set_shear(m, std::array{Part{a, 1.0 - share}, Part{uniform(b), share}}, a);
     return m;
 }
 
@@ -87,24 +126,6 @@ Vec3 weighted_normal(const Body& body, Vec3 centre_m, Vec3 size_m, const Materia
     return (contrast(a.mu_Pa, b.mu_Pa) + contrast(a.viscosity_Pa_s, b.viscosity_Pa_s)) *
            Vec3{slope({step * size_m.x, 0.0, 0.0}), slope({0.0, step * size_m.y, 0.0}),
                 slope({0.0, 0.0, step * size_m.z})};
-}
-
-struct Part {
-    Material material;
-    double share;
-};
-
-/// Bruggeman's medium of many materials, the root mu of the sum of share (mu_i - mu) / (mu_i + 2
-/// mu), which decreases with mu.
-double effective_mu_Pa(std::span<const Part> parts, double low_Pa, double high_Pa) {
-    for (int i = 0; i < 40; ++i) { // contrast times 2^-40
-        const double mu_Pa = 0.5 * (low_Pa + high_Pa);
-        double sum = 0.0;
-        for (const auto& [m, share] : parts)
-            sum += share * (m.mu_Pa - mu_Pa) / (m.mu_Pa + 2.0 * mu_Pa);
-        (sum > 0.0 ? low_Pa : high_Pa) = mu_Pa;
-    }
-    return 0.5 * (low_Pa + high_Pa);
 }
 
 /// See material_of_cell.
@@ -144,7 +165,7 @@ CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 c
 
     std::vector<Part> parts;
     CellMaterial m;
-    double per_p = 0.0, lambda_per_p = 0.0, per_mu = 0.0, loss = 0.0;
+    double per_p = 0.0, lambda_per_p = 0.0;
     for (int i = 0; i < along; ++i)
         for (int j = 0; j < along; ++j)
             for (int k = 0; k < along; ++k) {
@@ -154,7 +175,7 @@ CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 c
                                  place_m.z / (size_m.z * size_m.z)};
                 each_part(centre_m + place_m, [&](double weight, const Material& part) {
                     const double share = of_point * weight;
-                    parts.push_back({part, share});
+                    parts.push_back({uniform(part), share});
                     widen(share, part);
                     const double p = part.lambda_Pa + 2.0 * part.mu_Pa;
                     m.density_kg_m3 += share * part.density_kg_m3;
@@ -162,8 +183,6 @@ CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 c
                     m.viscosity_Pa_s += share * part.viscosity_Pa_s;
                     per_p += share / p;
                     lambda_per_p += share * part.lambda_Pa / p;
-                    per_mu += share / part.mu_Pa;
-                    loss += share * part.viscosity_Pa_s / (part.mu_Pa * part.mu_Pa);
                     const double value = part.mu_Pa / greatest.mu_Pa +
                                          (greatest.viscosity_Pa_s > 0.0
                                               ? part.viscosity_Pa_s / greatest.viscosity_Pa_s
@@ -173,10 +192,7 @@ CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 c
             }
     m.lambda_Pa = lambda_per_p / per_p;
     if (least.mu_Pa == 0.0) return uniform(m); // next to a fluid
-    if (greatest.mu_Pa > material_of(layer).mu_Pa)
-        m.mu_Pa = effective_mu_Pa(parts, least.mu_Pa, greatest.mu_Pa);
-    m.mu_across_Pa = 1.0 / per_mu;
-    m.viscosity_across_Pa_s = loss / (per_mu * per_mu);
+    set_shear(m, parts, material_of(layer));
     return m;
 }
 

@@ -62,13 +62,16 @@ struct CellMaterial : Material {
 /// + 2 mu (Backus 1962):
 ///
 /// - density <density>; lambda <lambda / M> / <1 / M>;
-/// - mu across the surface 1 / <1 / mu>, viscosity <viscosity / mu^2> / <1 / mu>^2, which is exact
-///   for low frequencies; the other moduli of the laminate differ from these by parts of mu / M;
-/// - viscosity along the surface <viscosity>; mu <mu> for a body that is softer. The surface of a
-///   stiff body hardly stretches, but the medium in front of it does within the size of a cell, so
-///   that <mu> would enlarge the body (by a third of a cell if it is 400 times stiffer). mu is that
-///   of Bruggeman's effective medium, which for high contrasts is stiff only if the body fills more
-///   than a third of the cell.
+/// - mu across the surface 1 / <1 / mu>; the other moduli of the laminate differ by parts of mu /
+/// M;
+/// - mu along the surface <mu> for a body that is softer. The surface of a stiff body hardly
+///   stretches, but the medium in front of it does within the size of a cell, so that <mu> would
+///   enlarge the body (by a third of a cell if it is 400 times stiffer). mu is the self-consistent
+///   estimate for an incompressible mixture of grains (Hill 1965; Budiansky 1965), which for high
+///   contrasts is stiff only if the body fills more than two fifths of the cell;
+/// - viscosity (mu(s) - mu(0)) / s with mu + s viscosity for mu of each part, where s is the growth
+///   at which the largest viscous part is a quarter of the modulus, since no viscosity is exact for
+///   all frequencies; along the surface of a body that is softer or not more viscous <viscosity>.
 CellMaterial material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m);
 
 /// Whether bodies or the map may be present between two depths. Fast, since only bounds are
