@@ -91,7 +91,17 @@ h5::Id Reader::open(const std::string& name, Kind kind, const Shape& expected) c
     if (4 * values > std::max(always_allowed_B, most_compression * stored_B))
         throw UsageError(
             fmt::format("{} declares {} values, but stores only {} bytes", name, values, stored_B));
+    const bool is_field = shape == Shape{n_[2], n_[1], n_[0]};
+    require_memory(name, 4.0 * static_cast<double>(values) / (is_field ? ranks_ : 1));
     return dataset;
+}
+
+void Reader::require_memory(const std::string& name, double bytes) const {
+    required_B_ += bytes;
+    if (required_B_ > available_B_)
+        throw UsageError(fmt::format("{} and what precedes it need {:.3g} GB of memory, but only "
+                                     "{:.3g} GB are available",
+                                     name, 1e-9 * required_B_, 1e-9 * available_B_));
 }
 
 std::vector<float> Reader::reals(const std::string& name, const Shape& shape, Kind kind) const {

@@ -257,13 +257,15 @@ void Reader::read_sensor() {
             of_cuboid *= static_cast<double>(cuboid.count(a));
         }
         nodes += of_cuboid;
-        if (nodes > 1e9) throw UsageError(name + " has more than 1e9 nodes");
         input_.cuboids.push_back(cuboid);
+    }
+    require_memory(name, nodes * sizeof(Node));
+    input_.sensor.nodes.reserve(static_cast<std::size_t>(nodes));
+    for (const Cuboid& cuboid : input_.cuboids)
         for (std::ptrdiff_t z = cuboid.first[2]; z <= cuboid.last[2]; ++z)
             for (std::ptrdiff_t y = cuboid.first[1]; y <= cuboid.last[1]; ++y)
                 for (std::ptrdiff_t x = cuboid.first[0]; x <= cuboid.last[0]; ++x)
                     input_.sensor.nodes.push_back({x, y, z});
-    }
 }
 
 Input Reader::input() {
@@ -286,11 +288,11 @@ Input Reader::input() {
     return std::move(input_);
 }
 
-Input read_input(const std::filesystem::path& path, int ranks, int rank) {
+Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B) {
     bool is_study = false;
     Input input = storage::read_user_file(path, [&](hid_t file) {
         is_study = text_attribute(file, "schema").value_or("").starts_with("shearwake grid study");
-        return is_study ? Input{} : Reader(file, ranks, rank).input();
+        return is_study ? Input{} : Reader(file, ranks, rank, available_B).input();
     });
     return is_study ? input_of_study(path) : input;
 }

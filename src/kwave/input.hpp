@@ -49,7 +49,7 @@ struct Input {
 /// scripts/import-kwave writes, for a rank of a team, and validates all of it. Nothing is derived
 /// from speeds: densities and moduli of the staggered grid, profiles of the absorbing layer and
 /// scaled sources are those of the file. Throws UsageError whose message names the file, the
-/// dataset and its error. Not collective.
-Input read_input(const std::filesystem::path& path, int ranks, int rank);
+/// dataset and its error, also before more than available_B are allocated. Not collective.
+Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B);
 
 } // namespace shearwake::kwave

@@ -33,7 +33,8 @@ struct NodeValues {
 /// datasets, material.cpp the medium, and input.cpp the rest. No function is collective.
 class Reader {
 public:
-    Reader(hid_t file, int ranks, int rank) : file_(file), ranks_(ranks), rank_(rank) {}
+    Reader(hid_t file, int ranks, int rank, double available_B)
+        : file_(file), ranks_(ranks), rank_(rank), available_B_(available_B) {}
     Input input();
 
 private:
@@ -42,6 +43,8 @@ private:
     }
     h5::Id open(const std::string& name, Kind kind) const;
     h5::Id open(const std::string& name, Kind kind, const Shape& expected) const;
+    /// Throws if these bytes and those before exceed the available memory.
+    void require_memory(const std::string& name, double bytes) const;
     static Shape shape_of(const h5::Id& dataset, const std::string& name);
     std::vector<float> reals(const std::string& name, const Shape& shape,
                              Kind kind = Kind::real) const;
@@ -62,6 +65,8 @@ private:
 
     hid_t file_;
     int ranks_, rank_;
+    double available_B_;
+    mutable double required_B_ = 0.0;
     Input input_;
     std::array<hsize_t, 3> n_ = {}; // along x, y, z
     pstd::Slabs slabs_;

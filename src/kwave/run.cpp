@@ -114,41 +114,40 @@ struct Phases {
 void write_facts(const OutputFile& output, const Arguments& arguments, const Input& input,
                  long steps, long done, Phases& phases, int ranks, double memory_B) {
     constexpr hsize_t one[] = {1, 1, 1};
+    const auto write = [&](const std::string& name, std::span<const hsize_t> shape, Numbers numbers,
+                           const void* values) {
+        const hid_t type = numbers == Numbers::integer ? H5T_NATIVE_UINT64 : H5T_NATIVE_DOUBLE;
+        h5::check(H5Dwrite(create_dataset(output, name, shape, numbers).raw(), type, H5S_ALL,
+                           H5S_ALL, H5P_DEFAULT, values),
+                  "write " + name);
+    };
     std::map<std::string, std::uint64_t> integers = input.integers;
     integers["Nt"] = static_cast<std::uint64_t>(steps);
     integers["t_index"] = static_cast<std::uint64_t>(done);
-    for (const auto& [name, value] : integers) {
-        if (name.starts_with("sensor_mask")) continue;
-        h5::check(H5Dwrite(create_dataset(output, name, one, Numbers::integer).raw(),
-                           H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value),
-                  "write " + name);
-    }
+    for (const auto& [name, value] : integers)
+        if (!name.starts_with("sensor_mask")) write(name, one, Numbers::integer, &value);
     for (const auto& [name, value] : input.numbers)
-        h5::check(H5Dwrite(create_dataset(output, name, one, Numbers::real).raw(),
-                           H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value),
-                  "write " + name);
+        write(name, one, Numbers::real, &value);
     if (arguments.copies_sensor_mask) {
-        const auto write = [&](const std::string& name, std::vector<hsize_t> shape,
-                               const std::vector<std::uint64_t>& values) {
-            h5::check(H5Dwrite(create_dataset(output, name, shape, Numbers::integer).raw(),
-                               H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
-                      "write " + name);
-        };
         const auto& n = input.setup.grid.points;
         std::vector<std::uint64_t> values;
-        write("sensor_mask_type", {1, 1, 1}, {input.cuboids.empty() ? 0u : 1u});
+        const std::uint64_t type = input.cuboids.empty() ? 0u : 1u;
+        write("sensor_mask_type", one, Numbers::integer, &type);
+        std::array<hsize_t, 3> shape = {1, 1, 0};
         if (input.cuboids.empty()) {
             for (const pstd::Node& node : input.sensor.nodes)
                 values.push_back(
                     static_cast<std::uint64_t>((node[2] * n[1] + node[1]) * n[0] + node[0] + 1));
-            write("sensor_mask_index", {1, 1, values.size()}, values);
+            shape[2] = values.size();
         } else {
             for (const Cuboid& cuboid : input.cuboids)
                 for (const pstd::Node& corner : {cuboid.first, cuboid.last})
                     for (const std::ptrdiff_t index : corner)
                         values.push_back(static_cast<std::uint64_t>(index + 1));
-            write("sensor_mask_corners", {1, input.cuboids.size(), 6}, values);
+            shape = {1, input.cuboids.size(), 6};
         }
+        write(type == 0 ? "sensor_mask_index" : "sensor_mask_corners", shape, Numbers::integer,
+              values.data());
     }
     std::array<char, 256> host{};
     ::gethostname(host.data(), host.size() - 1);
@@ -177,7 +176,9 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
 template <class Real>
 void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     std::optional<Input> input;
-    together(world, [&] { input = read_input(arguments.input, world.size(), world.rank()); });
+    const double available_B = pipeline::memory_per_rank_B(world);
+    together(world,
+             [&] { input = read_input(arguments.input, world.size(), world.rank(), available_B); });
     phases.loading_s = phases.next();
     const auto& grid = input->setup.grid;
     const long steps = arguments.steps > 0
@@ -216,7 +217,7 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         planned.memory_per_rank_B() +
         pstd::Recorder::memory_B(input->sensor, grid, arguments.records,
                                  steps - arguments.first_step + 1, world.size());
-    if (const double available_B = pipeline::memory_per_rank_B(world); needed_B > available_B)
+    if (needed_B > available_B)
         throw UsageError(fmt::format("{}: the run needs {:.3g} GB per rank, but only {:.3g} GB are "
                                      "available; record fewer nodes or use more machines",
                                      arguments.input.string(), 1e-9 * needed_B,

@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import time
+import zlib
 
 import h5py
 import numpy
@@ -299,6 +300,29 @@ class Errors(KWaveTest):
         self.says(said, "must be a checkpoint of the same input file and options; ", "out.h5 is of an earlier run")
         with h5py.File(self.folder / "out.h5") as out:
             self.assertEqual((out["t_index"][0, 0, 0], out["Nt"][0, 0, 0]), (3, 120))
+
+    def test_small_files_that_need_much_memory_are_rejected(self):
+        """Compressed data of 1 GB, and cuboids with 8e8 nodes."""
+        def series(file):
+            del file["ux_source_input"]
+            block = zlib.compress(bytes(1 << 24), 1)
+            dataset = file.create_dataset("ux_source_input", (1, 1 << 28, 1), "f4", chunks=(1, 1 << 22, 1), compression="gzip")
+            for number in range(64):
+                dataset.id.write_direct_chunk((0, number << 22, 0), block)
+            dataset.attrs["data_type"], dataset.attrs["domain_type"] = numpy.bytes_("float"), numpy.bytes_("real")
+            put(file, "ux_source_flag", [[[1 << 28]]])
+
+        def cuboids(file):
+            put(file, "sensor_mask_type", [[[1]]])
+            put(file, "sensor_mask_corners", numpy.tile([1, 1, 1, 28, 25, 24], (1, 50000, 1)))
+
+        for change, name in ((series, "ux_source_input"), (cuboids, "sensor_mask_corners")):
+            path = self.changed("homogeneous", change)
+            self.assertLess(path.stat().st_size, 5e6)
+            done = subprocess.run(["sh", "-c", 'ulimit -v 1000000; exec "$@"', "sh", PROGRAM, "kwave", "-i", path, "-o", "out.h5"], cwd=self.folder,
+                                  env=environment(), capture_output=True, encoding="utf-8", check=False)
+            self.assertEqual(done.returncode, 1)
+            self.says(done.stderr, f"in.h5: {name} and what precedes it need ", " GB are available")
 
     def test_only_regular_files_are_replaced(self):
         os.mkfifo(self.folder / "pipe.h5")
