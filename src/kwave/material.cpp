@@ -80,16 +80,6 @@ void Reader::read_material() {
         staggered.mu_Pa[i] = [=](Node n) { return material->mu_sg[i](n); };
         staggered.eta_Pa_s[i] = [=](Node n) { return material->eta_sg[i](n); };
     }
-    if (m.mu.values.size() > 1)
-        for (std::ptrdiff_t x = m.x0; x < m.x0 + slabs_.x_count(); ++x)
-            for (std::ptrdiff_t y = 0; y < slabs_.ny(); ++y)
-                for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z)
-                    for (const Node next :
-                         {Node{x + 1, y, z}, Node{x, y + 1, z}, Node{x, y, z + 1}})
-                        if (next[0] < slabs_.nx() && next[1] < slabs_.ny() &&
-                            next[2] < slabs_.nz() &&
-                            (m.mu({x, y, z}) == 0.0) != (m.mu(next) == 0.0))
-                            input_.fluid_faces += 1.0;
     // The step is certainly unstable above the limit of a node with the largest of its densities.
     StepLimits& limits = input_.limits;
     limits.alone_s = limits.density_kg_m3 = std::numeric_limits<double>::infinity();
@@ -102,6 +92,10 @@ void Reader::read_material() {
                 const Node n{x, y, z};
                 const pstd::NodeMaterial here = setup.material(n);
                 if (3.0 * m.lambda(n) + 2.0 * m.mu(n) < 0.0) input_.soft_nodes += 1.0;
+                for (const Node next : {Node{x + 1, y, z}, Node{x, y + 1, z}, Node{x, y, z + 1}})
+                    if (next[0] < slabs_.nx() && next[1] < slabs_.ny() && next[2] < slabs_.nz() &&
+                        (m.mu(n) == 0.0) != (m.mu(next) == 0.0))
+                        input_.fluid_faces += 1.0;
                 const auto [low, high] = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
                 if (here == last && high == last_density) continue;
                 last = here;

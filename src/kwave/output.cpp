@@ -87,9 +87,9 @@ void write_points(const OutputFile& output, const Recorder& recorder,
                 start[is_list ? 1 : 0] = first;
                 extent[is_list ? 1 : 0] = count;
             }
-            hsize_t in_dataset = 1;
-            for (std::size_t n = is_series && !is_list ? 1 : 0; n < shape.size(); ++n)
-                in_dataset *= is_list && n == 1 ? 1 : shape[n];
+            const hsize_t in_dataset =
+                std::accumulate(extent.begin(), extent.end(), hsize_t{1}, std::multiplies()) /
+                count;
             std::vector<double> part;
             for (std::size_t s = 0; s < count; ++s) {
                 const auto from =
