@@ -267,7 +267,8 @@ print(result["p"].shape)
 
     def test_identities_of_kwaves_own_tests(self):
         """What the unit tests of k-Wave's elastic code compare, with their limits 1e-14 and 1e-15 relative to the largest value."""
-        everything = self.small(sensor={"record": ["p", "u", "p_max", "p_rms", "u_non_staggered", "u_split_field"]})
+        records = ["p", "u", "u_non_staggered", "I", "I_avg", *(f"{quantity}_{what}" for quantity in "pu" for what in ("max", "min", "rms"))]
+        everything = self.small(sensor={"record": [*records, "u_split_field"]})
 
         def same(found, expected, limit=1e-14):
             self.assertGreater(numpy.abs(expected).max(), 0.0)
@@ -280,7 +281,8 @@ print(result["p"].shape)
         # Cartesian points at nodes; x = 0 is node N/2 counted from 0.
         places = (nodes - numpy.array([10, 9, 8])) * numpy.array([1e-4, 1.1e-4, 0.9e-4])
         for interpolation in ("linear", "nearest"):
-            points = self.small(sensor={"mask": places.T, "record": ["p", "u", "p_max", "p_rms"]}, cart_interp=interpolation)
+            points = self.small(sensor={"mask": places.T, "record": records}, cart_interp=interpolation)
+            self.assertEqual(len(points), 25)
             for name, values in points.items():
                 same(values, everything[name][rows])
         # Corners of cuboids.
