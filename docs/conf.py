@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Configuration of the documentation site; scripts/docs builds it."""
+import importlib.util
 import json
 import os
 import re
 import subprocess
 import sys
+import tempfile
 import textwrap
 from pathlib import Path
 
@@ -18,6 +20,9 @@ author = "the shearwake authors"
 copyright = author  # the name is fixed by Sphinx
 release = re.search(r'^__version__ = "(.*)"', _package, flags=re.MULTILINE)[1]
 version = release
+
+_NOTEBOOKS = sorted((_ROOT / "docs" / "notebooks").glob("*.ipynb"))
+_executes = all(importlib.util.find_spec(name) for name in ("nbconvert", "ipykernel"))  # without them the site links the files
 
 sys.path.insert(0, str(_ROOT / "analysis"))
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
@@ -78,9 +83,32 @@ def _thumbnails(gallery):
             yield f"[![{picture[1]}]({picture[2]}) {heading.split(',')[0]}](#{anchor})\n"
 
 
+def _executed(app):
+    """The notebooks with the outputs of their cells, as pages of the site. An error in a cell is an error."""
+    if not _executes:
+        print("nbconvert or ipykernel is missing: the site contains the notebooks without outputs", file=sys.stderr)
+        return
+    from nbconvert import HTMLExporter
+    from traitlets.config import Config
+    os.environ.update(PYTHONPATH=str(_ROOT / "analysis"), PYDEVD_DISABLE_FILE_VALIDATION="1")
+    exporter = HTMLExporter(template_name="basic", exclude_anchor_links=True, config=Config({
+        "ExecutePreprocessor": {"enabled": True, "timeout": None}}))
+    for path in _NOTEBOOKS:
+        with tempfile.TemporaryDirectory() as folder, open(path, encoding="utf-8") as file:
+            body, _ = exporter.from_file(file, resources={"metadata": {"path": folder}})
+        title = re.search("<h1[^>]*>(.*?)</h1>", body)[1]
+        yield f"notebooks/{path.stem}", {"title": title, "body": f'<div class="notebook">{body}</div>'}, "page.html"
+
+
+def _linked(text):
+    """Links to the executed notebooks instead of to their files."""
+    return re.sub(r"\[([^]]*)\]\(((?:\.\./)?notebooks/[\w-]+)\.ipynb\)", r'<a href="\2.html">\1</a>', text) if _executes else text
+
+
 def _add_generated(app, page, source):
     """Adds the keys of a job, the help of each command below its heading, the members of the JSON documents, thumbnails to the
-    gallery, and the demonstration to the first page."""
+    gallery, the demonstration to the first page, and links to executed notebooks."""
+    source[0] = _linked(source[0])
     if page in ("reference/keys", "reference/presets", "reference/commands", "reference/json-output"):
         app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
     if page == "reference/keys":
@@ -102,3 +130,4 @@ def _add_generated(app, page, source):
 
 def setup(app):
     app.connect("source-read", _add_generated)
+    app.connect("html-collect-pages", _executed)

@@ -51,12 +51,15 @@ def command() -> None:
 
 
 def jobs() -> dict[str, Path]:
-    """The jobs that are installed with the program, by name: Job(jobs()["quickstart"]). Raises ProgramNotFound."""
+    """The jobs that are installed with the program, by name: Job(jobs()["quickstart"]). Raises ProgramNotFound if there are none."""
     folders = [Path(__file__).resolve().parents[2] / "jobs"]
     if not folders[0].is_dir():
         program = Path(find()).resolve()
         folders = [program.parents[1] / "jobs", program.parents[1] / "share" / "shearwake" / "jobs"]
-    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
+    found = {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
+    if not found:
+        raise ProgramNotFound(f"{' and '.join(map(str, folders))} contain no jobs; install the program with cmake --install")
+    return found
 
 
 def environment() -> dict[str, str]:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`cmake --install` gives a complete program: it works from its prefix, far from the source tree."""
+import json
 import os
 import re
 import shutil
@@ -78,6 +79,26 @@ class Installed(ProgramTest):
                 "try: shearwake.Job('bad.toml').check()\nexcept shearwake.JobError as error: print(error)")
         printed = self.command(sys.executable, "-c", text, folders[0], cwd=self.user)
         self.assertIn("[medium] is missing", printed)
+
+    @pytest.mark.long
+    def test_the_notebooks_run_with_the_installed_package_and_with_a_wheel(self):
+        shutil.copytree(ROOT / "analysis", self.folder / "analysis", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
+        pip, offline = ("/usr/bin/python3", "-m", "pip"), ("-q", "--no-index", "--no-deps")
+        self.command(*pip, "wheel", *offline, "--no-build-isolation", "./analysis")
+        self.command(*pip, "install", *offline, "--target", self.folder / "wheel", *self.folder.glob("*.whl"))
+        installed, = self.prefix.glob("lib/python3*/*-packages")
+        for folder in (installed, self.folder / "wheel"):
+            for notebook in sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")):
+                with self.subTest(folder=folder, notebook=notebook.stem):
+                    place = self.folder / f"{folder.name}-{notebook.stem}"
+                    place.mkdir()
+                    content = json.loads(notebook.read_text(encoding="utf-8"))
+                    source = f"assert shearwake.__path__[0].startswith({str(folder)!r}), shearwake.__path__"
+                    content["cells"].append({"cell_type": "code", "id": "last", "metadata": {}, "outputs": [], "execution_count": None, "source": [source]})
+                    (place / notebook.name).write_text(json.dumps(content), encoding="utf-8")
+                    self.command("env", f"PYTHONPATH={folder}", "/usr/bin/python3", "-m", "nbconvert", "--to", "notebook", "--execute",
+                                 "--ExecutePreprocessor.timeout=-1", "--output", "done.ipynb", notebook.name, cwd=place)
+                    self.assertNotIn("NotValid: ", (place / "done.ipynb").read_text(encoding="utf-8"))
 
     def test_the_scripts_find_their_parts(self):
         for name in ("shearwake-make-map", "shearwake-submit", "shearwake-nightly"):

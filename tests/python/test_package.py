@@ -39,6 +39,15 @@ class Package(InFolder):
         self.assertEqual(alone.returncode, 6)
         self.assertIn("is not on the PATH", alone.stderr)
 
+    def test_a_program_without_jobs_is_an_error(self):
+        folder = self.folder / "elsewhere" / "build"
+        folder.mkdir(parents=True)
+        shutil.copytree(ANALYSIS / "shearwake", folder / "package" / "a" / "shearwake", ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / "shearwake").symlink_to("/bin/true")
+        text = "import shearwake\ntry: shearwake.jobs()\nexcept shearwake.ProgramNotFound as error: print(error)"
+        printed = self.command("env", f"PYTHONPATH={folder / 'package' / 'a'}", f"SHEARWAKE={folder / 'shearwake'}", sys.executable, "-c", text)
+        self.assertIn("contain no jobs; install the program", printed)
+
     def test_importing_it_is_cheap(self):
         text = (f"import sys; sys.path.insert(0, {str(ANALYSIS)!r}); import shearwake; "
                 "print([m for m in ('pandas', 'xarray', 'matplotlib', 'tomli_w') if m in sys.modules])")

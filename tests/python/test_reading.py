@@ -365,6 +365,11 @@ class Reading(InFolder):
         movie.save("a.gif", writer="pillow", dpi=30)
         self.assertGreater(Path("a.gif").stat().st_size, 1000)
         self.assertEqual(len(list(movie.new_frame_seq())), 40)
+        shown = movie._repr_html_()  # a player without icons of another site that begins with the wake
+        for other in ("<link", "https://", "fa fa-"):
+            self.assertNotIn(other, shown)
+        self.assertEqual(shown.count("set_frame(frames.length >> 1);"), 1)
+        self.assertIn(">\u25b6</button>", shown.replace("\n", "").replace("  ", ""))
 
 
 class Receptors(InFolder):
