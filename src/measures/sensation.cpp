@@ -21,6 +21,10 @@ namespace {
 
 constexpr double rounding = 1e-9; // relative, for rounding
 
+/// Squares of the threshold, -180 dB, up to which nothing moves: a motion of a millimetre outside
+/// of all bands has -206 dB in one, by rounding.
+constexpr double no_motion = 1e-18;
+
 // The threshold of the hand: centres [Hz] and rms accelerations [m/s^2].
 constexpr std::array centres_Hz = {8.0,  10.0, 12.5,  16.0,  20.0,  25.0,  31.5,  40.0, 50.0,
                                    63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0};
@@ -287,7 +291,7 @@ SensationMap SensationSums::levels() {
             part += row_length() / std::ssize(lines_.frequencies_Hz);
         }
         for (std::size_t j = 0; j < static_cast<std::size_t>(columns_); ++j) {
-            double most = 0.0, sum = 0.0, band_Hz = not_a_number;
+            double most = no_motion, sum = 0.0, band_Hz = not_a_number;
             for (std::size_t b = 0; b < lines_.bands.size(); ++b) {
                 const double ratio = squares[b * static_cast<std::size_t>(columns_) + j] /
                                      std::pow(lines_.bands[b].threshold_m_s2, 2);
@@ -296,8 +300,9 @@ SensationMap SensationSums::levels() {
                 most = ratio;
                 band_Hz = lines_.bands[b].centre_Hz;
             }
-            map.level_dB.push_back(most > 0.0 ? 10.0 * std::log10(most) : not_a_number);
-            map.sum_dB.push_back(sum > 0.0 ? 10.0 * std::log10(sum) : not_a_number);
+            const bool moves = most > no_motion;
+            map.level_dB.push_back(moves ? 10.0 * std::log10(most) : not_a_number);
+            map.sum_dB.push_back(moves ? 10.0 * std::log10(sum) : not_a_number);
             map.band_Hz.push_back(band_Hz);
         }
     }

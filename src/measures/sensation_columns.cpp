@@ -19,6 +19,7 @@ namespace shearwake::measures {
 namespace {
 
 constexpr double rounding_of_weights = 1e-9; // relative
+constexpr double strong_dB = 6.0;            // below the largest level
 
 /// Levels between the samples.
 class Levels {
@@ -114,10 +115,14 @@ Widths widths_m(const Levels& levels, Vec2 at_m, Vec2 across, double near_m, dou
     return widths;
 }
 
-/// The depths of the saddles between the maxima inside a line and higher ones, descending. That of
-/// the highest maximum is the height above the lowest value.
-std::vector<double> prominences(const std::vector<double>& line) {
-    std::vector<double> depths;
+struct Maximum {
+    double level = 0.0;
+    double depth = 0.0; // of the saddle to a higher one; of the highest, above the lowest value
+};
+
+/// The maxima inside a line, the deepest saddle first.
+std::vector<Maximum> maxima(const std::vector<double>& line) {
+    std::vector<Maximum> found;
     for (std::size_t n = 1; n + 1 < line.size(); ++n) {
         std::size_t end = n; // of a plateau
         while (end + 1 < line.size() && line[end + 1] == line[n])
@@ -136,10 +141,10 @@ std::vector<double> prominences(const std::vector<double>& line) {
             std::max(saddle(std::make_reverse_iterator(at), line.rend(), false),
                      saddle(line.begin() + static_cast<std::ptrdiff_t>(end) + 1, line.end(), true));
         if (std::isinf(low)) low = std::ranges::min(line);
-        depths.push_back(line[n] - low);
+        found.push_back({line[n], line[n] - low});
     }
-    std::ranges::sort(depths, std::greater<>{});
-    return depths;
+    std::ranges::sort(found, std::greater<>{}, &Maximum::depth);
+    return found;
 }
 
 /// The line on which maxima are counted; empty if there is none.
@@ -257,7 +262,6 @@ private:
 
     void add_areas() {
         const double cell_mm2 = std::pow(1e3 * c_.domain.spacing_m, 2);
-        constexpr double strong_dB = 6.0;
         double felt = 0.0, strong = 0.0, strong_near = 0.0, far_sum = 0.0, far_weight = 0.0;
         std::vector<double> near, distant;
         if (reason_.empty()) {
@@ -329,14 +333,15 @@ private:
             if (std::ranges::any_of(along, [](double l) { return std::isnan(l); }))
                 note = "a part of the line lies outside the measured region, or does not move";
         }
-        const std::vector<double> depths =
-            note.empty() ? prominences(along) : std::vector<double>{};
-        const auto peaks = std::ranges::count_if(depths, [](double d) { return d >= jnd_dB; });
+        const std::vector<Maximum> found = note.empty() ? maxima(along) : std::vector<Maximum>{};
+        const auto peaks = std::ranges::count_if(found, [&](const Maximum& m) {
+            return m.depth >= jnd_dB && m.level > std::ranges::max(along) - strong_dB;
+        });
         add("felt_peaks_1", note.empty() ? static_cast<double>(peaks) : not_a_number, note);
         add("felt_gap_dB",
-            !note.empty()       ? not_a_number
-            : depths.size() < 2 ? 0.0
-                                : depths[1],
+            !note.empty()      ? not_a_number
+            : found.size() < 2 ? 0.0
+                               : found[1].depth,
             note);
     }
 

@@ -148,6 +148,12 @@ class FolderTest(unittest.TestCase):
         # 12 = 0.3 r^2; the contour is linear between samples 1 mm apart.
         np.testing.assert_allclose(np.hypot(*line.T), math.sqrt(40.0), atol=0.03)
 
+    def test_colours_of_levels_begin_at_the_threshold_or_below(self):
+        loud, faint = np.array([55.0, -60.0]), np.array([16.0, np.nan])
+        self.assertEqual(fig_intensity.colour_limits([loud, faint]), (0.0, 55.0))
+        self.assertEqual(fig_intensity.colour_limits([faint, np.array([-60.0])]), (-24.0, 16.0))
+        self.assertEqual(fig_intensity.colour_limits([np.array([60.0, 30.0])]), (30.0, 60.0))
+
     def test_a_case_without_a_level_has_no_map_of_it(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, drawn=[[(0.0, 0.0)]])

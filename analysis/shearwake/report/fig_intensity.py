@@ -73,7 +73,13 @@ def intensity(selection: load.Selection, folder: Path) -> list[Figure]:
                    cases=[case.id for case, _ in found])]
 
 
-RANGE_dB = 40.0  # largest range of the colour scale below its end
+RANGE_dB = 40.0  # of the colour scale, unless the threshold is farther below its end
+
+
+def colour_limits(levels: list[np.ndarray]) -> tuple[float, float]:
+    """What is felt is never black: the scale ends at the largest level and begins at 0 dB or below."""
+    end = max(np.nanmax(level) for level in levels)
+    return max(min(np.nanmin(level) for level in levels), min(0.0, end - RANGE_dB)), end
 
 
 def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
@@ -84,8 +90,7 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
     if not shown:
         return []
     shots = [f and fig_surface.Snapshot(f[0], f[0].over_time["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1], f[1][2]) for f in found]
-    end = max(np.nanmax(m[2]) for _, m in shown)
-    low = max(min(np.nanmin(m[2]) for _, m in shown), end - RANGE_dB)
+    low, end = colour_limits([m[2] for _, m in shown])
     edges = np.array([fig_surface.extent(s) for s in shots if s])
     limits = (edges[:, 0].min(), edges[:, 1].max(), edges[:, 2].min(), edges[:, 3].max())
     figure, made, bar_axes = fig_surface.arrange(selection, shots, columns, limits)
