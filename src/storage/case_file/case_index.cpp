@@ -88,8 +88,7 @@ std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
     std::vector<std::string> scalars;
     for (const IndexedScalar& s : digest.scalars) {
         std::vector<std::string> entry{json_string(s.name), json_number(s.value)};
-        // The note of an existing value is never shown.
-        if (!std::isfinite(s.value)) entry.push_back(json_string(s.note));
+        if (!s.note.empty()) entry.push_back(json_string(s.note));
         scalars.push_back(json_array(entry));
     }
     return seal(line.add_json("scalars", json_array(scalars)).text());

@@ -52,7 +52,8 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
         storage::CaseFileWriter(folder / ("cases/" + id + ".h5"), alone, {})
             .commit({{"",
                       {{"eta_period_1", {}, {eta}, "1", "eta", ""},
-                       {"focal_rms_um", {}, {rms}, "um", "rms", note}}}},
+                       {"focal_rms_um", {}, {rms}, "um", "rms", note},
+                       {"felt_peak_dB", {}, {12.0}, "dB", "level", "from a window"}}}},
                     {{"title", std::string("t")},
                      {"case_id", id},
                      {"wall_s", 0.25},
@@ -75,7 +76,8 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(std::get<double>(cell(0, "eta_period_1")) == 0.2);
     CHECK(std::get<double>(cell(0, "eta_period_over_reference_1")) == 2.0);
     CHECK(std::isnan(std::get<double>(cell(0, "focal_rms_um"))));
-    CHECK(std::get<std::string>(cell(0, "note")) == "focal_rms_um: no disc");
+    CHECK(std::get<std::string>(cell(0, "note")) ==
+          "focal_rms_um: no disc; felt_peak_dB: from a window");
     CHECK(std::get<double>(cell(0, "wall_s")) == 0.25);
     CHECK(std::get<std::string>(cell(1, "status")) == "failed");
     CHECK(std::get<std::string>(cell(1, "note")) == "out of memory");
