@@ -33,6 +33,45 @@ void check_values(const std::string& name, const NodeValues& field, const char* 
     throw UsageError(fmt::format("{} is {}{}; it must be {}", name, *bad, where, must));
 }
 
+/// Limits of the step, and numbers of nodes and faces for warnings.
+void survey(const Material& m, const pstd::Slabs& slabs, Input& input) {
+    // The step is certainly unstable above the limit of a node with the largest of its densities.
+    StepLimits& limits = input.limits;
+    limits.alone_s = limits.density_kg_m3 = std::numeric_limits<double>::infinity();
+    const double spacing_m = pstd::cubic_spacing_m(input.setup.grid);
+    pstd::NodeMaterial last; // most neighbours are equal
+    double last_density = 0.0;
+    for (std::ptrdiff_t x = m.x0; x < m.x0 + slabs.x_count(); ++x)
+        for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y)
+            for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z) {
+                const Node n{x, y, z};
+                const pstd::NodeMaterial here = input.setup.material(n);
+                if (3.0 * m.lambda(n) + 2.0 * m.mu(n) < 0.0) input.soft_nodes += 1.0;
+                for (const Node next : {Node{x + 1, y, z}, Node{x, y + 1, z}, Node{x, y, z + 1}})
+                    if (next[0] < slabs.nx() && next[1] < slabs.ny() && next[2] < slabs.nz() &&
+                        (m.mu(n) == 0.0) != (m.mu(next) == 0.0))
+                        input.fluid_faces += 1.0;
+                const auto [low, high] = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
+                if (here == last && high == last_density) continue;
+                last = here;
+                last_density = high;
+                const double modulus = m.lambda(n) + 2.0 * m.mu(n);
+                if (!(modulus > 0.0))
+                    throw UsageError(fmt::format("lambda + 2 mu is {} at index ({}, {}, {}); it "
+                                                 "must be positive",
+                                                 modulus, x + 1, y + 1, z + 1));
+                const pstd::NodeMaterial heaviest{high, std::sqrt(modulus / high),
+                                                  std::sqrt(m.mu(n) / high), here.chi_Pa_s,
+                                                  here.eta_Pa_s};
+                limits.alone_s =
+                    std::min(limits.alone_s, pstd::largest_step_s(heaviest, spacing_m));
+                limits.density_kg_m3 = std::min(limits.density_kg_m3, low);
+                limits.p_modulus_Pa = std::max(limits.p_modulus_Pa, modulus);
+                limits.p_viscosity_Pa_s =
+                    std::max(limits.p_viscosity_Pa_s, here.chi_Pa_s + 2.0 * here.eta_Pa_s);
+            }
+}
+
 } // namespace
 
 void Reader::read_material() {
@@ -80,41 +119,7 @@ void Reader::read_material() {
         staggered.mu_Pa[i] = [=](Node n) { return material->mu_sg[i](n); };
         staggered.eta_Pa_s[i] = [=](Node n) { return material->eta_sg[i](n); };
     }
-    // The step is certainly unstable above the limit of a node with the largest of its densities.
-    StepLimits& limits = input_.limits;
-    limits.alone_s = limits.density_kg_m3 = std::numeric_limits<double>::infinity();
-    const double spacing_m = pstd::cubic_spacing_m(setup.grid);
-    pstd::NodeMaterial last; // most neighbours are equal
-    double last_density = 0.0;
-    for (std::ptrdiff_t x = m.x0; x < m.x0 + slabs_.x_count(); ++x)
-        for (std::ptrdiff_t y = 0; y < slabs_.ny(); ++y)
-            for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z) {
-                const Node n{x, y, z};
-                const pstd::NodeMaterial here = setup.material(n);
-                if (3.0 * m.lambda(n) + 2.0 * m.mu(n) < 0.0) input_.soft_nodes += 1.0;
-                for (const Node next : {Node{x + 1, y, z}, Node{x, y + 1, z}, Node{x, y, z + 1}})
-                    if (next[0] < slabs_.nx() && next[1] < slabs_.ny() && next[2] < slabs_.nz() &&
-                        (m.mu(n) == 0.0) != (m.mu(next) == 0.0))
-                        input_.fluid_faces += 1.0;
-                const auto [low, high] = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
-                if (here == last && high == last_density) continue;
-                last = here;
-                last_density = high;
-                const double modulus = m.lambda(n) + 2.0 * m.mu(n);
-                if (!(modulus > 0.0))
-                    throw UsageError(fmt::format("lambda + 2 mu is {} at index ({}, {}, {}); it "
-                                                 "must be positive",
-                                                 modulus, x + 1, y + 1, z + 1));
-                const pstd::NodeMaterial heaviest{high, std::sqrt(modulus / high),
-                                                  std::sqrt(m.mu(n) / high), here.chi_Pa_s,
-                                                  here.eta_Pa_s};
-                limits.alone_s =
-                    std::min(limits.alone_s, pstd::largest_step_s(heaviest, spacing_m));
-                limits.density_kg_m3 = std::min(limits.density_kg_m3, low);
-                limits.p_modulus_Pa = std::max(limits.p_modulus_Pa, modulus);
-                limits.p_viscosity_Pa_s =
-                    std::max(limits.p_viscosity_Pa_s, here.chi_Pa_s + 2.0 * here.eta_Pa_s);
-            }
+    survey(m, slabs_, input_);
 }
 
 } // namespace shearwake::kwave

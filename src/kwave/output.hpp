@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/units.hpp"
 #include "engines/pstd/scheme/recorder.hpp"
 #include "kwave/input.hpp"
+#include "kwave/run.hpp"
 #include "parallel/comm.hpp"
 #include "storage/hdf5/h5.hpp"
 
-#include <span>
-#include <string>
+#include <utility>
 
 namespace shearwake::kwave {
 
@@ -18,11 +19,19 @@ struct OutputFile {
     int gzip_level = 0;
 };
 
-/// Creates a dataset of real numbers, or of unsigned integers of 64 bits, with k-Wave's attributes.
-/// Not collective.
-enum class Numbers { real, integer };
-h5::Id create_dataset(const OutputFile& output, const std::string& name,
-                      std::span<const hsize_t> shape, Numbers numbers);
+/// Times of the phases of a run, for the output file.
+struct Phases {
+    double loading_s = 0.0, preparing_s = 0.0, stepping_s = 0.0;
+    Clock::time_point began = Clock::now(), phase = began;
+    double next() {
+        const auto now = Clock::now(), from = std::exchange(phase, now);
+        return seconds_between(from, now);
+    }
+};
+
+/// Writes scalars and attributes. Not collective.
+void write_facts(const OutputFile& output, const Arguments& arguments, const Input& input,
+                 long steps, long done, Phases& phases, int ranks, double memory_B);
 
 /// Writes the records after the last step, in the layout of k-Wave: (1, samples, points) or one
 /// dataset per cuboid, (samples, z, y, x); grids as (z, y, x). Collective.

@@ -15,10 +15,7 @@
 #include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <ctime>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
@@ -100,76 +97,174 @@ void check_step(const Input& input, const std::string& name, const Comm& world) 
                                  grid.dt_s, safe_s));
 }
 
-/// Times of the phases of a run, for the output file.
-struct Phases {
-    double loading_s = 0.0, preparing_s = 0.0, stepping_s = 0.0;
-    Clock::time_point began = Clock::now(), phase = began;
-    double next() {
-        const auto now = Clock::now(), from = std::exchange(phase, now);
-        return seconds_between(from, now);
+/// A run and its input.
+struct Job {
+    const Arguments& arguments;
+    const Comm& world;
+    Phases& phases;
+    const Input& input;
+    long steps;
+    std::string name() const { return arguments.input.string(); }
+    double points() const {
+        const auto& n = input.setup.grid.points;
+        return static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
     }
 };
 
-/// Scalars and attributes of the output file. Not collective.
-void write_facts(const OutputFile& output, const Arguments& arguments, const Input& input,
-                 long steps, long done, Phases& phases, int ranks, double memory_B) {
-    constexpr hsize_t one[] = {1, 1, 1};
-    const auto write = [&](const std::string& name, std::span<const hsize_t> shape, Numbers numbers,
-                           const void* values) {
-        const hid_t type = numbers == Numbers::integer ? H5T_NATIVE_UINT64 : H5T_NATIVE_DOUBLE;
-        h5::check(H5Dwrite(create_dataset(output, name, shape, numbers).raw(), type, H5S_ALL,
-                           H5S_ALL, H5P_DEFAULT, values),
-                  "write " + name);
-    };
-    std::map<std::string, std::uint64_t> integers = input.integers;
-    integers["Nt"] = static_cast<std::uint64_t>(steps);
-    integers["t_index"] = static_cast<std::uint64_t>(done);
-    for (const auto& [name, value] : integers)
-        if (!name.starts_with("sensor_mask")) write(name, one, Numbers::integer, &value);
-    for (const auto& [name, value] : input.numbers)
-        write(name, one, Numbers::real, &value);
-    if (arguments.copies_sensor_mask) {
-        const auto& n = input.setup.grid.points;
-        std::vector<std::uint64_t> values;
-        const std::uint64_t type = input.cuboids.empty() ? 0u : 1u;
-        write("sensor_mask_type", one, Numbers::integer, &type);
-        std::array<hsize_t, 3> shape = {1, 1, 0};
-        if (input.cuboids.empty()) {
-            for (const pstd::Node& node : input.sensor.nodes)
-                values.push_back(
-                    static_cast<std::uint64_t>((node[2] * n[1] + node[1]) * n[0] + node[0] + 1));
-            shape[2] = values.size();
-        } else {
-            for (const Cuboid& cuboid : input.cuboids)
-                for (const pstd::Node& corner : {cuboid.first, cuboid.last})
-                    for (const std::ptrdiff_t index : corner)
-                        values.push_back(static_cast<std::uint64_t>(index + 1));
-            shape = {1, input.cuboids.size(), 6};
-        }
-        write(type == 0 ? "sensor_mask_index" : "sensor_mask_corners", shape, Numbers::integer,
-              values.data());
+/// Collective.
+void check_input(const Job& job) {
+    const auto& records = job.arguments.records;
+    if (job.arguments.first_step > job.steps)
+        throw UsageError(fmt::format("{}: -s is {}; it must be 1 to the {} steps of the run",
+                                     job.name(), job.arguments.first_step, job.steps));
+    check_step(job.input, job.name(), job.world);
+    const bool of_points = std::any_of(records.begin(), records.end(), [](const auto& record) {
+        return !record.ends_with("_all") && !record.ends_with("_final");
+    });
+    if (of_points && job.input.sensor.size() == 0)
+        throw UsageError(fmt::format("{}: the sensor has no points; only records of the entire "
+                                     "grid (--p_final, ...) are available",
+                                     job.name()));
+}
+
+/// The memory in bytes that each rank needs. Not collective.
+double required_memory_B(const Job& job) {
+    const pstd::Setup& setup = job.input.setup;
+    double source_nodes = 0.0;
+    for (const pstd::Source& source : setup.sources)
+        source_nodes += static_cast<double>(source.nodes.size());
+    const pstd::PstdPlan plan{
+        .grid = setup.grid,
+        .pml = setup.pml,
+        .steps = static_cast<double>(job.steps),
+        .absorption = setup.absorption,
+        .precision = job.arguments.precision == "single" ? Precision::single_precision
+                                                         : Precision::double_precision,
+        .uneven = true,
+        .coefficients = pstd::varying_coefficients(true, true, true, setup.absorption),
+        .source_nodes = source_nodes};
+    const engines::Resources planned{.arrays = pstd::arrays_of(plan, job.world.size())};
+    return planned.memory_per_rank_B() +
+           pstd::Recorder::memory_B(job.input.sensor, setup.grid, job.arguments.records,
+                                    job.steps - job.arguments.first_step + 1, job.world.size());
+}
+
+/// Collective.
+void describe(const Job& job, double required_B) {
+    const Arguments& arguments = job.arguments;
+    const Comm& world = job.world;
+    const Input& input = job.input;
+    const auto& grid = input.setup.grid;
+    const bool lossy = input.setup.absorption == pstd::Absorption::kelvin_voigt;
+    print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {} "
+                             "rank{}",
+                             job.name(), grid.points[0], grid.points[1], grid.points[2], job.steps,
+                             grid.dt_s, lossy ? "Kelvin-Voigt" : "lossless", arguments.precision,
+                             world.size(), world.size() == 1 ? "" : "s"));
+    if (const double faces = world.sum(input.fluid_faces); faces > 0.0)
+        print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
+                                 "moduli next to them are those of the file",
+                                 faces));
+    if (const double nodes = world.sum(input.soft_nodes); nodes > 0.0)
+        print(world,
+              fmt::format("warning: lambda + 2 mu/3, the bulk modulus, is negative at {:.0f} "
+                          "nodes, which no stable solid has",
+                          nodes));
+    if (arguments.verbose > 0)
+        print(world, fmt::format("  {} sensor nodes, {} sources; records {}", input.sensor.size(),
+                                 input.setup.sources.size(), fmt::join(arguments.records, ", ")));
+    if (arguments.verbose > 1)
+        print(world, fmt::format("  about {:.3g} GB per rank", 1e-9 * required_B));
+}
+
+/// Restores the checkpoint, if there is one, after a check of its owner. Collective.
+template <class Real>
+void resume(const Job& job, const storage::CheckpointOwner& owner, pstd::Stepper<Real>& stepper,
+            pstd::Recorder& recorder) {
+    const auto& path = job.arguments.checkpoint;
+    bool exists = false;
+    on_root(job.world, [&] {
+        if (!(exists = std::filesystem::exists(path))) return;
+        storage::CheckpointFacts facts;
+        if (const std::string error = storage::checkpoint_error(path, owner, facts); !error.empty())
+            throw UsageError(
+                fmt::format("{} {}; it must be a checkpoint of the same input file and options",
+                            path.string(), error));
+    });
+    if (!job.world.broadcast(exists)) return;
+    storage::CheckpointFileReader reader(path, job.world);
+    if (const std::string damage = reader.damage(); !damage.empty())
+        throw UsageError(fmt::format("{} is damaged: {}", path.string(), damage));
+    stepper.restore(reader);
+    recorder.restore(reader);
+    reader.close();
+    print(job.world, fmt::format("resumed after step {}", stepper.steps()));
+}
+
+/// Computes and records the steps. Returns whether it stops for a checkpoint. Collective.
+template <class Real>
+bool advance(const Job& job, pstd::Stepper<Real>& stepper, pstd::Recorder& recorder) {
+    const Arguments& arguments = job.arguments;
+    const long first = stepper.steps(), steps = job.steps;
+    long reported = steps > 0 ? 100 * first / steps / arguments.progress_percent : 0;
+    bool stops = false;
+    while (stepper.steps() < steps && !stops) {
+        stepper.step();
+        recorder.add(stepper, job.world);
+        const long done = stepper.steps();
+        if (done == steps || (done - first) % steps_between_checks == 0)
+            if (!std::isfinite(job.world.sum(stepper.kinetic_J())))
+                throw UsageError(fmt::format(
+                    "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
+                    "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio "
+                    "stabilises",
+                    job.name(), done, static_cast<double>(done) * job.input.setup.grid.dt_s));
+        if (!arguments.checkpoint.empty() && done < steps)
+            stops = job.world.any(
+                schedule::stop_requested() ||
+                (arguments.checkpoint_steps > 0 && done - first >= arguments.checkpoint_steps) ||
+                (arguments.checkpoint_interval_s > 0.0 &&
+                 seconds_since(job.phases.began) >= arguments.checkpoint_interval_s));
+        const long now = 100 * done / steps / arguments.progress_percent;
+        if (now == reported && !stops) continue;
+        reported = now;
+        const double passed_s = seconds_since(job.phases.phase);
+        print(job.world, fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
+                                     100 * done / steps, done, steps, passed_s,
+                                     passed_s / static_cast<double>(done - first) *
+                                         static_cast<double>(steps - done)));
     }
-    std::array<char, 256> host{};
-    ::gethostname(host.data(), host.size() - 1);
-    const std::time_t now = std::time(nullptr);
-    const auto seconds = [](double s) { return fmt::format("{:8.2f}s", s); };
-    for (const auto& [name, value] : std::initializer_list<std::pair<const char*, std::string>>{
-             {"file_type", "output"},
-             {"created_by", "shearwake " + pipeline::program_git_id()},
-             {"creation_date", fmt::format("{:%d/%m/%y, %H:%M:%S}", fmt::localtime(now))},
-             {"file_description", input.description},
-             {"major_version", "1"},
-             {"minor_version", "2"},
-             {"host_names", host.data()},
-             {"number_of_cpu_cores", std::to_string(ranks)},
-             {"data_loading_phase_execution_time", seconds(phases.loading_s)},
-             {"pre-processing_phase_execution_time", seconds(phases.preparing_s)},
-             {"simulation_phase_execution_time", seconds(phases.stepping_s)},
-             {"post-processing_phase_execution_time", seconds(phases.next())},
-             {"total_execution_time", seconds(seconds_since(phases.began))},
-             {"peak_core_memory_in_use", fmt::format("{:.0f} MB", 1e-6 * memory_B / ranks)},
-             {"total_memory_in_use", fmt::format("{:.0f} MB", 1e-6 * memory_B)}})
-        h5::put_attribute(output.file, name, value);
+    return stops;
+}
+
+/// Collective.
+template <class Real>
+void write_output(const Job& job, const pstd::Stepper<Real>& stepper,
+                  const pstd::Recorder& recorder) {
+    const Arguments& arguments = job.arguments;
+    const std::filesystem::path part = arguments.output.string() + ".part";
+    const double memory_B = job.world.sum(pipeline::peak_memory_B());
+    try {
+        fail_together(job.world, [&] {
+            OutputFile output{.doubles = arguments.output_precision == "double",
+                              .gzip_level = arguments.gzip_level};
+            h5::Id file;
+            if (job.world.is_root()) {
+                file = h5::open_file(part, h5::Access::create);
+                output.file = file.raw();
+            }
+            write_records(output, recorder, job.input, stepper, job.world);
+            if (!job.world.is_root()) return;
+            write_facts(output, arguments, job.input, job.steps, stepper.steps(), job.phases,
+                        job.world.size(), memory_B);
+            file.close("write " + part.string());
+            storage::publish(part, arguments.output);
+        });
+    } catch (const Error&) {
+        std::error_code ignored;
+        if (job.world.is_root()) std::filesystem::remove(part, ignored);
+        throw;
+    }
 }
 
 /// Advances, records, and writes output and checkpoint.
@@ -180,67 +275,16 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     together(world,
              [&] { input = read_input(arguments.input, world.size(), world.rank(), available_B); });
     phases.loading_s = phases.next();
-    const auto& grid = input->setup.grid;
-    const long steps = arguments.steps > 0
-                           ? std::min(arguments.steps, static_cast<long>(input->steps))
-                           : static_cast<long>(input->steps);
-    if (arguments.first_step > steps)
-        throw UsageError(fmt::format("{}: -s is {}; it must be 1 to the {} steps of the run",
-                                     arguments.input.string(), arguments.first_step, steps));
-    check_step(*input, arguments.input.string(), world);
-    const bool of_points =
-        std::any_of(arguments.records.begin(), arguments.records.end(), [](const auto& record) {
-            return !record.ends_with("_all") && !record.ends_with("_final");
-        });
-    if (of_points && input->sensor.size() == 0)
-        throw UsageError(fmt::format("{}: the sensor has no points; only records of the entire "
-                                     "grid (--p_final, ...) are available",
-                                     arguments.input.string()));
-
-    const double points = static_cast<double>(grid.points[0]) *
-                          static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
-    const bool lossy = input->setup.absorption == pstd::Absorption::kelvin_voigt;
-    double source_nodes = 0.0;
-    for (const pstd::Source& source : input->setup.sources)
-        source_nodes += static_cast<double>(source.nodes.size());
-    const pstd::PstdPlan plan{
-        .grid = input->setup.grid,
-        .pml = input->setup.pml,
-        .steps = static_cast<double>(steps),
-        .absorption = input->setup.absorption,
-        .precision = sizeof(Real) == 4 ? Precision::single_precision : Precision::double_precision,
-        .uneven = true,
-        .coefficients = pstd::varying_coefficients(true, true, true, input->setup.absorption),
-        .source_nodes = source_nodes};
-    const engines::Resources planned{.arrays = pstd::arrays_of(plan, world.size())};
-    const double needed_B =
-        planned.memory_per_rank_B() +
-        pstd::Recorder::memory_B(input->sensor, grid, arguments.records,
-                                 steps - arguments.first_step + 1, world.size());
-    if (needed_B > available_B)
+    const long given = static_cast<long>(input->steps),
+               steps = arguments.steps > 0 ? std::min(arguments.steps, given) : given;
+    const Job job{arguments, world, phases, *input, steps};
+    check_input(job);
+    const double required_B = required_memory_B(job);
+    if (required_B > available_B)
         throw UsageError(fmt::format("{}: the run needs {:.3g} GB per rank, but only {:.3g} GB are "
                                      "available; record fewer nodes or use more machines",
-                                     arguments.input.string(), 1e-9 * needed_B,
-                                     1e-9 * available_B));
-    print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {} "
-                             "rank{}",
-                             arguments.input.string(), grid.points[0], grid.points[1],
-                             grid.points[2], steps, grid.dt_s, lossy ? "Kelvin-Voigt" : "lossless",
-                             arguments.precision, world.size(), world.size() == 1 ? "" : "s"));
-    if (const double faces = world.sum(input->fluid_faces); faces > 0.0)
-        print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
-                                 "moduli next to them are those of the file",
-                                 faces));
-    if (const double nodes = world.sum(input->soft_nodes); nodes > 0.0)
-        print(world,
-              fmt::format("warning: lambda + 2 mu/3, the bulk modulus, is negative at {:.0f} "
-                          "nodes, which no stable solid has",
-                          nodes));
-    if (arguments.verbose > 0)
-        print(world, fmt::format("  {} sensor nodes, {} sources; records {}", input->sensor.size(),
-                                 input->setup.sources.size(), fmt::join(arguments.records, ", ")));
-    if (arguments.verbose > 1)
-        print(world, fmt::format("  about {:.3g} GB per rank", 1e-9 * needed_B));
+                                     job.name(), 1e-9 * required_B, 1e-9 * available_B));
+    describe(job, required_B);
 
     pstd::Stepper<Real> stepper(input->setup, world);
     std::unique_ptr<pstd::Recorder> recorder;
@@ -251,61 +295,12 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     storage::CheckpointOwner owner{.case_id = "", .git_id = pipeline::program_git_id()};
     if (!arguments.checkpoint.empty()) {
         on_root(world, [&] { owner.case_id = identity_of(arguments, steps); });
-        bool exists = false;
-        on_root(world, [&] {
-            if (!(exists = std::filesystem::exists(arguments.checkpoint))) return;
-            storage::CheckpointFacts facts;
-            if (const std::string error =
-                    storage::checkpoint_error(arguments.checkpoint, owner, facts);
-                !error.empty())
-                throw UsageError(
-                    fmt::format("{} {}; it must be a checkpoint of the same input file and options",
-                                arguments.checkpoint.string(), error));
-        });
-        if (world.broadcast(exists)) {
-            storage::CheckpointFileReader reader(arguments.checkpoint, world);
-            if (const std::string damage = reader.damage(); !damage.empty())
-                throw UsageError(
-                    fmt::format("{} is damaged: {}", arguments.checkpoint.string(), damage));
-            stepper.restore(reader);
-            recorder->restore(reader);
-            reader.close();
-            print(world, fmt::format("resumed after step {}", stepper.steps()));
-        }
+        resume(job, owner, stepper, *recorder);
     }
     phases.preparing_s = phases.next();
-
     const long first = stepper.steps();
-    long reported = steps > 0 ? 100 * first / steps / arguments.progress_percent : 0;
-    bool stops = false;
-    while (stepper.steps() < steps && !stops) {
-        stepper.step();
-        recorder->add(stepper, world);
-        const long done = stepper.steps();
-        if (done == steps || (done - first) % steps_between_checks == 0)
-            if (!std::isfinite(world.sum(stepper.kinetic_J())))
-                throw UsageError(fmt::format(
-                    "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
-                    "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio "
-                    "stabilises",
-                    arguments.input.string(), done, static_cast<double>(done) * grid.dt_s));
-        if (!arguments.checkpoint.empty() && done < steps)
-            stops = world.any(
-                schedule::stop_requested() ||
-                (arguments.checkpoint_steps > 0 && done - first >= arguments.checkpoint_steps) ||
-                (arguments.checkpoint_interval_s > 0.0 &&
-                 seconds_since(phases.began) >= arguments.checkpoint_interval_s));
-        const long now = 100 * done / steps / arguments.progress_percent;
-        if (now == reported && !stops) continue;
-        reported = now;
-        const double passed_s = seconds_since(phases.phase);
-        print(world, fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
-                                 100 * done / steps, done, steps, passed_s,
-                                 passed_s / static_cast<double>(done - first) *
-                                     static_cast<double>(steps - done)));
-    }
+    const bool stops = advance(job, stepper, *recorder);
     phases.stepping_s = phases.next();
-
     if (stops) {
         storage::CheckpointFileWriter writer(arguments.checkpoint, world);
         for (const auto& [name, value] : input->integers)
@@ -315,36 +310,14 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
         writer.commit(owner, {});
     }
     recorder->finish();
-    const std::filesystem::path part = arguments.output.string() + ".part";
-    const double memory_B = world.sum(pipeline::peak_memory_B());
-    try {
-        fail_together(world, [&] {
-            OutputFile output{.doubles = arguments.output_precision == "double",
-                              .gzip_level = arguments.gzip_level};
-            h5::Id file;
-            if (world.is_root()) {
-                file = h5::open_file(part, h5::Access::create);
-                output.file = file.raw();
-            }
-            write_records(output, *recorder, *input, stepper, world);
-            if (!world.is_root()) return;
-            write_facts(output, arguments, *input, steps, stepper.steps(), phases, world.size(),
-                        memory_B);
-            file.close("write " + part.string());
-            storage::publish(part, arguments.output);
-        });
-    } catch (const Error&) {
-        std::error_code ignored;
-        if (world.is_root()) std::filesystem::remove(part, ignored);
-        throw;
-    }
+    write_output(job, stepper, *recorder);
     if (!stops && !arguments.checkpoint.empty() && world.is_root())
         std::filesystem::remove(arguments.checkpoint);
     print(world, stops ? fmt::format("stopped after step {}; repeat the command to resume from {}",
                                      stepper.steps(), arguments.checkpoint.string())
                        : fmt::format("{}: {:.1f} s, {:.3g} Mpoint/s", arguments.output.string(),
                                      seconds_since(phases.began),
-                                     1e-6 * points * static_cast<double>(steps - first) /
+                                     1e-6 * job.points() * static_cast<double>(steps - first) /
                                          std::max(phases.stepping_s, 1e-9)));
 }
 
