@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/csv.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -43,18 +45,38 @@ bool CsvReader::next() {
             continue;
         }
         cells_.clear();
+        if (kind_ == CsvText::relaxed && columns_ == 0 && text_.find(',') == text_.npos &&
+            text_.find(';') != text_.npos)
+            separator_ = ';';
         do {
             if (cells_.size() == most_csv_cells)
                 throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
             cells_.push_back(cell());
-        } while (take(','));
+        } while (take(separator_));
         take('\r');
         if (!rest_.empty() && !take('\n'))
-            throw CsvError(next_line_, "a quoted cell continues after its closing quote");
+            throw CsvError(next_line_, "a quoted cell that continues after its closing quote");
+        if (kind_ == CsvText::relaxed) check_row();
         ++next_line_;
         return true;
     }
     return false;
+}
+
+void CsvReader::check_row() {
+    if (columns_ == 0) columns_ = cells_.size();
+    while (cells_.size() > columns_ && cells_.back().empty())
+        cells_.pop_back();
+    if (cells_.size() > columns_)
+        throw CsvError(line_,
+                       fmt::format("{} cells, but the first row has {}; write decimal numbers "
+                                   "with a point",
+                                   cells_.size(), columns_));
+    for (const std::string& cell : cells_)
+        if (with_decimal_point(cell))
+            throw CsvError(line_, fmt::format("the number \"{:.40}\" with a decimal comma; write "
+                                              "decimal numbers with a point",
+                                              cell));
 }
 
 bool CsvReader::take(char c) {
@@ -65,7 +87,9 @@ bool CsvReader::take(char c) {
 
 std::string CsvReader::cell() {
     if (take('"')) return quoted_cell();
-    const std::string_view text = rest_.substr(0, rest_.find_first_of(",\r\n"));
+    const char ends[] = {separator_, '\r', '\n'};
+    const std::string_view text =
+        rest_.substr(0, rest_.find_first_of(std::string_view(ends, std::size(ends))));
     if (text.size() > longest_csv_cell) refuse_length();
     rest_.remove_prefix(text.size());
     return std::string(kind_ == CsvText::relaxed ? trimmed(text) : text);

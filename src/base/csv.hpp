@@ -24,8 +24,9 @@ enum class CsvText { exact, relaxed };
 /// file.
 constexpr std::size_t most_csv_cells = 100'000, longest_csv_cell = 100'000;
 
-/// Takes one row after the other off a CSV text (RFC 4180). A byte order mark is passed over.
-/// Throws CsvError.
+/// Takes one row after the other off a CSV text (RFC 4180). A byte order mark is passed over. The
+/// cells of a relaxed text are separated by semicolons if its first row contains them and no comma;
+/// decimal commas, also those that divide cells, are errors there. Throws CsvError.
 class CsvReader {
 public:
     CsvReader(std::string_view text, CsvText kind);
@@ -39,12 +40,15 @@ public:
 
 private:
     bool take(char c);
+    void check_row();
     std::string cell();
     std::string quoted_cell();
     [[noreturn]] void refuse_length() const;
 
     std::string_view rest_, text_;
     CsvText kind_;
+    char separator_ = ',';
+    std::size_t columns_ = 0; // of the first row
     std::size_t line_ = 0, next_line_ = 1;
     std::vector<std::string> cells_;
 };

@@ -10,6 +10,7 @@ import codecs
 import csv
 import difflib
 import io
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -258,7 +259,7 @@ def csv_lines(file: IO[str], remarks: dict[str, Any], notes: list) -> Iterator[s
     count = 0
     while line := file.readline(LONGEST_CSV_LINE + 1):
         count += 1
-        if len(line) > LONGEST_CSV_LINE or line.count(",") > MOST_POINTS:
+        if len(line) > LONGEST_CSV_LINE or line.count(",") + line.count(";") > MOST_POINTS:
             raise BadScan(f"line {count} has more than {LONGEST_CSV_LINE} characters or {MOST_POINTS} fields{LARGER}")
         if count > MOST_CSV_LINES:
             raise BadScan(f"it has more than {MOST_CSV_LINES} lines{LARGER}")
@@ -278,14 +279,18 @@ def read_csv(path: Path) -> Scan:
     values = array.array("d")
     try:
         with path.open(encoding="utf-8-sig") as file:
-            for row in csv.reader(csv_lines(file, remarks, notes)):
+            lines = csv_lines(file, remarks, notes)
+            first = next(lines, "")
+            separator = ";" if ";" in first.partition("y_m")[0] else ","
+            for row in csv.reader(itertools.chain([first], lines), delimiter=separator):
                 if not header:
                     header = row
                     if [word.strip() for word in header[:3]] != CSV_HEADER:
                         break
                     continue
                 if len(row) != len(header):
-                    raise BadScan(f"every line must have {len(header)} fields, as the first one")
+                    raise BadScan(f"every line must have {len(header)} fields, as the first one"
+                                  + ("; write decimal numbers with a point" if len(row) > len(header) else ""))
                 values.extend(map(float, row))
                 if len(values) > MOST_CSV_VALUES:
                     raise BadScan(f"it has more than {MOST_CSV_VALUES} values{LARGER}")
@@ -296,7 +301,8 @@ def read_csv(path: Path) -> Scan:
     except csv.Error as error:
         raise BadScan(f"{NOT_A_SCAN}{error}") from error
     except ValueError as error:
-        raise BadScan(f"it contains a field that is not a number: {str(error)[:80]}") from error
+        comma = "; write decimal numbers with a point" if "," in str(error) else ""
+        raise BadScan(f"it contains a field that is not a number: {str(error)[:80]}{comma}") from error
     if not is_scan:
         raise BadScan(NOT_A_SCAN + "the first line must begin with x_m,y_m,quality, followed by the times in seconds")
     numbers = np.frombuffer(values).reshape(-1, len(header))
