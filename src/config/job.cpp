@@ -229,6 +229,11 @@ ParsedJob parse(std::string_view text, const std::string& file_name,
 
 } // namespace
 
+NodePtr job_tree(std::string_view text, const std::string& file_name,
+                 std::span<const Override> overrides, DiagnosticList& diagnostics) {
+    return parse(text, file_name, overrides, diagnostics).tree;
+}
+
 BadJob::BadJob(std::vector<Diagnostic> diagnostics)
     : UsageError(all_lines(diagnostics), ExitCode::bad_job), diagnostics_(std::move(diagnostics)) {}
 
@@ -255,9 +260,7 @@ AfferentOptions read_afferent_options(std::string_view text, const std::string& 
                                       const TextLoader& load_text) {
     DiagnosticList diagnostics;
     AfferentOptions options;
-    if (NodePtr tree = parse_toml(text, file_name, diagnostics)) {
-        for (const Override& override : overrides)
-            tree = with_override(tree, override, diagnostics);
+    if (const NodePtr tree = job_tree(text, file_name, overrides, diagnostics)) {
         Reader root(tree, "", diagnostics);
         root.allow(case_tables());
         root.allow(std::array<std::string_view, 4>{"schema", "job", "sweep", "table"});

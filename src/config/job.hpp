@@ -47,6 +47,11 @@ Job read_job(std::string_view text, const std::string& file_name,
              const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr,
              const AxisPoints& points = {});
 
+/// A job with its overrides and with a flattened [sweep] and [uncertain]; null after an error of
+/// TOML.
+NodePtr job_tree(std::string_view text, const std::string& file_name,
+                 std::span<const Override> overrides, DiagnosticList& diagnostics);
+
 /// Reads [afferents] of a job file, or of a file that contains only this table, and overrides of
 /// its keys; without both, the defaults. Throws BadJob with all errors.
 AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,

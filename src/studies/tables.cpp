@@ -2,6 +2,7 @@
 #include "studies/tables.hpp"
 
 #include "base/python_module.hpp"
+#include "base/text.hpp"
 #include "config/document/tree.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/job_source.hpp"
@@ -29,6 +30,13 @@ std::string table_without_axes(const std::filesystem::path& job) {
 
 std::vector<std::string> one_case_overrides(const std::vector<std::string>& overrides,
                                             const std::string& table) {
+    for (const std::string& text : overrides)
+        if ((text.starts_with("sweep") && text != "sweep={}") ||
+            (text.starts_with("uncertain") && text != "uncertain={}"))
+            throw UsageError(
+                fmt::format("-S {}: this command uses one case; set the key itself, as "
+                            "in -S load.peak_Pa=200",
+                            printable(text)));
     std::vector<std::string> all = {"sweep={}", "uncertain={}", "table=" + table};
     all.insert(all.end(), overrides.begin(), overrides.end());
     return all;

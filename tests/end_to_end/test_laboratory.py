@@ -264,6 +264,22 @@ samples = 2
         job.write_text(LINE.replace('"layered"', '"spectral"') + UNCERTAIN)
         self.assertIn("fit computes with engine", self.fails("fit", job, "--data", case).stderr)
 
+    def test_overrides_change_the_fit_or_are_warned_of(self):
+        job, case = self.scanned(LINE)
+        job.write_text(LINE + UNCERTAIN.split("\n\"medium.layer[1].vis")[0] + "\n")
+        key = "medium.layer[1].c_s_m_s"
+        fit = ("fit", job, "--data", case, "--out", self.folder / "fit")
+        said = self.shearwake(*fit, "-S", f"{key}=3.0", "-S", "vibrometer.averages=9", "-S", "vibrometer.spot_um=10.0").stderr
+        self.assertIn(f"-S {key}: warning: {key} is uncertain, so this override has no effect", said)
+        self.assertIn("-S vibrometer.averages: warning: the scan contains the recorded motion", said)
+        self.assertNotIn("spot_um", said)
+        self.shearwake(*fit, "-S", f'uncertain."{key}".min=2.6')  # the true speed is 2.5 m/s
+        estimate = json.loads((self.folder / "fit" / "fit.json").read_text())["estimates"][key]
+        self.assertAlmostEqual(estimate["bounds"][0], 2.6, places=6)  # bounds are quantiles close to the ends
+        self.assertGreaterEqual(estimate["value"], 2.6)
+        measure = ("measure", case, "--options", job, "--no-report", "--repetitions", "0", "--out", self.folder / "measure")
+        self.assertIn("this command uses one case", self.fails(*measure, "-S", 'sweep."load.peak_Pa"=[3.0, 4.0]').stderr)
+
 
 class Dispersion(LaboratoryTest):
     @pytest.mark.long

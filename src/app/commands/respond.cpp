@@ -38,9 +38,7 @@ struct RespondArguments {
 };
 
 AfferentOptions options_of(const RespondArguments& arguments) {
-    std::vector<config::Override> overrides;
-    for (const std::string& text : arguments.overrides)
-        overrides.push_back(schedule::parse_override(text));
+    const auto overrides = schedule::parse_overrides(arguments.overrides);
     const bool has_file = !arguments.options.empty();
     const std::filesystem::path folder = has_file ? arguments.options.parent_path() : ".";
     return read_afferent_options(

@@ -163,18 +163,21 @@ void refuse_folder(const std::filesystem::path& path) {
 
 } // namespace
 
-config::Override parse_override(const std::string& text) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw UsageError("-S \"" + text + "\": must be KEY=VALUE, for example -S load.peak_Pa=200");
-    return {text.substr(0, equals), text.substr(equals + 1)};
+std::vector<config::Override> parse_overrides(const std::vector<std::string>& texts) {
+    std::vector<config::Override> overrides;
+    for (const std::string& text : texts) {
+        const auto equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw UsageError("-S \"" + text +
+                             "\": must be KEY=VALUE, for example -S load.peak_Pa=200");
+        overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+    return overrides;
 }
 
 config::Job load_job(const std::filesystem::path& path, const std::vector<std::string>& overrides,
                      const Comm& world, const config::AxisPoints& points) {
-    std::vector<config::Override> parsed;
-    for (const std::string& text : overrides)
-        parsed.push_back(parse_override(text));
+    const std::vector<config::Override> parsed = parse_overrides(overrides);
     std::string text;
     on_root(world, [&] {
         refuse_folder(path);

@@ -10,8 +10,8 @@
 
 namespace shearwake::schedule {
 
-/// Parses "key=value", the argument of -S. Throws UsageError without a '='.
-config::Override parse_override(const std::string& text);
+/// Parses "key=value", the arguments of -S. Throws UsageError without a '='.
+std::vector<config::Override> parse_overrides(const std::vector<std::string>& texts);
 
 /// Rank 0 reads the job and the files that it names, relative to its folder; every rank gets the
 /// same bytes. `points`: of adaptive axes, by default those of the first round. Collective. Throws

@@ -14,6 +14,10 @@ namespace shearwake::laboratory {
 /// the vibrometer of a case, if it has one.
 nlohmann::ordered_json scan_request(const ScanArguments& arguments, const Case& c);
 
+/// Warns on the standard error of overrides of what the scan replaces. `is_fit`: the motion is
+/// computed and filtered as by the vibrometer of the job. Not collective.
+void warn_of_overrides(const ScanArguments& arguments, bool is_fit);
+
 /// Converts a file of a user by that script into <prefix>.json and <prefix>.f64. Throws UsageError
 /// if it is not a usable scan; the script prints the reason. Not collective.
 void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_json& request,

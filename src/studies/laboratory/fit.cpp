@@ -183,21 +183,32 @@ std::optional<Prior> prior_of(const sampling::Distribution& distribution) {
     return Prior{0.5 * (low + high), 0.5 * (high - low), false};
 }
 
-std::vector<Parameter> read_parameters(const std::filesystem::path& job) {
+/// The keys to estimate. The root warns of overrides of such keys. Not collective.
+std::vector<Parameter> read_parameters(const ScanArguments& arguments, bool is_root) {
     config::DiagnosticList diagnostics;
-    const config::NodePtr tree = config::parse_toml(
-        storage::read_file(job, storage::largest_user_text_B), job.string(), diagnostics);
+    const auto overrides = schedule::parse_overrides(arguments.overrides);
+    const config::NodePtr tree =
+        config::job_tree(storage::read_file(arguments.job, storage::largest_user_text_B),
+                         arguments.job.string(), overrides, diagnostics);
     std::vector<Parameter> parameters;
+    std::vector<std::string> names;
     if (tree)
-        for (const config::UncertainKey& key : config::uncertain_keys(tree, {}, diagnostics))
+        for (const config::UncertainKey& key : config::uncertain_keys(tree, {}, diagnostics)) {
+            names.push_back(key.key);
             parameters.push_back({key.key, sampling::quantile(key.distribution, 0.5),
                                   sampling::quantile(key.distribution, tail),
                                   sampling::quantile(key.distribution, 1.0 - tail),
                                   prior_of(key.distribution)});
+        }
     if (diagnostics.errors() > 0) throw config::BadJob(diagnostics.sorted());
+    config::check_overrides(tree, overrides, names, diagnostics);
+    if (is_root)
+        for (const config::Diagnostic& diagnostic : diagnostics.sorted())
+            fmt::print(stderr, "{}\n", config::text(diagnostic));
     if (parameters.empty())
-        throw UsageError(job.string() + ": [uncertain] names no key; it lists the numbers to be "
-                                        "estimated with their bounds and priors",
+        throw UsageError(arguments.job.string() +
+                             ": [uncertain] names no key; it lists the numbers to be "
+                             "estimated with their bounds and priors",
                          ExitCode::bad_job);
     return parameters;
 }
@@ -205,7 +216,7 @@ std::vector<Parameter> read_parameters(const std::filesystem::path& job) {
 /// The model as all ranks compute it together: the root asks, the others follow.
 class SharedModel {
 public:
-    SharedModel(const ScanArguments& arguments, const std::vector<Parameter>& parameters,
+    SharedModel(const schedule::JobArguments& arguments, const std::vector<Parameter>& parameters,
                 const ConvertedData& data, const Comm& world)
         : arguments_(arguments), parameters_(parameters), world_(world),
           samples_(covered_samples(observed_case(case_at(start_of(parameters)), data), data)),
@@ -273,7 +284,7 @@ private:
         }
     }
 
-    const ScanArguments& arguments_;
+    const schedule::JobArguments& arguments_; // without overrides of [uncertain]
     const std::vector<Parameter>& parameters_;
     const Comm& world_;
     std::size_t samples_;
@@ -346,8 +357,11 @@ std::vector<SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
 
 ExitCode fit_job(const ScanArguments& arguments, const Comm& world) {
     std::vector<Parameter> parameters;
+    schedule::JobArguments of_case = arguments;
+    std::erase_if(of_case.overrides,
+                  [](const auto& text) { return text.starts_with("uncertain"); });
     const config::Job job =
-        schedule::load_job(arguments.job, studies::one_case_overrides(arguments.overrides), world);
+        schedule::load_job(of_case.job, studies::one_case_overrides(of_case.overrides), world);
     const Case& c = job.plan.cases.front().physics;
     if (!std::holds_alternative<LayeredOptions>(c.solver))
         throw UsageError("solver.engine: fit computes with engine \"layered\" only",
@@ -355,14 +369,15 @@ ExitCode fit_job(const ScanArguments& arguments, const Comm& world) {
     const std::filesystem::path folder =
         schedule::output_folder(arguments.out, job.plan.name + ".fit").root;
     const std::filesystem::path prefix = folder / "scan";
-    together(world, [&] { parameters = read_parameters(arguments.job); });
+    together(world, [&] { parameters = read_parameters(arguments, world.is_root()); });
     on_root(world, [&] {
         storage::make_directory(folder);
+        warn_of_overrides(arguments, true);
         convert_scan(arguments.data, scan_request(arguments, c), prefix);
     });
     ConvertedData data;
     together(world, [&] { data = read_velocities(prefix); });
-    SharedModel model(arguments, parameters, data, world);
+    SharedModel model(of_case, parameters, data, world);
     model.run([&] {
         const std::vector<double> rows = observed(prefix, data, model.samples());
         const Model ask = [&](std::span<const double> values) { return model.ask(values); };

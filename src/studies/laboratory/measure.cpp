@@ -202,6 +202,7 @@ Measurement measure(const MeasureArguments& arguments, const Comm& world) {
     ConvertedData data;
     on_root(world, [&] {
         schedule::prepare_output(result.folder, measured.job);
+        warn_of_overrides(arguments, false);
         convert_scan(arguments.data, request_of(arguments, measured), prefix);
     });
     together(world, [&] { data = read_surface(prefix); });

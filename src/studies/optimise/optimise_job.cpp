@@ -134,10 +134,8 @@ std::string job_of_optimum(const Study& study, const OptimisedCase& of, const Mo
     JobTree job(study.job);
     for (const char* table : {"sweep", "table", "uncertain"})
         job.remove(table);
-    for (const std::string& text : study.run.overrides) {
-        const config::Override changed = schedule::parse_override(text);
+    for (const config::Override& changed : schedule::parse_overrides(study.run.overrides))
         job.set(changed.key, changed.value);
-    }
     for (const Setting& setting : of.base.settings)
         job.set(setting.key, std::visit(overloaded{[](double number) { return exact(number); },
                                                    [](const std::string& text) { return text; }},
