@@ -162,6 +162,7 @@ std::optional<std::string> Reader::find_choice(std::string_view key,
     error(key, fmt::format("must be {}{}, but is \"{}\"{}", allowed.size() > 1 ? "one of " : "",
                            quoted_list(allowed), excerpt(*word),
                            meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
+    is_guessed_ = is_guessed_ || misspelled;
     return misspelled; // a synonym may have other keys
 }
 

@@ -72,6 +72,9 @@ public:
     /// present.
     void error(std::string_view key, std::string_view message) const;
     void missing(std::string_view key);
+    /// Reports that a key on which the others depend is missing, if it is. `finish` is not called
+    /// then, since the other keys belong to some choice.
+    void report_missing(std::string_view key);
     /// Reports unknown and missing keys. Call it after all keys have been requested.
     void finish();
 
@@ -94,6 +97,7 @@ private:
     DiagnosticList* diagnostics_;
     std::vector<std::string> known_;
     std::vector<std::string> missing_;
+    bool is_guessed_ = false; // a choice with an error, on which missing keys depend
 };
 
 /// Collects the remarks of `check` on the cases of a sweep. Remarks that differ only in their

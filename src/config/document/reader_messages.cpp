@@ -51,8 +51,9 @@ bool Reader::has_misspelled(std::string_view key) const {
     constexpr std::size_t shortest = 6, most_letters = 2;
     return std::ranges::any_of(keys(), [&](const std::string& given) {
         if (std::ranges::find(known_, given) != known_.end()) return false;
-        return abbreviates(given, key) || (given.size() >= shortest && given.size() < 60 &&
-                                           edit_distance(given, key) <= most_letters);
+        return abbreviates(given, key) || without_unit(key) == given ||
+               (given.size() >= shortest && given.size() < 60 &&
+                edit_distance(given, key) <= most_letters);
     });
 }
 
@@ -86,12 +87,24 @@ void Reader::missing(std::string_view key) {
         missing_.emplace_back(key);
 }
 
+void Reader::report_missing(std::string_view key) {
+    if (has(key)) return;
+    const auto meant = nearest(std::string(key), keys());
+    error(key, meant ? fmt::format("is missing; {} is unknown", *meant) : "is missing");
+}
+
 std::string Reader::unknown_message(std::string_view key, std::optional<std::string>& meant) const {
     const std::string start = full(excerpt(key)) + " is unknown";
     if (key.size() > 60) return start;
+    for (const std::string& required : missing_)
+        if (!unit_of(required) && edit_distance(key, required) == 1) {
+            meant = required;
+            return fmt::format("{}; did you mean {}?", start, required);
+        }
     for (const std::string& known : known_) {
         const auto unit = unit_of(known);
-        if (!unit || without_unit(known) != without_unit(key)) continue;
+        if (!unit || (without_unit(known) != without_unit(key) && without_unit(known) != key))
+            continue;
         meant = known;
         return fmt::format("{}; the unit of {} is {}: use {}", start, without_unit(known),
                            unit->suffix.substr(1), known);
@@ -119,9 +132,10 @@ void Reader::finish() {
         diagnostics_->error(entry.key_at, std::move(message));
         // The same error is not reported twice.
         if (meant) std::erase(missing_, *meant);
+        if (meant == "preset") is_guessed_ = true; // it may contain the missing keys
     }
-    for (const std::string& key : missing_)
-        diagnostics_->error(table_->at, fmt::format("{} is missing", full(key)));
+    for (std::size_t i = 0; i < missing_.size() && !is_guessed_; ++i)
+        diagnostics_->error(table_->at, fmt::format("{} is missing", full(missing_[i])));
     missing_.clear();
 }
 

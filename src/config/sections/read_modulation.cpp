@@ -75,7 +75,7 @@ Gain read_gain(Reader reader) {
     if (reader.empty()) return SineGain{};
     const auto shape = reader.find_choice("shape", alternative_names<Gain>());
     if (!shape) { // its other keys belong to another shape
-        if (!reader.has("shape")) reader.error("shape", "is missing");
+        reader.report_missing("shape");
         return SineGain{};
     }
     Gain gain = read_shape(reader, *shape);
@@ -166,7 +166,7 @@ Mover read_mover(Reader reader, const PathContext& context) {
     if (reader.empty()) return Hold{};
     const auto move = reader.find_choice("move", moves);
     if (!move) { // its other keys belong to some move
-        if (!reader.has("move")) reader.error("move", "is missing");
+        reader.report_missing("move");
         return Hold{};
     }
     Mover mover;

@@ -89,7 +89,7 @@ Curve read_polyline(Context& c) {
 
 /// A polygon given by its corners, or a regular polygon, which stands on a side by default.
 Curve read_polygon(Context& c) {
-    if (c.reader.has("corners_mm")) {
+    if (c.reader.has("corners_mm") || c.reader.has_misspelled("corners_mm")) {
         auto points_m = c.reader.find_points("corners_mm");
         if (!points_m) return {};
         return checked_polyline(c, "corners_mm", std::move(*points_m), Ends::closed);
@@ -206,7 +206,7 @@ PathAndEnd read_path(Reader reader, const PathContext& context, LeastLength leas
     const auto name = reader.find_choice("shape", names);
     const auto end = reader.find_choice("at_end", ends);
     if (!name) { // its other keys belong to some shape
-        if (!reader.has("shape")) reader.error("shape", "is missing");
+        reader.report_missing("shape");
         return read;
     }
     Context c{reader, context, least, {}};

@@ -96,14 +96,9 @@ std::vector<Threshold> read_thresholds(Reader& reader) {
     std::vector<Threshold> thresholds;
     Reader table = reader.optional_table("exceedance");
     for (const std::string& column : table.keys()) {
-        const NodePtr node = table.node(column);
-        double value = not_a_number;
-        if (const auto* integer = std::get_if<std::int64_t>(&node->value))
-            value = static_cast<double>(*integer);
-        else if (const auto* number = std::get_if<double>(&node->value))
-            value = *number;
-        if (std::isfinite(value))
-            thresholds.push_back({column, value});
+        const auto value = as_number(*table.node(column));
+        if (value && std::isfinite(*value))
+            thresholds.push_back({column, *value});
         else
             table.error(column, "must be a finite number, the threshold of this column");
     }
@@ -157,8 +152,9 @@ void read_options(Reader& reader, UncertainPlan& plan) {
 NodePtr flattened_uncertain(const NodePtr& uncertain) {
     return flattened(uncertain, [](const std::string& key, const Node& node) {
         const auto& table = std::get<TableNode>(node.value);
-        return is_option(key) || table.entries.empty() || table.find("distribution") ||
-               table.find("preset");
+        return is_option(key) || std::ranges::none_of(table.entries, [](const Entry& entry) {
+                   return std::holds_alternative<TableNode>(entry.value->value);
+               });
     });
 }
 
@@ -166,9 +162,8 @@ std::vector<UncertainKey> uncertain_keys(const NodePtr& job, const FileLoaders& 
                                          DiagnosticList& diagnostics) {
     const NodePtr given = find(job, {{"uncertain"}});
     if (!given || !std::holds_alternative<TableNode>(given->value)) return {};
-    const NodePtr table = flattened_uncertain(given);
     const UncertainKeys found =
-        read_keys(std::get<TableNode>(table->value), Sweep{}, files, diagnostics);
+        read_keys(std::get<TableNode>(given->value), Sweep{}, files, diagnostics);
     std::vector<UncertainKey> keys;
     for (std::size_t i = 0; i < found.axis.keys.size(); ++i)
         keys.push_back({found.axis.keys[i].key, found.distributions[i]});
@@ -285,24 +280,21 @@ Column column_of(std::string_view csv, const std::string& name) {
             if (!place) {
                 const auto found = std::ranges::find(cells, name);
                 if (found == cells.end())
-                    return {{},
-                            fmt::format("has no column \"{}\"; its first line must name the "
-                                        "columns",
-                                        excerpt(name))};
+                    throw CsvError(reader.line(), fmt::format("no column \"{}\"; it must name the "
+                                                              "columns",
+                                                              excerpt(name)));
                 place = static_cast<std::size_t>(found - cells.begin());
                 continue;
             }
             const auto value =
                 *place < cells.size() ? finite_number_in(cells[*place]) : std::nullopt;
             if (!value)
-                return {{},
-                        fmt::format("line {}: the column \"{}\" must contain a finite number, but "
-                                    "the line is \"{}\"",
-                                    reader.line(), excerpt(name), excerpt(reader.text()))};
+                throw CsvError(reader.line(),
+                               fmt::format("no finite number in the column \"{}\": \"{}\"",
+                                           excerpt(name), excerpt(reader.text())));
             if (column.values.size() == most_observations)
-                return {{},
-                        fmt::format("line {}: exceeds the limit of {} values", reader.line(),
-                                    most_observations)};
+                throw CsvError(reader.line(),
+                               fmt::format("more than {} values", most_observations));
             column.values.push_back(*value);
         }
     } catch (const CsvError& error) {
@@ -326,24 +318,25 @@ sampling::Empirical read_samples(Reader& reader, const FileLoaders& files) {
 }
 
 /// Uniform and triangular distributions have ends of their own; others are truncated.
-Distribution read_shape(Reader& reader, const FileLoaders& files) {
-    const std::string shape = reader.choice("distribution", shapes);
-    const auto any = Range::any();
+std::optional<Distribution> read_shape(Reader& reader, const FileLoaders& files) {
+    const auto shape = reader.find_choice("distribution", shapes);
+    reader.report_missing("distribution");
+    if (!shape) return std::nullopt;
+    const auto number = [&](const char* key) { return reader.number(key, Range::any()); };
     if (shape == "uniform")
-        return {.shape = sampling::Uniform{reader.number("min", any), reader.number("max", any)}};
+        return Distribution{.shape = sampling::Uniform{number("min"), number("max")}};
     if (shape == "triangular")
-        return {.shape = sampling::Triangular{reader.number("min", any), reader.number("mode", any),
-                                              reader.number("max", any)}};
+        return Distribution{.shape =
+                                sampling::Triangular{number("min"), number("mode"), number("max")}};
     Distribution d;
     if (shape == "normal")
-        d.shape = sampling::Normal{reader.number("mean", any), reader.number("sd", any)};
+        d.shape = sampling::Normal{number("mean"), number("sd")};
     else if (shape == "lognormal")
-        d.shape =
-            sampling::LogNormal{reader.number("median", any), reader.number("geometric_sd", any)};
+        d.shape = sampling::LogNormal{number("median"), number("geometric_sd")};
     else
         d.shape = read_samples(reader, files);
-    if (const auto least = reader.find_number("min", any)) d.least = *least;
-    if (const auto most = reader.find_number("max", any)) d.most = *most;
+    if (const auto least = reader.find_number("min", Range::any())) d.least = *least;
+    if (const auto most = reader.find_number("max", Range::any())) d.most = *most;
     return d;
 }
 
@@ -387,12 +380,12 @@ std::optional<Distribution> read_distribution(Reader reader, const std::string& 
     std::optional<Distribution> d;
     if (reader.has("preset")) {
         d = preset_of(reader, key);
-    } else {
-        d = read_shape(reader, files);
+    } else if (d = read_shape(reader, files); d) {
         read_modulus(reader, key, *d);
     }
+    if (!d) return std::nullopt;
     reader.finish();
-    if (!d || reader.diagnostics().errors() != before) return std::nullopt;
+    if (reader.diagnostics().errors() != before) return std::nullopt;
     const auto problem = sampling::problem_of(*d);
     if (!problem) return d;
     reader.diagnostics().error(reader.place("distribution"),

@@ -34,7 +34,7 @@ struct UncertainKey {
     sampling::Distribution distribution;
 };
 
-/// The keys of [uncertain] of a job, without its sample; empty without this table.
+/// The keys of the flattened [uncertain] of a job, without its sample; empty without this table.
 std::vector<UncertainKey> uncertain_keys(const NodePtr& job, const FileLoaders& files,
                                          DiagnosticList& diagnostics);
 

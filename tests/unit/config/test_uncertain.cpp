@@ -148,6 +148,29 @@ TEST_CASE("observed samples are read from a CSV file", "[config][uncertain]") {
     CHECK(any_contains(with_csv("q\n100\n200\n"), "has no column \"p\""));
 }
 
+TEST_CASE("decimal commas of observed samples are errors, and semicolons separate columns",
+          "[config][uncertain]") {
+    CHECK(with_csv("p;q\r\n100.5;1\r\n110;2\r\n").empty());
+    CHECK(with_csv("p,q\n100,1,\n110,2,\n").empty()); // spreadsheets write empty columns
+    for (const char* csv : {"p\n100,5\n110,25\n", "p,q\n100,5,1\n110,2\n", "p;q\n100,5;1\n110;2\n",
+                            "p,q\n\"100,5\",1\n110,2\n"}) {
+        INFO(csv);
+        CHECK(any_contains(with_csv(csv), "p.csv line 2: has "));
+        CHECK(any_contains(with_csv(csv), "write decimal numbers with a point"));
+    }
+}
+
+TEST_CASE("a misspelt distribution is one error", "[config][uncertain]") {
+    for (const char* one : {"{ distributon = \"normal\", mean = 5, sd = 1 }",
+                            "{ distribution = \"nomral\", min = 1 }",
+                            "{ distribution = \"samples\", file = \"a.csv\", column = \"c\" }"}) {
+        INFO(one);
+        const Texts said = of_speed(one);
+        REQUIRE(said.size() == 1);
+        CHECK(said[0].find("distribution ") != std::string::npos);
+    }
+}
+
 TEST_CASE("correlations are checked", "[config][uncertain]") {
     const auto with = [](const std::string& line, const std::string& analysis = "distribution") {
         return diagnostics_of(plain_and(std::string(two_keys) + "correlation = [ " + line + " ]\n"),

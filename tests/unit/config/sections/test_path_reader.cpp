@@ -269,6 +269,10 @@ TEST_CASE("an error in a file of points is reported with its line", "[config][pa
         {"x_mm,y_mm\n0,0\nnan,1\n", "line 3: must be two finite numbers x,y, but is \"nan,1\""},
         {"x_mm,y_mm\n0,0\n1e999,1\n", "line 3: must be two finite numbers x,y, but is \"1e999,1\""},
         {"x_mm,y_mm\n0,0\n0,0\n", "line 3: repeats the previous point"},
+        {"x_mm,y_mm\n0,5,1,5\n2,5,1,5\n", "line 2: has 4 cells, but the first row has 2; write "
+                                          "decimal numbers with a point"},
+        {"x_mm;y_mm\n0;1\n0,5;1\n", "line 3: has the number \"0,5\" with a decimal comma; write "
+                                    "decimal numbers with a point"},
     }));
     std::string text;
     try {
@@ -289,6 +293,15 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
         {"shape = \"circle\", radius_mm = 5, to_mm = [1, 1]", "speed_m_s = 7\n",
          "path.to_mm is unknown"},
         {"radius_mm = 5", "speed_m_s = 7\n", "path.shape is missing"},
+        {"shap = \"circle\", radius_mm = 5", "speed_m_s = 7\n",
+         "path.shape is missing; shap is unknown"},
+        {"shape = \"polygon\", corner_mm = [[0, 0], [5, 0], [0, 5]]", "speed_m_s = 7\n",
+         "path.corner_mm is unknown; did you mean corners_mm?"},
+        {"shape = \"polygon\", side = 4, radius_mm = 5", "speed_m_s = 7\n",
+         "path.side is unknown; did you mean sides?"},
+        {"shape = \"circel\"", "speed_m_s = 7\n",
+         "path.shape must be one of \"line\", \"circle\", \"arc\", \"polygon\", \"lissajous\", "
+         "\"polyline\" or \"csv\", but is \"circel\"; did you mean \"circle\"?"},
         {"shape = \"polyline\", points_mm = [[0, 0]]", "speed_m_s = 7\n",
          "path.points_mm must contain at least 2 points, but contains 1"},
         {"shape = \"polyline\", points_mm = [[0, 0], [1, 0], [1, 0]]", "speed_m_s = 7\n",
