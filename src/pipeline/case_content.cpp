@@ -303,12 +303,6 @@ void check_returning_waves(double share, std::vector<Remark>& warnings) {
 /// The changes of the field (relative L2) and of eta above which the uplift by images is reported.
 constexpr double tolerated_change = 0.1, tolerated_eta_change = 0.02;
 
-/// The estimate is that of a force; a prescribed motion has an unknown one.
-bool has_a_force(const Case& c) {
-    const auto* options = std::get_if<PstdOptions>(&c.solver);
-    return !options || options->load == PstdLoad::traction;
-}
-
 /// Over the frames that are measured. The images lower u_z by the uplift at all points, in the
 /// focal disc as well, where u_z is taken to have its rms value and to press.
 void check_image_uplift(const Case& c, std::span<const measures::SurfaceSums> surface,
@@ -316,7 +310,7 @@ void check_image_uplift(const Case& c, std::span<const measures::SurfaceSums> su
     const bool invalid = std::ranges::any_of(warnings, [](const Remark& remark) {
         return remark.key == extent_key && remark.severity == Severity::error;
     });
-    if (invalid || surface.empty() || !has_a_force(c)) return;
+    if (invalid || surface.empty() || !has_image_uplift(c)) return;
     const double cells = measures::measured_region(c.domain, c.measure).cells();
     const std::vector<double> uplift_m = image_uplift_m(c);
     const auto weights =
@@ -372,10 +366,9 @@ std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solv
                                   std::span<const measures::SurfaceSums> surface) {
     std::vector<Remark> warnings = check(c);
     const auto edges = engines::make_engine(c.solver)->edges(c);
-    if (!c.study() && edges == engines::Edges::periodic) {
-        if (!mean_u2.empty()) check_returning_waves(edge_share(c.domain, mean_u2), warnings);
-        check_image_uplift(c, surface, warnings);
-    }
+    if (!c.study() && edges == engines::Edges::periodic && !mean_u2.empty())
+        check_returning_waves(edge_share(c.domain, mean_u2), warnings);
+    check_image_uplift(c, surface, warnings);
     for (const Remark& warning : solver) // some follow from the case alone
         if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
     for (const std::string& line : afferents) {

@@ -92,6 +92,8 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
     }
     for (const std::string& line : files_of(*job))
         fmt::print("{}\n", line);
+    if (const std::string line = image_uplift_text(job->plan.cases.front().physics); !line.empty())
+        fmt::print("{}\n", line);
     for (std::size_t i = 0; i < of_job; ++i)
         fmt::print("{}\n", coloured(config::text(diagnostics[i]), stdout));
     if (!error.empty()) {

@@ -129,6 +129,8 @@ void add_choices(Estimates& e, const cost::CaseCosts& costs) {
         if (e.probed > 0 && used_s > most_choosing_s) return;
         ++e.probed;
         std::vector<std::string> notes = files_read(c);
+        if (e.probed == 1) notes.push_back(image_uplift_text(c));
+        std::erase(notes, "");
         for (std::string& choice : costs.engine_of(c).choices(c))
             notes.push_back(std::move(choice));
         for (const std::string& note : notes) {

@@ -309,6 +309,31 @@ void check_line_of_sight(const Case& c, Notes& notes) {
 
 } // namespace
 
+bool has_image_uplift(const Case& c) {
+    const auto* options = std::get_if<PstdOptions>(&c.solver);
+    return !c.study() && (!options || options->load == PstdLoad::traction) &&
+           engines::make_engine(c.solver)->edges(c) == engines::Edges::periodic;
+}
+
+std::string image_uplift_text(const Case& c) {
+    if (!has_image_uplift(c)) return "";
+    constexpr double most_modes_times_frames = 1e7;
+    const double modes = 75.0 * std::min(c.domain.extent_x_m(), c.domain.extent_y_m()) /
+                         fwhm_m(c.scene().load.footprint);
+    std::string size;
+    if (modes * static_cast<double>(c.time.frames) < most_modes_times_frames) {
+        double most_m = 0.0;
+        for (const double uplift_m : image_uplift_m(c))
+            most_m = std::max(most_m, std::abs(uplift_m));
+        if (most_m == 0.0) return ""; // no P wave has crossed the domain
+        size = fmt::format(" by up to {:.2g} um in case {}", 1e6 * most_m, case_id(c));
+    }
+    return fmt::format("the images of the load beyond the periodic edges lift the whole domain{}; "
+                       "the run warns if this changes the field by more than 10 % or eta by more "
+                       "than 2 %",
+                       size);
+}
+
 std::vector<Remark> check(const Case& c) {
     const auto engine = engines::make_engine(c.solver);
     Notes notes;

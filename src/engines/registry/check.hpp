@@ -31,6 +31,14 @@ std::vector<Remark> check(const Case& c);
 /// How the files of a case were read and what they contain, for the user. Not collective.
 std::vector<std::string> files_read(const Case& c);
 
+/// Whether image_uplift_m() applies: periodic edges and a force. A prescribed motion has an unknown
+/// one.
+bool has_image_uplift(const Case& c);
+
+/// The largest uplift in a case, for the user; empty without one. Takes at most about .3 s. Not
+/// collective.
+std::string image_uplift_text(const Case& c);
+
 /// The part of `check` about values that are possible but were probably given in another unit, or
 /// for which the model does not hold: pressures, lengths, times, and pointers that move fast. Not
 /// collective.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engines/registry/check.hpp"
 #include "measures/window.hpp"
 #include "pipeline/case_content.hpp"
 #include "problem/case/edges.hpp"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace test_case_warnings {
 
@@ -110,6 +112,12 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
     // 1/sqrt(9^2 + 1) = 11 %, (200/201)^2 (82/81) - 1 = .23 %
     CHECK_THAT(stated(9.0, 200.0), Catch::Contains("estimated 11 %"));
     CHECK_THAT(stated(9.0, 200.0), Catch::Contains("eta by 0.23 %"));
+    CHECK_THAT(stated(9.0, 200.0), Catch::Contains(fmt::format("by about {:.2g} um at the end of",
+                                                               1e6 * uplift_m.back())));
+    // `check` states the largest uplift before the run.
+    const double most_m = *std::ranges::max_element(uplift_m);
+    CHECK_THAT(image_uplift_text(c),
+               Catch::Contains(fmt::format("by up to {:.2g} um in case ", 1e6 * most_m)));
     CHECK(stated(10.0, 200.0).empty()); // 1/sqrt(101), and eta by (200/201)^2 (101/100) - 1 < .1 %
     CHECK_THAT(stated(20.0, 50.0), Catch::Contains("eta by 3.6 %")); // (50/51)^2 (401/400) - 1
     CHECK_THAT(stated(14.0, 70.0), Catch::Contains("eta by 2.3 %")); // (70/71)^2 (197/196) - 1
@@ -119,6 +127,7 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
     CHECK_THAT(stated(12.0, 200.0, 8.0), Catch::Contains("eta by 11 %")); // (200/201)^2 (161/144)
     c.domain.edges = DomainEdges::open;
     CHECK(stated(9.0, 0.0).empty());
+    CHECK(image_uplift_text(c).empty());
 }
 
 TEST_CASE("the uplift by images begins as the flow from rest and ends at the static displacement",
