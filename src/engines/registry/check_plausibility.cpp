@@ -67,6 +67,8 @@ constexpr double least_share_of_path = 0.02;
 constexpr double least_damping_Hz = 10.0, large_viscosity_Pa_s = 50.0;
 /// Layers from aerogels to stone.
 constexpr double least_density_kg_m3 = 50.0, greatest_density_kg_m3 = 4000.0;
+/// A person is not thicker than this. Below this ratio of speeds, Poisson's ratio is below .05.
+constexpr double greatest_thickness_m = 1.0, least_speed_ratio = 1.45;
 
 /// The largest distance of a point of a path from its start.
 double reach_of_path_m(const Curve& path) {
@@ -78,7 +80,8 @@ double reach_of_path_m(const Curve& path) {
     return reach_m;
 }
 
-/// Layers whose density or viscosity was probably given in g/cm^3 or mPa s.
+/// Layers whose density, viscosity, thickness or c_p was probably given in g/cm^3, mPa s, um or
+/// km/s.
 void check_layers(const Case& c, Notes& notes) {
     const std::vector<Layer>& layers = c.scene().medium.layers;
     for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -89,6 +92,16 @@ void check_layers(const Case& c, Notes& notes) {
                       "layer {} has a density of {:.3g} kg/m^3, but that of tissue is about 1000 "
                       "kg/m^3",
                       i + 1, layer.density_kg_m3);
+        if (std::isfinite(layer.thickness_m) && layer.thickness_m > greatest_thickness_m)
+            notes.add(Severity::warning, "medium.layer",
+                      "layer {} is {:.4g} mm thick; thickness_mm is in mm, and medium.base = "
+                      "\"half-space\" continues the last layer without end",
+                      i + 1, milli(layer.thickness_m));
+        if (layer.c_p_m_s < least_speed_ratio * layer.c_s_m_s)
+            notes.add(Severity::warning, "medium.layer",
+                      "layer {} has c_p = {:.4g} m/s and c_s = {:.4g} m/s; tissue is nearly "
+                      "incompressible, with c_p of about 1500 m/s",
+                      i + 1, layer.c_p_m_s, layer.c_s_m_s);
         const auto* loss = std::get_if<KelvinVoigt>(&layer.loss);
         if (!loss || !(loss->viscosity_Pa_s > large_viscosity_Pa_s)) continue;
         const double damping_Hz = static_shear_modulus(layer) / (two_pi * loss->viscosity_Pa_s);

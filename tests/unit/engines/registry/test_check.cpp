@@ -147,6 +147,12 @@ TEST_CASE("properties of layers in other units than those of the keys give a war
     layer.c_s_m_s = 500.0; // mm/s, 250 MPa
     c.domain.edges = DomainEdges::open;
     CHECK(has(only_remark(c).message, "at least 2.5e+08 Pa, that of cartilage or bone"));
+    layer.c_s_m_s = 5.0;
+    layer.thickness_m = 8.0; // um
+    CHECK(has(only_remark(c).message, "layer 1 is 8000 mm thick"));
+    layer.thickness_m = 8e-3;
+    layer.c_p_m_s = 6.0; // km/s
+    CHECK(has(only_remark(c).message, "layer 1 has c_p = 6 m/s and c_s = 5 m/s"));
 }
 
 TEST_CASE("coordinates, speeds, durations and intervals in other units give a warning", "[check]") {
