@@ -59,8 +59,8 @@ def read_plan(folder: Path) -> tuple[dict[str, Any], str]:
             plan[key]
         job = folder / "job.toml"
         if job.exists():
-            return plan, job.read_text(encoding="utf-8", errors="replace")
-        return plan, plan.get("job", "")
+            return plan, job.read_text(encoding="utf-8-sig", errors="replace")
+        return plan, plan.get("job", "").removeprefix("\ufeff")  # a byte order mark
     except FileNotFoundError as error:
         raise NotAnOutputFolder(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
                                 if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
@@ -87,7 +87,7 @@ def labels_of(job: str, cases: list[dict[str, Any]]) -> dict[tuple[str, Any], st
     """The labels of [table]: {(swept key, value): text}. They are in the order of the values in [sweep] or, for a range or a CSV
     file, in that of the cases."""
     try:
-        tables = tomllib.loads(job.removeprefix("\ufeff"))
+        tables = tomllib.loads(job)
     except tomllib.TOMLDecodeError:
         return {}
     labels = tables.get("table", {}).get("labels", {})

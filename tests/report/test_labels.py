@@ -52,6 +52,11 @@ class LabelsTest(unittest.TestCase):
         self.assertEqual(texts.problems(figure), [])
         return figure.axes[0].texts
 
+    def test_the_text_of_a_job_has_no_byte_order_mark(self):
+        folder = Folder(self.root, job="\ufeffschema = 1\n")
+        folder.add({AM: 100.0}, snapshot=False)
+        self.assertEqual(load.load(folder.save()).sweep.job_text, "schema = 1\n")
+
     def test_numbers_in_wide_cells_are_horizontal(self):
         found = self.numbers(4, 3)
         self.assertEqual((len(found), {text.get_rotation() for text in found}), (12, {0.0}))

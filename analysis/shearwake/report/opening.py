@@ -20,7 +20,7 @@ Number = tuple[str, str, str]  # value, meaning, comparison
 def question(selection: Selection) -> str:
     """The first sentences of the comment at the beginning of the job file, to the first question; '' without a comment."""
     lines = []
-    for line in selection.sweep.job_text.removeprefix("\ufeff").splitlines():
+    for line in selection.sweep.job_text.splitlines():
         if not line.startswith("#"):
             break
         lines.append(line.lstrip("#").strip())
