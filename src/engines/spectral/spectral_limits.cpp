@@ -25,9 +25,9 @@ struct MeasuredErrors {
 };
 constexpr std::array measured = {
     MeasuredErrors{0.2, {21, 8.1, 2.9, 1.9, 0.9, 0.6}},
-    MeasuredErrors{20.0, {7.2, 2.7, 1.9, 1.3, 0.7, 0.6}},
-    MeasuredErrors{100.0, {15, 7.5, 2.2, 1.8, 0.9, 0.8}},
-    MeasuredErrors{std::numeric_limits<double>::infinity(), {25, 16, 8.2, 6.3, 4.0, 2.6}}};
+    MeasuredErrors{20.0, {7.2, 2.7, 2.0, 1.3, 0.9, 0.7}},
+    MeasuredErrors{100.0, {8.5, 4.8, 1.8, 1.4, 0.8, 0.7}},
+    MeasuredErrors{std::numeric_limits<double>::infinity(), {17, 12, 6.2, 5.2, 3.0, 2.3}}};
 constexpr Percent rigid_sphere = {156, 56, 8.2, 5.3, 2.2, 1.1},
                   rigid_endless = {43, 5.1, 2.9, 2.4, 2.0, 1.3};
 constexpr double good_percent = 5.0;

@@ -108,7 +108,7 @@ TEST_CASE("the error of a body that the grid hardly resolves depends on its stif
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(only_remark(c).key == "medium.body[1].shape");
     CHECK(has(only_remark(c).message,
-              "error by about 8.2 % at a width of 8 spacings and 4 % at 15; use "
+              "error by about 6.2 % at a width of 8 spacings and 3 % at 15; use "
               "domain.spacing_mm = 0.4"));
     body.c_s_m_s = 5.0 * std::sqrt(2000.0);
     CHECK(
