@@ -162,6 +162,7 @@ class ExplorePage(InFolder):
         self.assertTrue(page.wait("document.querySelectorAll('#sweep-table tbody tr').length === 2"),
                         page.run("document.getElementById('sweep-state').textContent"))
         self.assertEqual(page.run("document.querySelector('#sweep-table td').textContent"), "4.000")
+        self.assertEqual(page.run("explorer.sweeps.curve.plot.axes[0].label"), "Speed (m/s)")
         curve = page.run("explorer.sweeps.curve.plot.data.map(values => Array.from(values))")
         self.assertEqual(curve[0], [4, 8])
         self.assertEqual(len(curve[1]), 2)
@@ -290,6 +291,18 @@ class ExplorePage(InFolder):
                     tops = page.run("['numbers', 'controls'].map(id => document.getElementById(id).getBoundingClientRect().top)")
                     self.assertLess(tops[0], tops[1])
                 self.assertLessEqual(page.run("document.documentElement.scrollWidth"), width)
+                # Names of results have at most two lines, the selected modulation is not cut, and the scale can be read.
+                lines = page.run("""Array.from(document.querySelectorAll("#numbers dt"),
+                    part => Math.round(part.firstChild.parentElement.getClientRects()[0].height / parseFloat(getComputedStyle(part).lineHeight)))""")
+                self.assertLessEqual(max(lines), 2, lines)
+                self.assertGreater(page.run("document.getElementById('scale-map').getBoundingClientRect().width"), 200)
+                room = page.run("""(select => { const context = document.createElement("canvas").getContext("2d");
+                    context.font = getComputedStyle(select).font;
+                    return select.clientWidth - Math.max(...Array.from(select.options, option => context.measureText(option.text).width)); })(
+                    Array.from(document.querySelectorAll("#controls select")).find(s => Array.from(s.options).some(o => o.text.startsWith("SM-STM"))))""")
+                self.assertGreater(room, 36)  # padding and arrow
+                # Without playback, as here, the page does not begin with the skin at rest.
+                self.assertGreater(page.run("Math.max(...explorer.result.shown(explorer.frame, 'map').map(Math.abs)) / explorer.result.wake"), 0.5)
                 self.assertEqual(page.errors(), [])
 
 

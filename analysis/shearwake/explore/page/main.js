@@ -144,7 +144,8 @@ class Explorer {
     this.parts.time.max = result.frames - 1;
     this.showNumbers();
     this.plots.show(result, this.overlay.probe);
-    this.show(Math.min(this.frame, result.frames - 1));
+    const begins = !this.waits_ms.length && !this.is_playing;  // the first frame would be empty
+    this.show(begins ? Math.round(0.8 * result.frames) : Math.min(this.frame, result.frames - 1));
     this.waits_ms.push(performance.now() - active.changed_ms);
     this.report(`Computed in ${(1e3 * result.header.seconds).toFixed(0)} ms`);
   }

@@ -1,7 +1,7 @@
 "use strict";
 // The settings of the page and the job that they stand for. The job is the only thing that is computed and copied.
-const MODULATIONS = {"STM": "moving focus (STM)", "AM-STM": "moving, amplitude-modulated (AM-STM)",
-  "SM-STM": "moving, speed-modulated (SM-STM)", "AM": "resting, amplitude-modulated (AM)", "LM": "oscillating (LM)"};
+const MODULATIONS = {"STM": "STM, unmodulated", "AM-STM": "AM-STM, amplitude-modulated",
+  "SM-STM": "SM-STM, speed-modulated", "AM": "AM at rest", "LM": "LM, oscillating"};
 const PATHS = {line: "line", circle: "circle", drawn: "drawn by hand"};
 const FOCI = {gaussian: "Gaussian", array: "array of 16 x 16"};
 const WIDTH_mm = 128, HEIGHT_mm = 96;  // of the view; the grid is at least as large

@@ -64,7 +64,11 @@ class SweepDialog {
     const column = ["eta_period_1", "eta_at_1"].map(name => columns.indexOf(name)).find(i => i > 0 && rows.some(row => row[i] !== null));
     if (!column) return;
     const found = rows.filter(row => row[column] !== null).sort((a, b) => a[0] - b[0]);
-    this.curve ??= new Plot(document.getElementById("plot-sweep"), "", "η", "η", {show: true, size: 6});
+    const spec = this.keys[columns[0]], label = spec ? spec.label + (spec.unit ? ` (${spec.unit})` : "") : columns[0], box = document.getElementById("plot-sweep");
+    if (this.curve?.across !== label) {
+      box.replaceChildren();
+      this.curve = new Plot(box, label, "efficiency η", "η", {show: true, size: 6});
+    }
     this.curve.fit();
     this.curve.show(found.map(row => row[0]), found.map(row => row[column]));
   }
