@@ -181,11 +181,10 @@ private:
                 note = fmt::format("too few samples: {} value{}; at least {} are required",
                                    values.size(), values.size() == 1 ? "" : "s", least_values);
             else if (beyond < least_beyond)
-                note =
-                    fmt::format("too few samples: {:.0f} value{} beyond this {}; at least {} are "
-                                "required",
-                                std::floor(beyond), std::floor(beyond) == 1.0 ? "" : "s",
-                                exceeds ? "threshold" : "quantile", least_beyond);
+                note = fmt::format("too few samples: {:.0f} value{} beyond this {}; at least {} "
+                                   "are required",
+                                   std::floor(beyond), std::floor(beyond) == 1.0 ? "" : "s",
+                                   exceeds ? "threshold" : "quantile", least_beyond);
             put(result_.statistics, group, {column, e.name}, e, values.size(),
                 design_.samples * independent_rows(), note);
         }

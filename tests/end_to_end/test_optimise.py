@@ -159,10 +159,13 @@ class Optimise(ProgramTest):
     def check_report(self):
         self.shearwake("report", "out/best.optimise")
         report = self.folder / "out/best.optimise/report"
+        page = (report / "index.html").read_text(encoding="utf-8")
+        order = [page.index(f'<h2 id="{name}">') for name in ("optimise_mean", "player", "optimise_front")]
+        self.assertEqual(order, sorted(order))  # what is drawn comes first
         figures = {path.name for path in report.rglob("*.png")}
         self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png",
                               "optimise_mean.png", "optimise_path.png"}, figures)
-        self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py",
+        self.says(page, "upper bound", "verify_certificate.py",
                   "<h3>Uniformity along the path</h3>")
 
     def drawn(self, out, name):

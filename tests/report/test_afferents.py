@@ -71,6 +71,13 @@ class AfferentsTest(unittest.TestCase):
         self.add(100.0, [3, 0, 2, 0, 1])
         self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "places_1"})
 
+    def test_the_hands_of_all_cases_have_the_same_colour_scale(self):
+        self.add(100.0, [3, 0, 2, 0, 1])
+        self.add(200.0, [9, 0, 2, 0, 1])
+        with mock.patch.object(fig_hand, "hand_figure", return_value=None) as drawn:
+            self.drawn(fig_hand.figures)
+        self.assertEqual([call.args[-1] for call in drawn.call_args_list], [9 / 0.04] * 2)  # spikes in 40 ms
+
     def test_a_prescribed_motion_has_no_places_and_silence_no_raster(self):
         self.add(100.0, [3, 0, 2, 0, 1], moves=False)
         self.add(200.0, [0, 0, 0, 0, 0])

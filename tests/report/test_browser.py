@@ -155,7 +155,7 @@ class BrowserTest(Pages):
                 page.move(*place)
                 output = 'document.querySelector("#chart-eta output").textContent'
                 self.assertTrue(page.wait(output + '.includes("200")'))
-                self.assertEqual(page.run(output), "efficiency η (1): AM frequency (Hz) 200, efficiency η (1) 0.26")
+                self.assertEqual(page.run(output), "AM-STM: AM frequency (Hz) 200, efficiency η (1) 0.26")
                 self.assertEqual(page.errors(), [])
 
     def pointed_at(self, page, name, across, up):
@@ -252,7 +252,7 @@ class BrowserTest(Pages):
             styles = page.run("""Object.fromEntries(Array.from(
                 document.querySelector("#chart-eta .panel").querySelectorAll(".legend button"),
                 button => [button.textContent, getComputedStyle(button.querySelector("i")).borderTopStyle]))""")
-            self.assertEqual(styles, {"efficiency η (1)": "solid", "plain STM": "dashed"})
+            self.assertEqual(styles, {"AM-STM": "solid", "plain STM": "dashed"})
             marker = page.run("""(() => { const box = document.querySelector("#chart-eta .legend button:last-child i")
                 .getBoundingClientRect(); return [box.width, box.height]; })()""")
             self.assertGreater(marker[0], 3 * marker[1])  # a part of a line, not a square

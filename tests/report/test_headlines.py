@@ -19,6 +19,7 @@ from shearwake.report import (curve_chart, fig_drive, fig_measures, fig_profiles
 from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"
+KIND = "load.modulation.kind"
 RETURNS = {"severity": "warning", "key": "domain.extent_mm", "message": "waves return at 4.8 ms"}
 INVALID = {**RETURNS, "severity": "error"}
 WINDOW = {"severity": "warning", "key": "measure.at_ms", "message": "the path ends at 3 ms"}
@@ -185,11 +186,41 @@ class HeadlineTest(unittest.TestCase):
         with mock.patch.object(sample, "read_statistics", lambda *_: rows):
             text = sample.sentence(sweep)
             with mock.patch.object(opening, "read_statistics", lambda *_: rows):
-                probability = opening.numbers(sweep)[-1]
+                probability = opening.numbers(sweep)[0]
         self.assertIn("Over 23 of 25 samples", text)
         self.assertIn("between 0.2 and 0.4 (too few samples: 1 values).", text)
-        self.assertIn("(95 % confidence interval 0.9 to 1; too few samples: 0 values)", text)
+        self.assertTrue(text.startswith("The efficiency η exceeds 0.1 with a probability of 1 (95 % confidence interval 0.9 to 1; too few "
+                                        "samples: 0 values)."), text)
         self.assertEqual(probability[0], "90 to 100 %")
+
+    def test_each_warning_has_its_words_once_on_the_page(self):
+        folder = Folder(self.root)
+        for f in (100.0, 200.0, 300.0):
+            folder.add({AM: f}, warnings=[{**RETURNS, "message": f"the waves of this job return after {f} ms"}] if f < 300.0 else [],
+                       notes={"mach_angle_deg": "the wake has no single angle"})
+        page = folder.report()
+        self.assertEqual(page.count("the waves of this job return after"), 1)
+        self.assertIn('<a href="#warning-1">warning 1</a>', page)
+        self.assertEqual(Page(page).column("note")[2]["text"], "note 1")
+        self.assertEqual(page.count("mach_angle_deg: the wake has no single angle"), 1)
+
+    def test_receptors_and_a_valid_efficiency_are_both_stated(self):
+        folder = Folder(self.root)
+        for f, counts in ((100.0, (0, 7)), (200.0, (2, 30))):
+            folder.add({AM: f}, scalars={"RA_spikes_1": counts[0], "PC_spikes_1": counts[1], "eta_period_1": 1e-3 * f})
+        loaded = load.load(folder.save())
+        text = summary(loaded).replace("\N{NO-BREAK SPACE}", " ")
+        self.assertTrue(text.startswith("The efficiency η is highest, 0.2, at AM frequency 200 Hz."), text)
+        self.assertIn(" The PC afferents fire 7 spikes at AM frequency 100 Hz and 30 spikes at AM frequency 200 Hz; the RA afferents fire", text)
+        self.assertEqual([value for value, *_ in opening.numbers(loaded)], ["20 %", "30", "2"])
+
+    def test_a_swept_modulation_is_the_subject(self):
+        folder = Folder(self.root, swept=[KIND, AM])
+        reference = case_id(5)
+        for kind, f, eta in (("AM-STM", 100.0, 0.2), ("AM-STM", 200.0, 0.3), ("SM-STM", 100.0, 0.5), ("SM-STM", 200.0, 0.4)):
+            folder.add({KIND: kind, AM: f}, reference=reference, kind=kind, scalars={"eta_period_1": eta})
+        folder.add({}, is_reference=True, kind="STM", scalars={"eta_period_1": 0.25})
+        self.assertIn("SM-STM at AM frequency 100 Hz focuses best", summary(load.load(folder.save())).replace("\N{NO-BREAK SPACE}", " "))
 
     def test_the_table_of_the_page_states_which_cases_are_valid(self):
         folder = Folder(self.root)

@@ -13,6 +13,7 @@ from synthetic import AM, FWHM, Folder, case_id, sweep
 
 from shearwake.report import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface, layout, load, style
 from shearwake.report.style import plt
+from shearwake.report.words import number
 import texts
 
 
@@ -102,6 +103,7 @@ class LabelsTest(unittest.TestCase):
         for most in (1.01, 1.08, 1.3, 2.2, 12.0):
             ticks = [math.log(tick) for tick in style.ratio_ticks((1.0 / most, most))]
             self.assertIn(0.0, ticks)
+            self.assertTrue(all(len(number(math.exp(tick))) <= 5 for tick in ticks))  # 0.8, not 0.8333
             # A label takes a tenth of half a panel of 2.6 inches.
             self.assertGreater(min(b - a for a, b in zip(ticks, ticks[1:])), 0.1 * math.log(most), most)
 

@@ -66,7 +66,24 @@ class OpeningTest(Pages):
                 self.assertEqual(numbers, ["27 %", "1.3\N{NO-BREAK SPACE}µm", "120\N{NO-BREAK SPACE}mm²"])
                 self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
                 shown = page.run('Array.from(document.querySelectorAll(".player .chosen"), part => part.textContent)')
-                self.assertEqual(shown, ["plain STM", "AM frequency 400\N{NO-BREAK SPACE}Hz"])
+                self.assertEqual(shown, ["plain STM", "AM-STM, AM frequency 400\N{NO-BREAK SPACE}Hz"])
+
+    def test_a_long_comment_is_cut_and_the_name_replaces_a_missing_title(self):
+        folder = self.folder(job="# " + "ein langer Kommentar ohne Ende " * 40 + "\nschema = 1\n")
+        folder.plan["title"] = ""
+        folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2})
+        page = self.open(1280, path=self.made(folder))
+        shown = page.run('document.querySelector(".question").textContent')
+        self.assertLessEqual(len(shown), 342)
+        self.assertTrue(shown.endswith(" …"), shown)
+        self.assertEqual(page.run('[document.querySelector("h1").textContent, document.title]'), [folder.plan["name"]] * 2)
+
+    def test_warnings_about_the_same_key_have_different_names(self):
+        folder = self.folder()
+        folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2}, warnings=[INVALID, {**INVALID, "message": "the wake is truncated"}])
+        page = self.open(1280, path=self.made(folder))
+        names = page.run('Array.from(document.querySelector("main .badge").querySelectorAll("a"), a => a.textContent)')
+        self.assertEqual(names, ["not valid: domain.extent_mm, warning 1", "not valid: domain.extent_mm, warning 2"])
 
     def test_pictures_that_are_compared_have_the_same_height_whatever_their_titles(self):
         tops = 'Array.from(document.querySelectorAll(".player canvas"), c => c.getBoundingClientRect().top)'

@@ -121,6 +121,15 @@ function axes(panel) {
     x.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
   }
   y.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
+  if (panel.y_log && !panel.y_ticks) {  // powers of ten; uPlot would begin at the end of the scale
+    y.splits = (plot, axis, low, high) => {
+      const first = Math.floor(Math.log10(low)), count = Math.ceil(Math.log10(high)) - first + 1, step = Math.ceil(count / 8);
+      const steps = Math.log10(high / low) < 2 ? [1, 2, 5] : [1];
+      return Array.from({length: count}, (_, i) => first + i).filter(n => n % step === 0).flatMap(n => steps.map(s => Number(`${s}e${n}`)))
+        .filter(v => v >= low && v <= high);
+    };
+    y.filter = (plot, splits) => splits;
+  }
   if (panel.y_ticks) {  // a logarithmic scale around 1, which need not contain a decade
     y.splits = (plot, axis, low, high) => panel.y_ticks.filter(v => v >= low && v <= high);
     y.filter = (plot, splits) => splits;
@@ -177,21 +186,21 @@ function drawPanel(holder, panel, output, key) {
   plot.root.setAttribute("role", "img");
   plot.root.setAttribute("aria-label", [panel.title, panel.y_label + " against " + panel.x_label].filter(text => text).join(": ")
     + "; the data below the chart list its values");
-  const buttons = legend(box, panel.lines, plot);
+  const buttons = legend(box, panel, plot);
   charts.push({plot, lines: panel.lines, holder, buttons});
   return plot;
 }
 
 // A button per line of a panel that hides and shows the line.
-function legend(box, lines, plot) {
+function legend(box, panel, plot) {
   const bar = document.createElement("div");
   bar.className = "legend";
   bar.setAttribute("role", "group");
   bar.setAttribute("aria-label", "lines");
-  const buttons = lines.map((line, i) => {
+  const buttons = panel.lines.map((line, i) => {
     const button = document.createElement("button"), sample = document.createElement("i");
     button.type = "button";
-    sample.className = line.crossed ? "cross" : line.dots ? "dot" : line.dashed ? "dash" : "line";
+    sample.className = line.crossed ? "cross" : line.dots || (panel.x_names && !line.dashed) ? "dot" : line.dashed ? "dash" : "line";
     sample.style.color = line.colour;
     if (line.crossed) sample.textContent = "\u00d7";
     button.append(sample, line.label);

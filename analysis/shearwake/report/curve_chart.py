@@ -72,7 +72,7 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
     for group, colour in zip(found, style.distinct(len(found))):
         x = [layout.x_position(selection, c) for c in group.cases]
         y = [c.value(column, math.nan) for c in group.cases]
-        line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
+        line = Line(group.label or "all cases" if len(found) > 1 else layout.modulation(selection) or y_label, x, y, colour,
                     error=errors(group.cases, column), points=True, dots=is_at_instant(column))
         lines += with_crosses(line, split(selection, group.cases, column, figure, y))
         colours[group.label] = colour

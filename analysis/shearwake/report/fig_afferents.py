@@ -7,11 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..case import Case
-from . import fig_curves as curves_module, layout, style
+from . import fig_curves as curves_module, labels as labels_module, layout, style
 from .figure import Figure
 from .load import Selection
 from .validity import invalid_caption
-from .words import key_name
 
 PANELS = [("total_rate_Hz", "spikes per s\nof all (Hz)"), ("peak_rate_Hz", "in the busiest\n50 ms (Hz)"), ("active_1", "responding\nafferents"),
           ("rate_Hz", "rate of the\nactive (Hz)"),
@@ -63,7 +62,7 @@ def class_figure(selection: Selection, folder: Path, kind: str) -> Figure | None
     curves_module.set_x_axis(made[-1], selection)
     curves_module.legend_above(figure, curves)
     style.save(figure, folder / f"{name}.png")
-    title = f"{kind} afferents against {key_name(selection.x)}"
+    title = f"{kind} afferents against {labels_module.name(selection, selection.x)}"
     return Figure(name, title,
                   f"Response of the {kind} afferents: the spikes per second of all of them together, on average and in the 50 ms "
                   "with most spikes, the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a "

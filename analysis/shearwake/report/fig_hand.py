@@ -68,11 +68,14 @@ def hand_axes(axes: Axes, afferents: Afferents) -> None:
     axes.axis("off")
 
 
-def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure:
-    """One hand per class with a dot per firing afferent, coloured by its rate."""
+def rates_Hz(case: Case, afferents: Afferents) -> np.ndarray:
+    return 1e3 * afferents.count / duration_ms(case)
+
+
+def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str, highest: float) -> Figure:
+    """One hand per class with a dot per firing afferent, coloured by its rate, up to the `highest` of all hands in Hz."""
     kinds = afferents.present()
-    rates = 1e3 * afferents.count / duration_ms(case)
-    highest = max(rates.max(), 1e-9)
+    rates = rates_Hz(case, afferents)
     figure, made = plt.subplots(1, len(kinds), squeeze=False, layout="constrained",
                                 figsize=(style.WIDTH_in, 4.3 if len(kinds) < 3 else 3.5))
     for axes, kind in zip(made[0], kinds):
@@ -95,7 +98,7 @@ def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: 
     bar.ax.grid(False)
     style.save(figure, folder / f"{name}.png")
     title = f"Firing afferents on the hand: {warnings_of.label(selection, case, name)}"
-    return Figure(name, title, "Coloured dots: firing afferents with their mean rate. Grey dots: "
+    return Figure(name, title, "Coloured dots: firing afferents with their mean rate, on the same colour scale for all cases. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else
                   " Red crosses: pins that move the skin."), title)
 
@@ -194,12 +197,13 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
 def figures(selection: Selection, folder: Path) -> list[Figure]:
     made = []
     cases = [c for c in layout.ordinary(selection) if c.is_complete and "afferents" in c.parameters]
-    for n, case in enumerate(layout.evenly(cases, MOST_CASES)):
-        afferents = Afferents(case)
-        if not len(afferents.count) or math.isnan(duration_ms(case)):
-            continue
-        for what, draw in (("hand", hand_figure), ("raster", raster_figure),
-                           ("places", places_figure)):
-            if figure := draw(selection, case, afferents, folder, f"{what}_{n + 1}"):
+    shown = [(n, c, a) for n, c in enumerate(layout.evenly(cases, MOST_CASES), start=1)
+             if len((a := Afferents(c)).count) and not math.isnan(duration_ms(c))]
+    highest = max((rates_Hz(c, a).max() for _, c, a in shown), default=0.0) or 1.0
+    for n, case, afferents in shown:
+        for figure in (hand_figure(selection, case, afferents, folder, f"hand_{n}", highest),
+                       raster_figure(selection, case, afferents, folder, f"raster_{n}"),
+                       places_figure(selection, case, afferents, folder, f"places_{n}")):
+            if figure:
                 made.append(replace(figure, cases=[case.id]))
     return made

@@ -62,7 +62,8 @@ def front(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
     figure, made = panels(len(table), 2.2)
     for axes, rows in zip(made, table.values()):
         draw_front(selection, axes, rows)
-    made[0].set_ylim(bottom=0.0)  # of all panels
+    made[0].set_ylim(0.0, 1.08 * max(value for rows in table.values() for r in rows for name, value in r.items()
+                                    if name.startswith("eta_") and np.isfinite(value)))  # of all panels
     finish(figure, made, "strength (1)", NAMES.get(optima(selection).maximised, optima(selection).maximised))
     style.save(figure, folder / "optimise_front.png")
     return Figure("optimise_front", f"The largest {words(optima(selection).maximised)} for a given strength",

@@ -113,7 +113,7 @@ def probabilities(selection: Selection, folder: Path, rows: Any) -> Any:
         draw_curves(axes, selection, sample.by_place(selection, rows, column), name, ((name, "low_95"), (name, "high_95")))
         axes.set_ylim(-0.03, 1.03)
         axes.set_ylabel("probability")
-        axes.set_title(f"{column} {name}", loc="left", color="#555555")
+        axes.set_title(f"{sample.column_words(selection, column)} {name}", loc="left", color="#555555")
     style.save(figure, folder / "uncertain_probability.png")
     return [Figure("uncertain_probability", "Probability of exceeding a threshold",
                    "Fraction of the samples whose value exceeds the threshold of [uncertain] exceedance, with its 95 % "
@@ -154,7 +154,7 @@ def indices(selection: Selection, folder: Path) -> Any:
             "Morris measures: mean magnitude (µ*) and standard deviation (σ) of the effect of each key over its whole "
             "range. A large σ means interactions or a non-linear effect.")
     notes = [row["note"] for row in rows if row["note"]]
-    text += f" Of {column}. Lines: 95 % bootstrap confidence intervals."
+    text += f" Of {sample.column_words(selection, column)}. Lines: 95 % bootstrap confidence intervals."
     text += f" Warning: {notes[0]}." if notes else ""
     if len(shown) < len(places):
         text += f" The figure shows {len(shown)} of {len(places)} swept values; the table lists all."
@@ -196,7 +196,7 @@ def scatter(selection: Selection, folder: Path) -> Any:
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
     style.save(figure, folder / "uncertain_scatter.png")
-    text = f"{column} of every sample against each uncertain key."
+    text = f"{sample.column_words(selection, column).capitalize()} of every sample against each uncertain key."
     if len(shown) < len(places):
         text += f" The figure shows {len(shown)} of {len(places)} swept values."
     if invalid:

@@ -93,12 +93,17 @@ def axis_label(selection: Selection, key: str) -> str:
 
 def setting_text(selection: Selection, key: str, value: Any) -> str:
     """The label of a value, or key, value and unit: 'AM frequency 400 Hz'."""
-    return labels(selection).get((key, value)) or words.setting_text(name(selection, key), key, value)
+    return labels(selection).get((key, value)) or words.setting_text(name(selection, key), key, rounded(selection, key, value))
 
 
 def value_text(selection: Selection, key: str, value: Any) -> str:
     """The label of a value, or the value and its unit: '400 Hz'."""
-    return labels(selection).get((key, value)) or words.value_text(key, value)
+    return labels(selection).get((key, value)) or words.value_text(key, rounded(selection, key, value))
+
+
+def rounded(selection: Selection, key: str, value: Any) -> Any:
+    """The value; that of an uncertain key with four digits, since it is drawn at random."""
+    return float(f"{value:.4g}") if selection.sweep.uncertain and key in selection.sweep.uncertain["keys"] else value
 
 
 def settings_text(selection: Selection, case: Case) -> str:

@@ -311,6 +311,13 @@ def count_of(cases: list[Case]) -> str:
     return words.counted(len(cases), "case") + (f", {among}" if among else "")
 
 
+def modulation(selection: Selection) -> str:
+    """The kind of modulation of all cases that are no references, if it differs from that of a reference, else ''."""
+    kinds, of_references = ({c.setting("load", "modulation", "kind", default="") for c in cases}
+                            for cases in (ordinary(selection), all_references(selection)))
+    return kinds.pop() if len(kinds) == 1 and of_references - kinds else ""
+
+
 def reference_name(cases: list[Case]) -> str:
     kinds = {c.setting("load", "modulation", "kind", default="") for c in cases}
     if len(kinds) != 1 or kinds == {""}:

@@ -32,7 +32,8 @@ def question(selection: Selection) -> str:
         text += (" " if text else "") + part
         if part.endswith("?"):
             break
-    return text.replace("`", "")
+    text = text.replace("`", "")
+    return text if len(text) <= LONGEST or text.endswith("?") else text[:LONGEST].rpartition(" ")[0] + " …"
 
 
 def answer(text: str) -> tuple[str, str]:
@@ -79,22 +80,23 @@ def of_receptors(selection: Selection) -> list[Number]:
 
 
 def of_samples(selection: Selection) -> list[Number]:
-    """Median, range and probability of a job with [uncertain]."""
+    """Probabilities, median and range of a job with [uncertain]."""
     best = sample.best(selection)
     if best is None:
         return []
     column, _, rows = best
     name = sample.column_words(selection, column)
     low, high = (amount(rows[q]["value"]) for q in ("q05", "q95"))
-    found: list[Number] = [(amount(rows["q50"]["value"]), f"median of {name}", ""), (f"{low} to {high}", f"{name} in 90 % of the samples", "")]
+    found: list[Number] = []
     statistics = read_statistics(selection.sweep.folder, selection.sweep.name)
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
         if likely := sample.likeliest(selection, statistics, threshold, value):
             where, row = likely
-            low, high = (number(100 * row[end], 2) for end in ("low_95", "high_95"))
-            found.append((f"{low} to {high} %", f"probability that {sample.column_words(selection, threshold)} exceeds {number(value)} "
-                          "(95 % confidence interval)", sample.label(selection, where) + str(sample.doubt(row))))
-    return found
+            doubt = f" ({row['note']})" if row["note"] else ""
+            least, most = (number(100 * row[end], 2) for end in ("low_95", "high_95"))
+            found.append((f"{least} to {most} %", f"probability that {sample.column_words(selection, threshold)} exceeds {number(value)} "
+                          "(95 % confidence interval)", sample.label(selection, where) + doubt))
+    return [*found, (amount(rows["q50"]["value"]), f"median of {name}", ""), (f"{low} to {high}", f"{name} in 90 % of the samples", "")]
 
 
 def of_optima(selection: Selection) -> list[Number]:
@@ -115,7 +117,8 @@ def of_optima(selection: Selection) -> list[Number]:
 
 
 def numbers(selection: Selection) -> list[Number]:
-    """At most three numbers that state the result: of the best case, or of the receptors if no efficiency is valid."""
+    """At most three numbers that state the result: of the best case, of receptors, or of both. Receptors come first if no
+    efficiency is valid."""
     if not layout.ordinary(selection):
         return []
     if selection.sweep.uncertain:
@@ -124,5 +127,5 @@ def numbers(selection: Selection) -> list[Number]:
         return of_optima(selection) if "optimum" not in optima.invalid(selection) else []
     names_none = summary.is_incomplete(selection) or summary.sweeps_numbers_only(selection)
     best = None if names_none else summary.best_case(selection)
-    receptors = of_receptors(selection) if not valid(selection, "eta_period_1") else []
-    return (receptors + (of_case(selection, best) if best else []))[:3]
+    receptors, of_best = of_receptors(selection), of_case(selection, best) if best else []
+    return ([*of_best[:1], *receptors, *of_best[1:]] if valid(selection, "eta_period_1") else [*receptors, *of_best])[:3]

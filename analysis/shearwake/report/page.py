@@ -84,8 +84,9 @@ def badge(found: list[warnings_of.Kind], shown: int, stated: set[int]) -> str:
     stated |= {kind.number for kind in new}
     if not new:
         return ""
+    names = Counter(kind.name() for kind in new)
     links = [f'<a href="#warning-{kind.number}"' + (f' title="{escape(kind.message)}"' if kind.is_error else "")
-             + f">{escape(kind.name())}</a>" + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in new]
+             + f">{escape(kind.name() + (f', warning {kind.number}' if names[kind.name()] > 1 else ''))}</a>" + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in new]
     return f'<p class="badge">{"Warning" if len(new) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
 
 
@@ -196,13 +197,16 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
     made: list[Any] = []
     stated: set[int] = set()  # warnings
     receptors_first = bool(layout.receptor_classes(selection)) and not valid(selection, "eta_period_1")
+    first = headlines(figures, receptors_first)
+    drawn = [f for f in first if f.name == "optimise_mean"]  # the wake at one instant hardly shows which shape is drawn
+    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in drawn]
     if moving:
         shown = [c.id for c in player.cases_of(selection)]
         notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown), stated)
         plane = layout.plane_name(player.cases_of(selection))
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
-    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in headlines(figures, receptors_first)]
+    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in first if f not in drawn]
     if optima.is_study(selection):
         made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
@@ -239,7 +243,7 @@ def head(selection: Selection) -> str:
                   + (f"<dd>{escape(versus)}</dd>" if versus else "") + "</div>")
     if items:
         items = f'<dl class="numbers">{items}</dl>'
-    return (f"<h1>{escape(selection.sweep.title)}</h1>" + (f'<p class="question">{escape(asked)}</p>' if asked else "")
+    return (f"<h1>{escape(selection.sweep.title or selection.sweep.name)}</h1>" + (f'<p class="question">{escape(asked)}</p>' if asked else "")
             + f'<p class="lead">{escape(first)}</p>{items}<p class="counts">{escape(others)} {escape(counts(selection))}</p>')
 
 
@@ -250,7 +254,7 @@ def page(selection: Selection, figures: list[Figure], folder: Path, problems: li
     return "\n".join([
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(selection.sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
+        f"<title>{escape(selection.sweep.title or selection.sweep.name)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
         "</head><body>",
         f'<a class="skip" href="#results">Skip to the results</a><header>{head(selection)}{notices(selection, problems)}</header>',
         f'<div class="columns">{contents(made)}<main id="results">', lone, *(content for _, _, content, _ in made),

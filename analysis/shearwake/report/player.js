@@ -148,14 +148,18 @@ class Panel {
     this.report();
   }
   marks(context, frame, factor) {  // dotted path, focal disc with its centre, and the position of the pointer
-    context.strokeStyle = context.fillStyle = "#111";
-    context.lineWidth = 0.9;
+    context.fillStyle = "#111";
     context.setLineDash([1, 4]);
-    for (const [dx, dy] of this.shown.offsets) {
-      context.beginPath();
-      this.shown.path.forEach(([x, y]) => context.lineTo(...this.place(x + dx, y + dy)));
-      context.stroke();
-    }
+    context.lineCap = "round";
+    for (const [colour, width] of [["#fff", 2.6], ["#111", 1.1]])  // a white edge, visible on every colour
+      for (const [dx, dy] of this.shown.offsets) {
+        context.strokeStyle = colour;
+        context.lineWidth = width;
+        context.beginPath();
+        this.shown.path.forEach(([x, y]) => context.lineTo(...this.place(x + dx, y + dy)));
+        context.stroke();
+      }
+    context.lineCap = "butt";
     context.setLineDash([]);
     const focus = this.shown.focus[frame];
     for (const [dx, dy] of focus ? this.shown.offsets : []) {

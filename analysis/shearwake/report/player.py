@@ -45,8 +45,9 @@ def cases_of(selection: load.Selection) -> list[Case]:
 
 
 def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
-    """The indices of the two cases that are shown at first: the reference of the best case, or another case, and the best case."""
-    chosen = summary.best_case(selection)
+    """The indices of the two cases that are shown at first: the reference of the best case (of samples: the median), or another case,
+    and this case."""
+    chosen = summary.middle_case(selection) if selection.sweep.uncertain else summary.best_case(selection)
     best = next((c for c in cases if c is chosen), next((c for c in cases if not c.is_reference), cases[0]))
     own = selection.reference_of(best)
     others = [c for c in cases if c is not best]
@@ -99,7 +100,8 @@ def case_data(selection: load.Selection, case: Case, limits: tuple[float, float,
     path = wake.focus_at(case, case.over_time["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
     period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
-    return {"label": warnings_of.label(selection, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
+    kind = "" if case.is_reference else layout.modulation(selection)
+    return {"label": ", ".join(part for part in (kind, warnings_of.label(selection, case, "player")) if part), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -127,7 +129,7 @@ def load_name(cases: list[Case]) -> str:
 def selects_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
     """The axes in words, for the page."""
     of_case = {c.id: warnings_of.label(selection, c, "player") for c in cases}
-    return [{"name": axis["name"], "values": [labels.value_text(selection, axis["key"], v) if axis["key"] else of_case[v]
+    return [{"name": axis["name"], "values": [labels.value_text(selection, axis["key"], v).removeprefix("cs ").removeprefix("cp ") if axis["key"] else of_case[v]
                                               for v in axis["values"]]} for axis in axes_of(selection, cases)]
 
 

@@ -50,11 +50,6 @@ def by_place(selection: Selection, rows: Any, column: str) -> Any:
     return found
 
 
-def doubt(row: Any) -> Any:
-    """The note of a statistic about its sample, as the continuation of a sentence; '' if the sample suffices."""
-    return f" ({row['note']})" if row["note"] else ""
-
-
 def column_words(selection: Selection, column: str) -> str:
     """A column of the table in words."""
     known = {"eta_period_1": "the efficiency η", "eta_at_1": "the efficiency η at the instant",
@@ -64,7 +59,7 @@ def column_words(selection: Selection, column: str) -> str:
         return known[column]
     found = next((c for c in selection.sweep.columns if c.name == column), None)
     if found and found.over_reference_of in known:
-        return f"the ratio of {known[found.over_reference_of]} to that of the reference".replace(" in µm", "")
+        return f"the ratio of {known[found.over_reference_of]} to that of {layout.reference_name(layout.all_references(selection))}".replace(" in µm", "")
     return found.meaning if found else column
 
 
@@ -85,28 +80,32 @@ def likeliest(selection: Selection, rows: Any, threshold: str, value: float) -> 
     return max(ranked, key=lambda item: item[0])[1:] if ranked else None
 
 
+def exceedances(selection: Selection, rows: Any) -> list[str]:
+    """A sentence for each threshold of [uncertain] exceedance, for the swept values with the largest probability."""
+    found = []
+    for threshold, value in selection.sweep.uncertain["exceedance"].items():
+        if likely := likeliest(selection, rows, threshold, value):
+            where, row = likely
+            name, at = column_words(selection, threshold), label(selection, where)
+            found.append(f"{name[:1].upper()}{name[1:]} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
+                         f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
+                         f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")
+    return found
+
+
 def sentence(selection: Selection) -> str:
-    """The result in a sentence, for the top of the page."""
+    """The result in sentences, for the top of the page: the probabilities that the job asks for, then the median."""
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
     highest = best(selection)
     if highest is None:
         return "No sample has a value yet, so there is nothing to summarise."
     column, where, of_best = highest
-    found = by_place(selection, rows, column)
-    at = label(selection, where)
+    at = label(selection, where) if len(by_place(selection, rows, column)) > 1 else ""
     used, without = int(of_best["q50"]["samples"]), int(of_best["q50"]["without_value"])
-    text = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
-            f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, {column_words(selection, column)} has the median "
-            f"{number(of_best['q50']['value'], 3)}; 90 % of the samples are between {number(of_best['q05']['value'], 3)} and "
-            f"{number(of_best['q95']['value'], 3)}")
-    text += f" ({at}, the highest median of the sweep)" if at and len(found) > 1 else ""
-    text += f"{doubt(of_best['q50']) or doubt(of_best['q05']) or doubt(of_best['q95'])}."
-    for threshold, value in selection.sweep.uncertain["exceedance"].items():
-        if likely := likeliest(selection, rows, threshold, value):
-            w, row = likely
-            at = label(selection, w)
-            name = column_words(selection, threshold)
-            text += (f" {name[:1].upper()}{name[1:]} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
-                     f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
-                     f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")
-    return text
+    doubts = [note for q in ("q50", "q05", "q95") if (note := of_best[q]["note"])][:1]
+    added = "; ".join([*([f"{at}, the highest median of the sweep"] if at else []), *doubts])
+    median = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
+              f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, {column_words(selection, column)} has the median "
+              f"{number(of_best['q50']['value'], 3)}; 90 % of the samples are between {number(of_best['q05']['value'], 3)} and "
+              f"{number(of_best['q95']['value'], 3)}{f' ({added})' if added else ''}.")
+    return " ".join([*exceedances(selection, rows), median])

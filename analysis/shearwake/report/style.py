@@ -94,6 +94,8 @@ def sequential_map() -> Any:
 
 NICE_RATIOS = (1.001, 1.002, 1.005, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2, 3, 5, 10, 20, 50, 100, 1e3, 1e4, 1e6)
 
+NICE_FRACTIONS = (0.999, 0.998, 0.995, 0.99, 0.98, 0.95, 0.9, 0.8, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 1e-3, 1e-4, 1e-6)
+
 
 def ratio_limits(values: Any) -> tuple[float, float] | None:
     """Limits of a logarithmic scale around 1 that contains all ratios with a margin; None if some are not positive."""
@@ -106,12 +108,15 @@ def ratio_limits(values: Any) -> tuple[float, float] | None:
 
 
 def ratio_ticks(limits: tuple[float, float]) -> list[float]:
-    """Ticks of a logarithmic scale around 1, whose labels do not overlap: 0.5, 0.67, 0.83, 1, 1.2, 1.5, 2."""
-    ticks, apart = [1.0], limits[1] ** 0.15
+    """Ticks of a logarithmic scale around 1, whose labels do not overlap: 0.5, 0.7, 0.8, 1, 1.2, 1.5, 2."""
+    above, below, apart = [1.0], [1.0], limits[1] ** 0.15
     for ratio in NICE_RATIOS:
-        if ticks[-1] * apart <= ratio <= limits[1]:
-            ticks.append(ratio)
-    return [*(float(f"{1 / r:.4g}") for r in reversed(ticks[1:])), *ticks]
+        if above[-1] * apart <= ratio <= limits[1]:
+            above.append(ratio)
+    for ratio in NICE_FRACTIONS:
+        if below[-1] >= ratio * apart and ratio >= limits[0]:
+            below.append(ratio)
+    return [*reversed(below[1:]), *above]
 
 
 def ratio_axis(axis: Axis, limits: tuple[float, float]) -> None:

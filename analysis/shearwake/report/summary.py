@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..case import Case
-from . import layout, optima, sample, warnings_of
+from . import labels, layout, optima, sample, warnings_of
 from .load import Selection
 from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants,
                               relative_error, settings_that_differ, spread_of, valid, with_error)
@@ -18,9 +18,20 @@ EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of
 NAMED = 3     # largest number of cases with the same value that are named
 
 
+KIND = "load.modulation.kind"
+
+
 def where(selection: Selection, case: Case) -> str:
+    """'AM frequency 400 Hz, focus FWHM 3 mm', or 'SM-STM at AM frequency 400 Hz' if the modulation is swept."""
     keys = [k for k in [selection.x, *layout.group_keys(selection)] if k and k in case.settings]
-    return ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys)
+    text = ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys if k != KIND)
+    kind = labels.value_text(selection, KIND, case.settings[KIND]) if KIND in keys else ""
+    return f"{kind} at {text}" if kind and text else kind or text
+
+
+def at(selection: Selection, place: str) -> str:
+    """'at AM frequency 400 Hz', or 'with SM-STM at AM frequency 400 Hz'."""
+    return f"{'with' if KIND in [selection.x, *layout.group_keys(selection)] else 'at'} {place}"
 
 
 def alike(case: Case, cases: list[Case], value: Callable[..., Any]) -> list[Case]:
@@ -41,7 +52,7 @@ def subject(selection: Selection, cases: list[Case]) -> str:
     """For example 'AM-STM at AM frequency 400 Hz'."""
     kind = cases[0].setting("load", "modulation", "kind", default="")
     place = places(selection, cases)
-    if "load.modulation.kind" in cases[0].settings or not kind:
+    if KIND in cases[0].settings or not kind:
         return place or "the case"
     return f"{kind} at {place}" if place else kind
 
@@ -165,6 +176,12 @@ def best_case(selection: Selection) -> Case | None:
     return max(cases, key=lambda c: c.value("eta_period_1", math.nan)) if cases else None
 
 
+def middle_case(selection: Selection) -> Case | None:
+    """The valid case with the median of the efficiency."""
+    cases = sorted(valid(selection, "eta_period_1"), key=lambda c: c.value("eta_period_1", math.nan))
+    return cases[len(cases) // 2] if cases else None
+
+
 def sweeps_numbers_only(selection: Selection) -> bool:
     """Whether all swept keys are numerical settings, of which none is the best."""
     keys = layout.axes(selection)
@@ -211,7 +228,7 @@ def highest(selection: Selection, cases: list[Case]) -> str:
     if len(cases) == 1:
         return f"The efficiency η of the only valid case, {place}, is {value}." + estimate(selection, best)
     same = " and the same" if place != where(choices(selection), best) else ""
-    return (f"The efficiency η is highest{same}, {value}, at {place}{of_the_valid(selection, cases)}."
+    return (f"The efficiency η is highest{same}, {value}, {at(selection, place)}{of_the_valid(selection, cases)}."
             + indistinct(selection, equal, cases, "eta_period_1"))
 
 
@@ -282,27 +299,29 @@ def spikes_of(selection: Selection) -> dict[str, list[tuple[Case, int]]]:
 
 
 def fired(selection: Selection) -> str:
-    """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
+    """The spikes of the receptors; '' if no case has valid spikes."""
     spikes = spikes_of(selection)
     firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
     silent = [kind for kind, found in spikes.items() if found and kind not in firing]
-    parts = [f"The {kind} afferents fire {spikes_text(selection, found)}" for kind, found in firing.items()]
+    parts = [f"the {kind} afferents fire {spikes_text(selection, found)}" for kind, found in firing.items()]
     if silent:
-        parts.append(f"{'the' if parts else 'The'} {listed(silent)} afferents are silent")
-    return f"{'; '.join(parts)}. " if parts else ""
+        parts.append(f"the {listed(silent)} afferents are silent")
+    text = "; ".join(parts)
+    return f"{text[:1].upper()}{text[1:]}." if parts else ""
 
 
 def spikes_text(selection: Selection, found: list[tuple[Case, int]]) -> str:
     """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
     if len(found) > 3:
-        ends = sorted({f(n for _, n in found) for f in (min, max)})
-        return " to ".join(spikes_at(selection, [c for c, n in found if n == end], end) for end in ends)
+        low, high = (f(n for _, n in found) for f in (min, max))
+        most = places(selection, [c for c, n in found if n == high])
+        return f"{low} to {counted(high, 'spike')}, most {at(selection, most)}" if low != high else f"{counted(high, 'spike')} in each case"
     return listed(spikes_at(selection, [case], count) for case, count in found)
 
 
 def spikes_at(selection: Selection, cases: list[Case], count: int) -> str:
     place = places(selection, cases)
-    return counted(count, "spike") + (f" at {place}" if place else "")
+    return counted(count, "spike") + (f" {at(selection, place)}" if place else "")
 
 
 def summary(selection: Selection) -> str:
@@ -312,6 +331,6 @@ def summary(selection: Selection) -> str:
         return sample.sentence(selection)
     if optima.is_study(selection):
         return optima.sentence(selection) + caveats(selection, is_used=True)
-    receptors = "" if valid(selection, "eta_period_1") else fired(selection)
-    text = receptors + efficiency(selection) + strength(choices(selection))
-    return text[:1].upper() + text[1:]
+    of_field, receptors = efficiency(selection) + strength(choices(selection)), fired(selection)
+    parts = [of_field, receptors] if valid(selection, "eta_period_1") else [receptors, of_field]
+    return " ".join(part[:1].upper() + part[1:] for part in parts if part)

@@ -10,6 +10,7 @@ from ..case import Case
 from . import labels, layout
 from .figure import Figure
 from .load import Selection
+from .warnings_of import Kind, kinds as kinds_of_warnings
 from .words import counted, number
 
 
@@ -89,6 +90,14 @@ def row(selection: Selection, case: Case, kinds: list[str], keys: list[str], sho
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
 
+def reasons(case: Case) -> str:
+    """Why columns are empty: 'peak_frequency_Hz, snr_1: reason; mach_angle_deg: another reason'."""
+    columns: dict[str, list[str]] = {}
+    for column, reason in case.notes.items():
+        columns.setdefault(reason, []).append(column)
+    return "; ".join(f"{', '.join(names)}: {reason}" for reason, names in columns.items())
+
+
 def table(selection: Selection, figures: list[Figure]) -> str:
     """The table and, below it, the notes to which its last column refers."""
     keys = layout.axes(selection)
@@ -96,12 +105,17 @@ def table(selection: Selection, figures: list[Figure]) -> str:
     shown = measures(selection)
     kinds = ["reference"] if any(c.is_reference for c in selection.cases) else []
     notes: dict[str, int] = {}
+    warned: dict[str, list[Kind]] = {}
+    for kind in kinds_of_warnings(selection):
+        for case in kind.cases:
+            warned.setdefault(case.id, []).append(kind)
     rows = []
     for case in selection.cases:
-        mark = ""
-        if case.note:
-            n = notes.setdefault(case.note, len(notes) + 1)
-            mark = f'<a href="#note-{n}">{n}</a>'
+        marks = [f'<a href="#warning-{kind.number}">warning {kind.number}</a>' for kind in warned.get(case.id, [])]
+        if note := case.reason or reasons(case):
+            n = notes.setdefault(note, len(notes) + 1)
+            marks.append(f'<a href="#note-{n}">note {n}</a>')
+        mark = ", ".join(marks)
         rows.append(row(selection, case, kinds, keys, shown, followers, mark))
     columns = ["id", *kinds, *keys, *shown, *followers, "valid", "wall_s", "status", "note"]
     body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'

@@ -31,9 +31,9 @@ def first_of(figures: list[Figure], names: Iterable[str]) -> Figure | None:
 
 
 def headlines(figures: list[Figure], receptors_first: bool = False) -> list[Figure]:
-    """The figures of efficiency and of strength, as far as they exist. If a job has receptors but no valid efficiency, those of its
+    """What an optimum draws, and the figures of efficiency and of strength, as far as they exist. If a job has receptors but no valid efficiency, those of its
     receptors precede them."""
-    found = [f for f in (first_of(figures, EFFICIENCY), first_of(figures, STRENGTH), first_of(figures, ("optimise_mean",))) if f]
+    found = [f for f in (first_of(figures, ("optimise_mean",)), first_of(figures, EFFICIENCY), first_of(figures, STRENGTH)) if f]
     receptors = [f for f in figures if f.name.startswith(("afferents_", "hand_", "receptors"))] if receptors_first else []
     return [*receptors[:2], *found]
 

@@ -137,4 +137,4 @@ def reasons(cases: list[Case], name: str = OF_READINGS) -> str:
         if kind.is_error:
             text = CONCLUSION.sub("", kind.message.split(". ")[-1])
             found.append(text[:1].lower() + text[1:])
-    return "; ".join(found)
+    return "; ".join(dict.fromkeys(found))
