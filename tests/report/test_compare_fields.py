@@ -8,13 +8,14 @@ import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import h5py
 import numpy as np
 
 from synthetic import lone_case
 
-from shearwake.report import compare_words
+from shearwake.report import compare_picture, compare_words
 from shearwake.report.compare import compare_columns
 from shearwake.report.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                              place_of_largest, relative_l2)
@@ -53,6 +54,13 @@ def sensor_case(folder, spacing_m, factor, nodes, points=None):
 
 
 class CompareFields(unittest.TestCase):
+    def test_the_picture_shows_the_time_of_the_largest_difference(self):
+        pair = {"fields": [{"time_ms": t, "relative_l2": l2, "largest_um": um, "at_mm": [0.0, 0.0]}  # the skin hardly moves at 0.1 ms
+                           for t, l2, um in ((0.1, 1.0, 0.2), (5.0, 0.9, 6.8), (8.0, 0.9, 3.0))], "traces": [], "columns": []}
+        with mock.patch.object(compare_picture, "surfaces", side_effect=StopIteration) as asked, self.assertRaises(StopIteration):
+            compare_picture.draw({"pairs": [pair]}, [(None, None)], Path("no.png"))
+        self.assertEqual(asked.call_args.args[-1], 5.0)
+
     def test_changes_in_dB_are_those_of_the_amplitude(self):
         def case(level):
             return SimpleNamespace(values={"felt_path_dB": level}, value=lambda name: level,

@@ -60,12 +60,12 @@ def title_of(chosen: dict[str, Any], side: int) -> str:
 
 
 def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> None:
-    """The pair that differs most, at the time of the largest relative L2. Both surfaces have the same colour scale.
+    """The pair that differs most, at the time of its largest difference. Both surfaces have the same colour scale.
     Raises NothingToDraw without a common surface."""
     chosen = compare_words.worst(result["pairs"])
     if not chosen["fields"]:
         raise NothingToDraw("the cases have no surface at a common time to draw; record.snapshots_ms selects the times")
-    field = max(chosen["fields"], key=lambda f: f["relative_l2"] if f["relative_l2"] == f["relative_l2"] else -1.0)
+    field = max(chosen["fields"], key=lambda f: f["largest_um"])  # relative L2 is large while the skin hardly moves
     x, y, u, v = visible(*surfaces(pairs[result["pairs"].index(chosen)], field["time_ms"]), field["at_mm"])
     common, own = (max(float(np.abs(values).max()) for values in part) or 1.0 for part in ((u, v), (u - v,)))
     width = 1.4 * style.WIDTH_in
