@@ -15,6 +15,8 @@ from typing import Any
 import h5py
 import xxhash
 
+from .inputs import open_self_contained, require_regular
+
 LINE = re.compile(rb"shearwake checksum 1 XXH3-128 ([0-9a-f]{32}) of (\d{20}) bytes\n")
 LINE_LENGTH = 30 + 32 + 4 + 20 + 7
 MEMBER = re.compile(r',"checksum":"([0-9a-f]{16})"\}(\s*)$')
@@ -30,6 +32,7 @@ class Damaged(ValueError):
 
 def verify_case(path: str | os.PathLike[str]) -> None:
     """Reads a case file. Raises Damaged if it does not match its checksum, and OSError."""
+    require_regular(Path(path))
     with open(path, "rb") as file:
         size = file.seek(0, 2)
         file.seek(max(0, size - LINE_LENGTH))
@@ -73,7 +76,7 @@ def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:
 def open_case(path: str | os.PathLike[str]) -> h5py.File:
     """Verifies a case file and opens it for reading. Raises Damaged and OSError."""
     verify_case(path)
-    return h5py.File(path, "r")
+    return open_self_contained(Path(path))
 
 
 def sealed(value: Any, end: str = "\n") -> str:

@@ -2,9 +2,14 @@
 """Files of users: the links that no reader follows, maps of material properties and imported k-Wave studies."""
 from __future__ import annotations
 
+import contextlib
+import itertools
+import math
 import os
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -12,6 +17,10 @@ import numpy as np
 
 AXES = ("x_m", "y_m", "z_m")
 ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
+MOST_DEFLATE, MOST_CHUNKS = 1032, 200_000  # gzip compresses by at most this factor; the chunks are examined in about 1 s
+
+
+_examined: set[tuple[int, ...]] = set()  # device, inode, size and time of change of files without such links
 
 
 class BadLink(OSError):
@@ -19,26 +28,41 @@ class BadLink(OSError):
 
 
 def open_self_contained(path: Path) -> h5py.File:
-    """Opens the HDF5 file of a user for reading. Raises OSError, and BadLink if one of its links leads to another file, if
-    the values of a dataset are in other files, or if a compressed or unwritten dataset claims more than ALLOWED_B and
-    MOST_COMPRESSION times what it stores, or if the file is sparse."""
-    if not Path(path).is_file():
-        raise OSError(f"{path} is not a regular file" if Path(path).exists() else f"{path} does not exist")
+    """Opens an HDF5 file for reading. Raises OSError, and BadLink if one of its links leads to another file, if the values of
+    a dataset are in other files, if a compressed or unwritten dataset claims more than ALLOWED_B and MOST_COMPRESSION times
+    what it stores, if a chunk has or decompresses to more than its dataset, or if the file is sparse."""
+    require_regular(path)
     refuse_holes(path)
-    file = h5py.File(path, "r")
+    file, status = h5py.File(path, "r"), os.stat(path)
+    stamp = (status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
     try:
-        _refuse_links(file)
+        if stamp not in _examined:
+            _refuse_links(file)
+            _examined.add(stamp)
+    except (KeyError, ValueError, TypeError) as error:  # raised by h5py for damaged files
+        file.close()
+        raise OSError(f"it is damaged: {error}") from error
     except BaseException:
         file.close()
         raise
     return file
 
 
+def require_regular(path: Path) -> None:
+    """Raises FileNotFoundError, and OSError for anything but a regular file: pipes and devices may block or be endless."""
+    if not Path(path).exists():
+        raise FileNotFoundError(f"{path} does not exist")
+    if not Path(path).is_file():
+        raise OSError(f"{path} is not a regular file")
+
+
 def refuse_holes(path: Path) -> None:
     """Raises BadLink if the file system stores less than a MOST_COMPRESSION-th of a file above ALLOWED_B."""
+    size, stored, end = os.stat(path).st_size, 0, 0
+    if size <= ALLOWED_B:
+        return
     with open(path, "rb") as file:
-        size, stored, end = os.fstat(file.fileno()).st_size, 0, 0
-        while size > ALLOWED_B and MOST_COMPRESSION * stored < size:
+        while MOST_COMPRESSION * stored < size:
             try:
                 start = os.lseek(file.fileno(), end, os.SEEK_DATA)
             except OSError as error:  # nothing but a hole is left
@@ -48,35 +72,70 @@ def refuse_holes(path: Path) -> None:
 
 
 def _refuse_links(file: h5py.File) -> None:
-    seen, groups = set(), [file]
-    while groups:
-        group = groups.pop()
-        for name in group:
-            link = group.get(name, getlink=True)
-            where = f"{group.name.rstrip('/')}/{name}"
-            if isinstance(link, h5py.ExternalLink):
-                raise BadLink(f"the link {where} leads to another file, {link.filename}, which is not read")
-            if not isinstance(link, h5py.HardLink):
-                continue
-            item = group[name]
-            address = h5py.h5o.get_info(item.id).addr
-            if address in seen:
-                continue
-            seen.add(address)
-            if isinstance(item, h5py.Group):
-                groups.append(item)
-            elif isinstance(item, h5py.Dataset):
-                _refuse_claims(item, where)
+    total = [0, 0]
+
+    def visit(name: bytes, link: Any) -> Exception | None:
+        try:
+            _refuse_link(file, name, link.type, total)
+        except Exception as error:  # noqa: BLE001 - h5py 3.7 requires that the function returns
+            return error
+        return None
+
+    if error := file.id.links.visit(visit, info=True):
+        raise error
+    _refuse_claims("the file contains values", *total, 3 * ALLOWED_B)
 
 
-def _refuse_claims(data: h5py.Dataset, where: str) -> None:
-    if data.external or data.is_virtual:
+def _refuse_link(file: h5py.File, name: bytes, kind: int, total: list[int]) -> None:
+    """Adds the bytes that a dataset claims and stores to the total."""
+    where = "/" + name.decode("utf-8", "replace")
+    if kind > h5py.h5l.TYPE_SOFT:
+        other = file.id.links.get_val(name)[0].decode("utf-8", "replace") + ", " if kind == h5py.h5l.TYPE_EXTERNAL else ""
+        raise BadLink(f"the link {where} leads to another file, {other}which is not read")
+    item = h5py.h5o.open(file.id, name) if kind == h5py.h5l.TYPE_HARD else None
+    if isinstance(item, h5py.h5d.DatasetID):
+        values, stored = item.get_space().get_simple_extent_npoints(), item.get_storage_size()
+        claimed = values * item.get_type().get_size()
+        _refuse_storage(item, where, claimed)
+        _refuse_claims(f"the dataset {where} has {values} values", claimed, stored, ALLOWED_B)
+        total[0] += claimed
+        total[1] += stored
+
+
+def _refuse_storage(data: h5py.h5d.DatasetID, where: str, claimed: int) -> None:
+    creation = data.get_create_plist()
+    if creation.get_external_count() > 0 or creation.get_layout() == h5py.h5d.VIRTUAL:
         raise BadLink(f"the dataset {where} stores its values in another file, which is not read")
-    claimed, stored = data.nbytes, data.id.get_storage_size()
-    if claimed > max(ALLOWED_B, MOST_COMPRESSION * stored):
-        raise BadLink(f"the dataset {where} has {data.size} values ({claimed / 1e6:.0f} MB) but stores {stored / 1e3:.3g} kB; at "
-                      f"most {ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read: store it without "
+    if creation.get_layout() == h5py.h5d.CHUNKED:
+        _refuse_chunks(data, where, creation.get_chunk(), claimed)
+
+
+def _refuse_claims(what: str, claimed: int, stored: int, allowed: int) -> None:
+    if claimed > max(allowed, MOST_COMPRESSION * stored):
+        raise BadLink(f"{what} ({claimed / 1e6:.0f} MB) but stores {stored / 1e3:.3g} kB; at "
+                      f"most {allowed / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read: store it without "
                       "compression if this size is intended")
+
+
+def _refuse_chunks(data: h5py.h5d.DatasetID, where: str, shape: tuple[int, ...], claimed: int) -> None:
+    """HDF5 allocates complete chunks, and does not limit what the bytes of a chunk decompress to."""
+    chunk_B = math.prod(shape) * data.get_type().get_size()
+    if chunk_B > max(ALLOWED_B, claimed):
+        raise BadLink(f"a chunk of the dataset {where} has {chunk_B / 1e6:.0f} MB, more than the dataset")
+    if MOST_DEFLATE * data.get_storage_size() <= ALLOWED_B:
+        return
+    corners = [range(0, n, step) for n, step in zip(data.shape, shape)]
+    if math.prod(map(len, corners)) > MOST_CHUNKS:
+        raise BadLink(f"the dataset {where} has more than {MOST_CHUNKS} chunks: store it in larger ones, or without compression")
+    for corner in itertools.product(*corners):
+        if MOST_DEFLATE * data.get_chunk_info_by_coord(corner).size > ALLOWED_B:
+            rest, found, unpacked = data.read_direct_chunk(corner)[1], 0, zlib.decompressobj()
+            with contextlib.suppress(zlib.error):  # not compressed, or damaged, which HDF5 reports
+                while rest and found <= 2 * chunk_B:  # another filter may have added a checksum
+                    found += len(unpacked.decompress(rest, 1 << 22))
+                    rest = unpacked.unconsumed_tail
+            if found > 2 * chunk_B:
+                raise BadLink(f"a chunk of the dataset {where} decompresses to more than the {chunk_B} bytes that it states")
 
 
 @dataclass(frozen=True)

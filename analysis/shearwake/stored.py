@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from .checksum import Damaged
+from .inputs import open_self_contained
 
 
 @contextlib.contextmanager
@@ -19,7 +20,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
     """A case file, open for reading. Raises OSError if the file does not exist or may not be read, and Damaged, with the path,
     if it or what is read from it is damaged."""
     try:
-        with h5py.File(path, "r") as file:
+        with open_self_contained(path) as file:
             yield file
     except (FileNotFoundError, PermissionError):
         raise

@@ -3,7 +3,9 @@
 in a terminal, a table, a page or a shell."""
 import os
 import resource
+import shutil
 import subprocess
+import sys
 import threading
 import unittest
 
@@ -11,7 +13,8 @@ import h5py
 import numpy
 import pytest
 
-from program import ProgramTest, changed, command, environment, without_reference
+from attacks import accepted_or_refused
+from program import ROOT, ProgramTest, case_files, changed, command, environment, seal, without_reference
 
 # Limits of any `check` or `plan`: seconds of processor time, and memory.
 MOST_s, MOST_B = 2.0, 300e6
@@ -168,6 +171,41 @@ class Files(ProgramTest):
             file.attrs["fs_hz"] = 1000.0
         done = self.shearwake("respond", "motion.h5", expect=2, timeout_s=60.0)
         self.says(done.said, '"trace_mm" contains 200000000 numbers (1600 MB)', "at most 64 MB, or 100 times what is stored")
+
+    def test_case_files_that_point_to_other_files_are_not_read(self):
+        """With the checksum that everybody can compute."""
+        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[0.0, 0.0]]"), text=without_reference(
+            ('[sweep]\n"load.modulation.am_frequency_Hz" = [400, 500, 1000]\n', ""), ('x = "load.modulation.am_frequency_Hz"\n', ""))))
+        self.shearwake("run", "job.toml")
+        good = case_files(self.out)[0]
+        case = self.folder / good.name
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["d"] = numpy.full((2, 40), 12345.0)
+        numpy.full(80, 12345.0).tofile(self.folder / "raw.bin")
+        os.mkfifo(self.folder / "pipe.h5")
+
+        def virtual(file):
+            layout = h5py.VirtualLayout((2, 40), "f8")
+            layout[...] = h5py.VirtualSource(str(self.folder / "other.h5"), "d", (2, 40))
+            file.create_virtual_dataset("traces/u_z", layout)
+
+        read = (f"import sys; sys.path.insert(0, {str(ROOT / 'analysis')!r}); import shearwake\ntry: print(shearwake.open_case(sys.argv[1]).dataset('traces')['u_z'].values)\n"
+                "except shearwake.NotRecorded as error: sys.exit(str(error))")
+        for kind, change in (
+                ("link", lambda file: file.__setitem__("traces/u_z", h5py.ExternalLink(self.folder / "other.h5", "d"))),
+                ("pipe", lambda file: file.__setitem__("traces/u_z", h5py.ExternalLink(self.folder / "pipe.h5", "d"))),
+                ("storage", lambda file: file.create_dataset("traces/u_z", (2, 40), "f8", external=[(self.folder / "raw.bin", 0, 640)])),
+                ("virtual", virtual)):
+            shutil.copy(good, case)
+            with h5py.File(case, "r+") as file:
+                del file["traces/u_z"]
+                change(file)
+            seal(case)
+            for call in ([sys.executable, "-c", read, case.name], command("compare", case.name, str(good)), command("show", case.name)):
+                with self.subTest(kind=kind, call=call[-2:]):
+                    said, _ = accepted_or_refused(self, call, (1, 4, 6), 10.0, kind)
+                    self.says(said, case.name, "traces/u_z", "another file")
+                    self.assertNotIn("12345", said.replace(case.stem, ""))
 
     def test_motions_with_absurd_times_are_refused(self):
         for step_ms in (1e-12, 1e15):
