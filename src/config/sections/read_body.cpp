@@ -76,9 +76,9 @@ Vec3 read_centre_m(Reader& reader, bool has_depth) {
 }
 
 void check_properties(Reader& reader, const Body& body) {
-    if (body.rigid) return;
+    if (body.rigid || reader.has("preset")) return; // the keys of a known preset are in the table
     for (const char* key : {"density_kg_m3", "c_p_m_s", "c_s_m_s", "viscosity_Pa_s"})
-        if (reader.has(key)) return;
+        if (reader.has(key) || reader.has_misspelled(key)) return;
     reader.error("shape", "has the same material as its surroundings; give density_kg_m3, c_p_m_s, "
                           "c_s_m_s, viscosity_Pa_s or a preset");
 }

@@ -127,6 +127,11 @@ TEST_CASE("an error in a body is reported with its location", "[config][body]") 
         {"c_s_m_s = 9.0", "edge_mm = 1.0",
          "job.toml:29:9: error: medium.body[1].shape has the same material as its surroundings; "
          "give density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s or a preset"},
+        {"c_s_m_s = 9.0", "c_s = 9.0",
+         "job.toml:32:1: error: medium.body[1].c_s is unknown; the unit of c_s is m_s: use "
+         "c_s_m_s"},
+        {"c_s_m_s = 9.0", "preset = \"bone\"",
+         "job.toml:32:10: error: medium.body[1].preset must be \"cortical-bone\", but is \"bone\""},
         {"c_s_m_s = 9.0", "c_s_m_s = -9",
          "job.toml:32:11: error: medium.body[1].c_s_m_s must be at least 0, but is -9"},
         {"c_s_m_s = 9.0", "c_s_m_s = 1400.0",
