@@ -77,6 +77,8 @@ sys.exit(main(["-W", "-q", "-b", "html", {str(DOCS)!r}, {str(self.folder / "plai
                     self.assertEqual(shown.run("""Array.from(document.querySelectorAll("pre")).filter(
                         block => block.scrollWidth > block.clientWidth).length"""), 0)
                     self.assertIn("fixed", shown.run("getComputedStyle(document.querySelector('nav.wy-nav-side')).position"))
+                    phone = chromium.open(self.folder / "site" / page.relative_to(DOCS).with_suffix(".html"), 390, 844)
+                    self.assertEqual(phone.run("document.documentElement.scrollWidth"), 390)
                     # The script of the theme opens the menu of a narrow window.
                     shown.run("document.querySelector('[data-toggle=\"wy-nav-top\"]').click()")
                     self.assertTrue(shown.run("document.querySelector('nav.wy-nav-side').classList.contains('shift')"))
