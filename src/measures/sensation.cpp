@@ -31,17 +31,6 @@ constexpr std::array centres_Hz = {8.0,  10.0, 12.5,  16.0,  20.0,  25.0,  31.5,
 constexpr std::array hand_m_s2 = {0.095, 0.1,   0.095, 0.108, 0.15,  0.16,  0.109, 0.065, 0.072,
                                   0.049, 0.028, 0.023, 0.022, 0.021, 0.029, 0.032, 0.061};
 static_assert(centres_Hz.size() == hand_m_s2.size());
-constexpr std::array<double, 2> continued_Hz = {400.0, 500.0};
-
-double number_of(double centre_Hz) {
-    return std::round(10.0 * std::log10(centre_Hz));
-}
-
-/// The slope between 160 and 315 Hz, three third octaves, over log f.
-double continued(double centre_Hz) {
-    const double thirds = number_of(centre_Hz) - number_of(centres_Hz.back());
-    return hand_m_s2.back() * std::pow(hand_m_s2.back() / hand_m_s2[13], thirds / 3.0);
-}
 
 /// Periods of its centre that a window must contain to judge a band.
 constexpr double fewest_periods = 3.0;
@@ -50,46 +39,50 @@ constexpr double hann_lines = 2.0;
 /// Half the width of the spectrum of a tone in a Hann window [1/T].
 constexpr double hann_reach = 2.0;
 
-/// The weights of a window of whole periods or of a Hann window with its slope [1/s], and its
-/// duration.
-struct Window {
-    std::vector<double> weights, slopes;
-    double duration_s = 0.0;
-    std::string reason;
-};
-
-Window window_of(const Case& c) {
+/// Sets the window and removes the bands that it does not judge, or sets the reason.
+void set_window(const Case& c, SensationLines& lines) {
     const TimeAxis& time = c.time;
     // The second difference at the last frame would need the one after it.
     const double to_s = std::min(c.measure.at_s, time.duration_s() - time.interval_s);
     const double settled_s = to_s - c.measure.settled_after_s + time.interval_s;
-    Window window;
-    window.reason =
+    lines.reason =
         no_focus_reason(c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
-    if (!(settled_s > 4.0 * time.interval_s) && window.reason.empty())
-        window.reason = "fewer than four frames lie between measure.settled_after_ms and "
-                        "measure.at_ms";
-    if (!window.reason.empty()) return window;
+    if (!(settled_s > 4.0 * time.interval_s) && lines.reason.empty())
+        lines.reason = "fewer than four frames lie between measure.settled_after_ms and "
+                       "measure.at_ms";
+    if (!lines.reason.empty()) return;
     const LoadPeriod period = least_period(c.scene().load, settled_s);
     const double periods =
         period.reason.empty() ? std::floor(settled_s / period.period_s * (1.0 + rounding)) : 0.0;
     if (periods >= 1.0) {
-        window.duration_s = periods * period.period_s;
-        window.weights = window_weights(time, std::max(0.0, to_s - window.duration_s), to_s);
+        lines.window_s = periods * period.period_s;
+        lines.weights = window_weights(time, std::max(0.0, to_s - lines.window_s), to_s);
     } else {
-        window.duration_s = std::min(settled_s, to_s);
-        window.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
-        window.slopes = window.weights;
-        const double from_s = to_s - window.duration_s, turn = std::numbers::pi / window.duration_s;
+        lines.window_s = std::min(settled_s, to_s);
+        lines.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
+        lines.slopes = lines.weights;
+        // By Parseval's theorem, lines 1/T apart have 3/2 of the power of a tone.
+        lines.power = 1.0 / (1.5 * hann_lines);
+        const double from_s = to_s - lines.window_s, turn = std::numbers::pi / lines.window_s;
         for (std::ptrdiff_t n = 0; n < time.frames; ++n) {
             const double t_s = time.frame_s(n);
             if (!(t_s > from_s && t_s < to_s)) continue;
             const auto at = static_cast<std::size_t>(n);
-            window.weights[at] = std::pow(std::sin(turn * (t_s - from_s)), 2);
-            window.slopes[at] = turn * std::sin(2.0 * turn * (t_s - from_s));
+            lines.weights[at] = std::pow(std::sin(turn * (t_s - from_s)), 2);
+            lines.slopes[at] = turn * std::sin(2.0 * turn * (t_s - from_s));
         }
     }
-    return window;
+    const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
+    for (std::vector<double>* values : {&lines.weights, &lines.slopes})
+        for (double& value : *values)
+            value /= sum;
+    std::erase_if(lines.bands, [&](const SensationBand& band) {
+        return band.centre_Hz * lines.window_s < fewest_periods * (1.0 - rounding);
+    });
+    if (lines.bands.empty())
+        lines.reason = fmt::format("the window of {:.3g} ms is shorter than three periods of the "
+                                   "highest band",
+                                   1e3 * lines.window_s);
 }
 
 } // namespace
@@ -97,7 +90,7 @@ Window window_of(const Case& c) {
 std::vector<SensationBand> sensation_bands(std::span<const Vec2> table) {
     std::vector<SensationBand> bands;
     const auto add = [&](double centre_Hz, double threshold_m_s2, bool is_extrapolated) {
-        const double n = number_of(centre_Hz);
+        const double n = std::round(10.0 * std::log10(centre_Hz));
         bands.push_back({centre_Hz, std::pow(10.0, 0.1 * (n - 0.5)),
                          std::pow(10.0, 0.1 * (n + 0.5)), threshold_m_s2, is_extrapolated});
     };
@@ -106,8 +99,10 @@ std::vector<SensationBand> sensation_bands(std::span<const Vec2> table) {
     if (!table.empty()) return bands;
     for (std::size_t n = 0; n < centres_Hz.size(); ++n)
         add(centres_Hz[n], hand_m_s2[n], false);
-    for (const double centre_Hz : continued_Hz)
-        add(centre_Hz, continued(centre_Hz), true);
+    // The slope between 160 and 315 Hz, three third octaves, over log f.
+    const double third = std::cbrt(hand_m_s2.back() / hand_m_s2[13]);
+    add(400.0, hand_m_s2.back() * third, true);
+    add(500.0, hand_m_s2.back() * third * third, true);
     bands.front().low_Hz = bands.front().centre_Hz;
     bands.back().high_Hz = bands.back().centre_Hz;
     return bands;
@@ -117,7 +112,6 @@ SensationLines sensation_lines(const Case& c) {
     SensationLines lines;
     lines.interval_s = c.time.interval_s;
     lines.repeats = c.time.regime == Regime::periodic;
-    lines.is_window = !lines.repeats;
     if (std::ranges::find(c.measure.depths_m, 0.0) == c.measure.depths_m.end()) {
         lines.reason = "measure.depths_mm does not contain 0, the surface";
         return lines;
@@ -129,44 +123,17 @@ SensationLines sensation_lines(const Case& c) {
                                    1e6 * lines.interval_s, lines.bands.back().high_Hz);
         return lines;
     }
-    double dense = 1.0, reach_Hz = 0.0;
     if (lines.repeats) {
         lines.window_s = c.time.duration_s();
         lines.weights.assign(static_cast<std::size_t>(c.time.frames),
                              1.0 / static_cast<double>(c.time.frames));
     } else {
-        Window window = window_of(c);
-        lines.reason = window.reason;
+        set_window(c, lines);
         if (!lines.reason.empty()) return lines;
-        lines.window_s = window.duration_s;
-        lines.weights = std::move(window.weights);
-        lines.slopes = std::move(window.slopes);
-        const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
-        double squares = 0.0;
-        for (double& weight : lines.weights) {
-            weight /= sum;
-            squares += weight * weight;
-        }
-        for (double& slope : lines.slopes)
-            slope /= sum;
-        // By Parseval's theorem, a Hann window of N frames has the power N sum w^2 / (sum w)^2,
-        // 3/2, in lines 1/T apart.
-        if (!lines.slopes.empty()) {
-            dense = hann_lines;
-            reach_Hz = hann_reach / lines.window_s;
-            lines.power = lines.interval_s / (squares * lines.window_s * dense);
-        }
-        std::erase_if(lines.bands, [&](const SensationBand& band) {
-            return band.centre_Hz * lines.window_s < fewest_periods * (1.0 - rounding);
-        });
-        if (lines.bands.empty()) {
-            lines.reason = fmt::format("the window of {:.3g} ms is shorter than three periods of "
-                                       "the highest band",
-                                       1e3 * lines.window_s);
-            return lines;
-        }
     }
-    const double step_Hz = 1.0 / (dense * lines.window_s);
+    const bool is_hann = !lines.slopes.empty();
+    const double step_Hz = 1.0 / ((is_hann ? hann_lines : 1.0) * lines.window_s),
+                 reach_Hz = is_hann ? hann_reach / lines.window_s : 0.0;
     const double low_Hz = lines.bands.front().low_Hz - reach_Hz,
                  high_Hz = lines.bands.back().high_Hz + reach_Hz;
     for (double n = std::max(1.0, std::ceil(low_Hz / step_Hz * (1.0 - rounding)));

@@ -36,13 +36,13 @@ public:
         if (!(x >= -edge && y >= -edge && x <= static_cast<double>(map_.rows - 1) + edge &&
               y <= static_cast<double>(map_.columns - 1) + edge))
             return not_a_number;
-        const auto index = [](double v, std::ptrdiff_t count) {
-            return std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(std::floor(v)), 0,
-                                              std::max<std::ptrdiff_t>(count - 2, 0));
+        const auto cell = [](double v, std::ptrdiff_t count) {
+            const double last = static_cast<double>(count - 1), in = std::clamp(v, 0.0, last);
+            const double low = std::min(std::floor(in), std::max(last - 1.0, 0.0));
+            return std::pair{static_cast<std::ptrdiff_t>(low), in - low};
         };
-        const std::ptrdiff_t i = index(x, map_.rows), j = index(y, map_.columns);
-        const double u = std::clamp(x - static_cast<double>(i), 0.0, map_.rows > 1 ? 1.0 : 0.0),
-                     v = std::clamp(y - static_cast<double>(j), 0.0, map_.columns > 1 ? 1.0 : 0.0);
+        const auto [i, u] = cell(x, map_.rows);
+        const auto [j, v] = cell(y, map_.columns);
         double sum = 0.0;
         for (const auto& [di, wx] : {std::pair{0, 1.0 - u}, std::pair{1, u}})
             for (const auto& [dj, wy] : {std::pair{0, 1.0 - v}, std::pair{1, v}})
@@ -221,7 +221,7 @@ private:
             sum_peak = std::fmax(sum_peak, map_.sum_dB[n]);
         });
         std::string note;
-        if (lines_.is_window && reason_.empty())
+        if (!lines_.repeats && reason_.empty())
             note = fmt::format("from a window of {:.4g} ms, which judges bands from {:g} Hz on",
                                1e3 * lines_.window_s, lines_.bands.front().centre_Hz);
         if (lines_.separation_Hz() > 0.0)
