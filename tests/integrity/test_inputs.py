@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import unittest
+import zlib
 
 import h5py
 import numpy
@@ -171,6 +172,19 @@ class Files(ProgramTest):
             file.attrs["fs_hz"] = 1000.0
         done = self.shearwake("respond", "motion.h5", expect=2, timeout_s=60.0)
         self.says(done.said, '"trace_mm" contains 200000000 numbers (1600 MB)', "at most 64 MB, or 100 times what is stored")
+
+    def test_chunks_that_are_larger_than_they_state_are_refused(self):
+        """The bytes of a chunk of 64 kB decompress to 1 GB, and a dataset of 64 kB has a chunk of 1 GB."""
+        bomb = zlib.compressobj(9)
+        content = b"".join(bomb.compress(bytes(1 << 24)) for _ in range(60)) + bomb.flush()
+        for chunk, words in ((8000, "more memory than its datasets explain"), (125_000_000, "has chunks of 1000 MB, more than the dataset")):
+            with h5py.File(self.folder / "motion.h5", "w") as file:
+                file["pin_xy_mm"], file.attrs["fs_hz"] = numpy.zeros((1, 2)), 1000.0
+                file.create_dataset("trace_mm", (1, 8000), "f8", chunks=(1, chunk), maxshape=(1, None), compression="gzip")
+                file["trace_mm"].id.write_direct_chunk((0, 0), content)
+            with self.subTest(chunk=chunk):
+                said, _ = accepted_or_refused(self, command("respond", "motion.h5"), (2,), 10.0, str(chunk))
+                self.says(said, "motion.h5", words)
 
     def test_case_files_that_point_to_other_files_are_not_read(self):
         """With the checksum that everybody can compute."""

@@ -57,10 +57,13 @@ std::map<std::string, double> read_scalars(hid_t group) {
     return scalars;
 }
 
-/// Checks shape and checksum attribute of an array, which must exist.
+/// The shape of an array, which must be stored completely.
 DistributedRows extent_of(const h5::Id& dataset) {
     const auto shape = h5::shape(dataset);
     if (shape.size() != 2) throw Error("an array is not two-dimensional");
+    if (static_cast<double>(shape[0]) * static_cast<double>(shape[1]) * sizeof(double) !=
+        static_cast<double>(H5Dget_storage_size(dataset.raw())))
+        throw Error("an array stores fewer or more values than it states");
     return {.total = static_cast<std::ptrdiff_t>(shape[0]),
             .row_length = static_cast<std::ptrdiff_t>(shape[1])};
 }

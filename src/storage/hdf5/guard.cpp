@@ -10,8 +10,10 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fstream>
 #include <new>
 #include <string>
+#include <string_view>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,6 +30,9 @@ void limit(__rlimit_resource resource, rlim_t most) {
     ::setrlimit(resource, &now);
 }
 
+bool is_trial = false;           // in a child of must_survive()
+constexpr int out_of_memory = 2; // exit code of such a child
+
 [[noreturn]] void try_out(const std::function<void()>& work, double seconds) {
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGUSR1})
         std::signal(signal, SIG_DFL);
@@ -40,9 +45,15 @@ void limit(__rlimit_resource resource, rlim_t most) {
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
+    is_trial = true;
     try {
         work();
-    } catch (...) { // an exception is the expected result
+    } catch (const std::bad_alloc&) {
+        ::_exit(out_of_memory);
+    } catch (const std::exception& error) { // is the expected result
+        const bool is_full = std::string_view(error.what()).find(": memory allocation failed") !=
+                             std::string_view::npos; // words of HDF5
+        ::_exit(is_full ? out_of_memory : 0);
     }
     ::_exit(0);
 }
@@ -65,18 +76,29 @@ void refuse_holes(const std::filesystem::path& path, double size_B) {
                                      size_B / 1e6, stored_B / 1e3));
 }
 
-} // namespace
-
-bool survives(const std::function<void()>& work, double seconds) {
+/// The status of a child that runs `work`; 0 if none can be created. `seconds`: limit of its CPU
+/// time.
+int trial_status(const std::function<void()>& work, double seconds) {
     // Buffered output would otherwise be written by both processes.
     std::fflush(nullptr);
     const pid_t child = ::fork();
-    if (child < 0) return true;
+    if (child < 0) return 0;
     if (child == 0) try_out(work, seconds);
     int status = 0;
     while (::waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return true;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+        if (errno != EINTR) return 0;
+    return status;
+}
+
+} // namespace
+
+void limit_trial_memory(double more_B) {
+    if (!is_trial || !(more_B < 1e15)) return; // the readers reject larger claims
+    std::ifstream sizes("/proc/self/statm");
+    double pages = 0.0;
+    if (sizes >> pages)
+        limit(RLIMIT_AS,
+              static_cast<rlim_t>(pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + more_B));
 }
 
 void must_survive(const std::filesystem::path& file, const std::function<void()>& read) {
@@ -86,7 +108,11 @@ void must_survive(const std::filesystem::path& file, const std::function<void()>
     const auto size_B = static_cast<double>(std::filesystem::file_size(file, unknown));
     refuse_holes(file, unknown ? 0.0 : size_B);
     const double seconds = 5.0 + (unknown ? 0.0 : size_B / slowest_B_s);
-    if (!survives(read, seconds))
+    const int status = trial_status(read, seconds);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == out_of_memory)
+        throw Error("it needs more memory than its datasets explain; it is damaged, or a chunk "
+                    "decompresses to more than it states");
+    if (status != 0)
         throw Error(fmt::format("{} is damaged in a way that crashes the HDF5 library or keeps it "
                                 "busy for more than {:.0f} s",
                                 file.string(), seconds));

@@ -9,15 +9,16 @@
 
 namespace shearwake::storage {
 
-/// Runs `work` in a forked child and returns whether it ends, with or without an exception. HDF5
-/// 1.10 crashes on some damaged or malicious files, which cannot be detected in advance. The child
-/// has the same memory, so if it does not crash, this process does not crash either when it then
-/// does the same. `seconds`: limit of the CPU time, after which the child counts as crashed.
-/// Returns true if no child can be created. Not collective; `work` must not communicate.
-bool survives(const std::function<void()>& work, double seconds = 60.0);
-
-/// Throws Error if `read` crashes on the file.
+/// Runs `read` in a forked child. HDF5 1.10 crashes on some damaged or malicious files, which
+/// cannot be detected in advance. The child has the same memory, so if it does not crash, this
+/// process does not crash either when it then does the same. Throws Error if the child crashes,
+/// takes too long, or needs more memory than limit_trial_memory() allows; does nothing if no child
+/// can be created. Not collective; `read` must not communicate.
 void must_survive(const std::filesystem::path& file, const std::function<void()>& read);
+
+/// In the child of must_survive(), limits the memory that it may allocate from now on; otherwise
+/// has no effect. A chunk of an HDF5 file can decompress to far more than it states.
+void limit_trial_memory(double more_B);
 
 } // namespace shearwake::storage
 
