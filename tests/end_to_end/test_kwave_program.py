@@ -326,10 +326,15 @@ class Errors(KWaveTest):
 
     def test_only_regular_files_are_replaced(self):
         os.mkfifo(self.folder / "pipe.h5")
-        done = subprocess.run([PROGRAM, "kwave", "-i", DATA / "homogeneous_input.h5", "-o", "pipe.h5", "--benchmark", "2"],
-                              cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, 1)
-        self.says(done.stderr, "pipe.h5 is not a regular file")
+        for out, words in (("pipe.h5", "pipe.h5 is not a regular file"), ("", "-o requires the name of a file"),
+                           ("x" * 300, "File name too long"), ("x" * 300 + "/y", "the folder does not exist")):
+            done = subprocess.run([PROGRAM, "kwave", "-i", DATA / "homogeneous_input.h5", "-o", out, "--benchmark", "2"],
+                                  cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False)
+            with self.subTest(out=out):
+                self.assertEqual(done.returncode, 1)
+                self.says(done.stderr, words)
+                self.assertNotIn("MPI_ABORT", done.stderr)
+                self.assertNotIn("step 1", done.stdout)
         self.assertTrue((self.folder / "pipe.h5").is_fifo())
 
     def test_negative_bulk_modulus_is_warned_of(self):
