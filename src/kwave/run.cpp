@@ -356,7 +356,8 @@ ExitCode run(const Arguments& given, const Comm& world) {
                 run_with<double>(arguments, world, phases);
         });
     } catch (const Error& error) { // thrown on all ranks
-        const bool is_older = std::filesystem::exists(arguments.output);
+        std::error_code ignored;
+        const bool is_older = std::filesystem::exists(arguments.output, ignored);
         throw UsageError(error.what() +
                              (is_older ? "; " + arguments.output.string() + " is of an earlier run"
                                        : std::string()),

@@ -22,6 +22,9 @@ std::vector<Vec2> rectangle(Vec2 low, Vec2 high) {
 /// to 0.1 um removes this from a radius of 1 mm on, so that the region is as symmetric as the path.
 std::vector<Vec2> around_path(const Load& load) {
     constexpr double step_m = 20e-6, digits_per_m = 1e7;
+    // Most cases of a sweep have the path of the case before.
+    static std::pair<Modulation, std::vector<Vec2>> last;
+    if (!last.second.empty() && last.first == load.modulation) return last.second;
     Vec2 low, high;
     bool is_first = true;
     for (const auto& line : drawn_shape(load.modulation, step_m))
@@ -36,7 +39,8 @@ std::vector<Vec2> around_path(const Load& load) {
                     std::round(at_m.y * digits_per_m) / digits_per_m};
     };
     const Vec2 margin{around_path_m, around_path_m};
-    return rectangle(rounded(low - margin), rounded(high + margin));
+    last = {load.modulation, rectangle(rounded(low - margin), rounded(high + margin))};
+    return last.second;
 }
 
 /// The outline in the coordinates of the domain.
