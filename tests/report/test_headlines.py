@@ -64,6 +64,41 @@ class HeadlineTest(unittest.TestCase):
                       "valid and is not used: waves return at 4.8 ms.", text)
         self.assertNotIn("0.8", text)
 
+    def bone(self, etas, labels=True):
+        """A case with and one without a bone at each of some depths, of which the first is 5 mm: pairs of efficiencies."""
+        speed, depth = "medium.body[1].c_s_m_s", "medium.body[1].depth_mm"
+        folder = Folder(self.root, x=depth, swept=[depth, speed], series=[speed])
+        for n, pair in enumerate(etas):
+            for c, eta in zip((1600.0, 5.0), pair):
+                folder.add({depth: 5.0 + n, speed: c}, scalars={"eta_period_1": eta, "focal_rms_um": 1.0 if c == 5.0 else 0.5})
+        selection = load.load(folder.save())
+        if labels:
+            selection.sweep.__dict__["_labels_of_values"] = {(speed, 1600.0): "with bone", (speed, 5.0): "without bone"}
+        return selection
+
+    def test_cases_with_a_body_are_compared_with_the_same_cases_without_it(self):
+        selection = self.bone([(0.5, 0.4), (0.6, 0.4)])
+        text = summary(selection).replace("\N{NO-BREAK SPACE}", " ")
+        self.assertTrue(text.startswith("With bone the efficiency η is 1.25 times that without bone at depth of body 1 = 5 mm and "
+                                        "1.5 times at 6 mm (0.6 instead of 0.4)."), text)
+        self.assertIn("The focal rms is 0.5 times that without bone.", text)
+        self.assertEqual([versus.replace("\N{NO-BREAK SPACE}", " ") for _, _, versus in opening.numbers(selection)][:2],
+                         ["depth of body 1 = 6 mm; 40 % without bone", "0.5 times that without bone"])
+
+    def test_a_body_that_lowers_the_efficiency_is_the_answer_although_a_case_without_it_is_highest(self):
+        selection = self.bone([(0.2, 0.4), (0.4, 0.4)])
+        text = summary(selection).replace("\N{NO-BREAK SPACE}", " ")
+        self.assertTrue(text.startswith("With bone the efficiency η is 0.5 times that without bone at depth of body 1 = 5 mm (0.2 instead "
+                                        "of 0.4) and 1 times at 6 mm."), text)
+
+    def test_of_many_depths_the_ends_of_the_ratio_are_stated(self):
+        text = summary(self.bone([(0.4 + 0.1 * n, 0.4) for n in range(6)])).replace("\N{NO-BREAK SPACE}", " ")
+        self.assertTrue(text.startswith("With bone the efficiency η is between 1 times that without bone at depth of body 1 = 5 mm and "
+                                        "2.25 times at 10 mm (0.9 instead of 0.4)."), text)
+
+    def test_without_a_label_a_swept_body_is_not_called_absent(self):
+        self.assertIn("is highest, 0.6, at", summary(self.bone([(0.5, 0.4), (0.6, 0.4)], labels=False)))
+
     def test_with_missing_cases_no_case_is_the_best(self):
         folder = self.folder([0.2, 0.4])
         folder.add({AM: 300.0}, written=False)

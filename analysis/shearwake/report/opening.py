@@ -47,19 +47,21 @@ def amount(value: float) -> str:
 
 
 def factor(value: float, other: float, name: str) -> str:
-    """'0.56 times that of plain STM'; '' without a reference."""
-    return f"{number(value / other, 3)} times that of {name}" if other and math.isfinite(value / other) else ""
+    """'0.56 times that of plain STM'; '' without a reference. `name` is 'of plain STM'."""
+    return f"{number(value / other, 3)} times that {name}" if other and math.isfinite(value / other) else ""
 
 
 def of_case(selection: Selection, case: Case) -> list[Number]:
     """Efficiency, strength and spread of a case, compared with its reference."""
     own = summary.reference_for(selection, case)
-    name = layout.reference_name([own]) if own else ""
+    name = summary.of_reference(selection, case) if own else ""
     found: list[Number] = []
     eta = case.value("eta_period_1", math.nan)
     if not math.isnan(eta):
         other = own.value("eta_period_1", math.nan) if own else math.nan
-        versus = f"{number(100 * other, 3)} % with {name}" if math.isfinite(other) else ""
+        versus = f"{number(100 * other, 3)} % {re.sub('^of ', 'with ', name)}" if math.isfinite(other) else ""
+        if own and not selection.reference_of(case) and (place := summary.place_of(selection, case)):
+            versus = f"{place}; {versus}"
         found.append((f"{number(100 * eta, 3)} %", "of the energy at the focus (η)", versus))
     for column, unit, meaning in (("focal_rms_um", "µm", "rms of the displacement at the focus (strength)"),
                                   ("participation_period_mm2", "mm²", "area that vibrates (spread)")):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from ..case import Case
-from . import labels, layout, optima, sample, warnings_of
+from . import contrast, labels, layout, optima, sample, warnings_of
 from .load import Selection
 from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants,
                               relative_error, settings_that_differ, spread_of, valid, with_error)
@@ -16,6 +17,7 @@ from .words import counted, listed, number
 
 EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of its sums
 NAMED = 3     # largest number of cases with the same value that are named
+LISTED = 5    # largest number of ratios that are listed
 
 
 KIND = "load.modulation.kind"
@@ -58,9 +60,16 @@ def subject(selection: Selection, cases: list[Case]) -> str:
 
 
 def reference_for(selection: Selection, case: Case) -> Case | None:
-    """The reference of a case if the readings of both are valid, else None; None for a reference."""
-    found = selection.reference_of(case)
+    """The reference of a case, or else the same case without a body, if the readings of both are valid, else None; None for a
+    reference."""
+    found = selection.reference_of(case) or contrast.counterpart(selection, case)
     return found if found and found is not case and is_valid(case) and is_valid(found) else None
+
+
+def of_reference(selection: Selection, case: Case) -> str:
+    """What a case is compared with: 'of plain STM', or 'without bone'."""
+    own = selection.reference_of(case)
+    return f"of {layout.reference_name([own])}" if own else contrast.absent(selection)[1]
 
 
 def gain(selection: Selection, case: Case) -> float:
@@ -167,10 +176,12 @@ def further(cases: list[Case]) -> str:
 
 
 def best_case(selection: Selection) -> Case | None:
-    """The case with the largest efficiency relative to its reference, among valid cases with a valid reference; without these
-    the valid case with the largest efficiency."""
+    """The case with the largest efficiency relative to its reference, among valid cases with a valid reference; with a body
+    that some cases lack, the case whose efficiency the body changes most; without these the valid case with the largest efficiency."""
     cases = valid(selection, "eta_period_1")
     compared = [c for c in cases if not math.isnan(gain(selection, c))]
+    if compared and not any(selection.reference_of(c) for c in compared):
+        return max(compared, key=lambda c: abs(gain(selection, c) - 1.0))
     if compared:
         return max(compared, key=lambda c: gain(selection, c))
     return max(cases, key=lambda c: c.value("eta_period_1", math.nan)) if cases else None
@@ -209,6 +220,8 @@ def efficiency(selection: Selection) -> str:
         return highest(selection, cases) + notes
     best = best_case(selection)
     assert best is not None
+    if not any(selection.reference_of(c) for c in compared):
+        return with_and_without(selection, compared, best) + estimate(selection, best) + notes
     same = alike(best, compared, lambda c: gain(selection, c))
     equal = alike(best, same, lambda c: c.value("eta_period_1", math.nan))
     text = against_reference(choices(selection), equal, compared)
@@ -230,6 +243,37 @@ def highest(selection: Selection, cases: list[Case]) -> str:
     same = " and the same" if place != where(choices(selection), best) else ""
     return (f"The efficiency η is highest{same}, {value}, {at(selection, place)}{of_the_valid(selection, cases)}."
             + indistinct(selection, equal, cases, "eta_period_1"))
+
+
+def place_of(selection: Selection, case: Case) -> str:
+    """Where a case is, apart from the body that other cases lack."""
+    key = contrast.absent(selection)[0]
+    if len(labels.values_of(selection, key)) == 2:
+        chosen = choices(selection)
+        keys = [k for k in [chosen.x, *layout.group_keys(chosen)] if k != key]
+        return where(replace(chosen, x="", label_keys=keys), case)
+    return where(choices(selection), case)
+
+
+def with_and_without(selection: Selection, compared: list[Case], most: Case) -> str:
+    """How a body changes the efficiency at each of a few places, or between which ends. `most` is changed most."""
+    ratio, without = {c.id: gain(selection, c) for c in compared}, contrast.absent(selection)[1]
+    reference = reference_for(selection, most)
+    assert reference is not None
+    values = f"{number(most.value('eta_period_1', math.nan), 3)} instead of {number(reference.value('eta_period_1', math.nan), 3)}"
+    low, high = (f(compared, key=lambda c: ratio[c.id]) for f in (min, max))
+    ends = [low, high] if ratio[high.id] - ratio[low.id] > 0.005 * ratio[high.id] else [most]
+    shown = compared if len({place_of(selection, c) for c in compared}) == len(compared) <= LISTED else ends
+    parts = []
+    for case in shown:
+        text = f"{number(ratio[case.id], 3)} times"
+        place = place_of(selection, case)
+        name = place_of(selection, shown[0]).partition(" = ")[0] + " = "
+        text += f" at {place.removeprefix(name)}" if parts else f" that {without}" + (f" at {place}" if place else "")
+        parts.append(f"{text} ({values})" if case is most else text)
+    names = contrast.present(selection)
+    span = f"between {listed(parts)}" if shown is ends and len(ends) == 2 else listed(parts)
+    return f"{names[:1].upper()}{names[1:]} the efficiency η is {span}{of_the_valid(selection, valid(selection, 'eta_period_1'))}."
 
 
 def of_the_valid(selection: Selection, cases: list[Case]) -> str:
@@ -276,13 +320,13 @@ def strength(selection: Selection) -> str:
         if not cases:
             return ""
         return f" The focal rms is {range_of(selection, cases, 'focal_rms_um')} µm."
-    name = layout.reference_name(layout.all_references(selection))
+    versus = f"that {of_reference(selection, selection.by_id[next(iter(ratio))])}"
     low, high = (f(ratio.values()) for f in (min, max))
     if len(ratio) == 1 or high - low < 0.005 * high:
-        return f" The focal rms is {number(high, 2)} times that of {name}."
+        return f" The focal rms is {number(high, 2)} times {versus}."
     at_low, at_high = ([selection.by_id[i] for i, r in ratio.items() if abs(r - end) <= EQUAL * end] for end in (low, high))
     return (f" The focal rms is {number(low, 2)} ({places(selection, at_low)}) to "
-            f"{number(high, 2)} ({places(selection, at_high)}) times that of {name}.")
+            f"{number(high, 2)} ({places(selection, at_high)}) times {versus}.")
 
 
 def span(low: float, high: float) -> str:
