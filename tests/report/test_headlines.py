@@ -249,6 +249,26 @@ class HeadlineTest(unittest.TestCase):
         self.assertIn(" The PC afferents fire 7 spikes at AM frequency 100 Hz and 30 spikes at AM frequency 200 Hz; the RA afferents fire", text)
         self.assertEqual([value for value, *_ in opening.numbers(loaded)], ["20 %", "30", "2"])
 
+    def test_silent_receptors_have_no_place_and_equal_numbers_of_spikes_have_all_places(self):
+        folder = Folder(self.root)
+        for f in (100.0, 200.0):
+            folder.add({AM: f}, scalars={"RA_spikes_1": 0, "PC_spikes_1": 7})
+        self.assertEqual({meaning: place.replace("\N{NO-BREAK SPACE}", " ") for _, meaning, place in opening.of_receptors(load.load(folder.save()))},
+                         {"spikes of the RA afferents": "silent in each case",
+                          "spikes of the PC afferents": "AM frequency 100 Hz and AM frequency 200 Hz"})
+
+    def test_statistics_of_the_highest_median_name_its_settings(self):
+        rows = [{"column": "eta_period_1", "statistic": q, "value": value + 0.1 * (kind == "SM-STM"), "note": "", KIND: kind}
+                for kind in ("AM-STM", "SM-STM") for q, value in (("q05", 0.2), ("q50", 0.3), ("q95", 0.4))]
+        folder = Folder(self.root, swept=[AM, KIND])
+        for kind in ("AM-STM", "SM-STM"):
+            folder.add({AM: 100.0, KIND: kind}, kind=kind)
+        sweep = load.load(folder.save())
+        sweep.sweep.uncertain = {"keys": [AM], "exceedance": {}}
+        with mock.patch.object(opening, "read_statistics", lambda *_: rows), mock.patch.object(sample, "read_statistics", lambda *_: rows):
+            self.assertEqual([(value, place) for value, _, place in opening.numbers(sweep)],
+                             [("0.4", "modulation SM-STM, the highest median"), ("0.3 to 0.5", "modulation SM-STM, the highest median")])
+
     def test_a_swept_modulation_is_the_subject(self):
         folder = Folder(self.root, swept=[KIND, AM])
         reference = case_id(5)

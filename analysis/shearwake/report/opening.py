@@ -75,8 +75,8 @@ def of_receptors(selection: Selection) -> list[Number]:
     """The largest number of spikes of each class, and where."""
     found: list[Number] = []
     for kind, spikes in summary.spikes_of(selection).items():
-        case, most = max(spikes, key=lambda item: item[1])
-        place = summary.places(selection, [case])
+        most = max(count for _, count in spikes)
+        place = summary.places(selection, [case for case, count in spikes if count == most]) if most else "silent in each case"
         found.append((f"{most}", f"spikes of the {kind} afferents", place if len(spikes) > 1 else ""))
     return found
 
@@ -86,9 +86,10 @@ def of_samples(selection: Selection) -> list[Number]:
     best = sample.best(selection)
     if best is None:
         return []
-    column, _, rows = best
+    column, place, rows = best
     name = sample.column_words(selection, column)
     low, high = (amount(rows[q]["value"]) for q in ("q05", "q95"))
+    highest = f"{sample.label(selection, place)}, the highest median" if sample.swept(selection) else ""
     found: list[Number] = []
     statistics = read_statistics(selection.sweep.folder, selection.sweep.name)
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
@@ -98,7 +99,8 @@ def of_samples(selection: Selection) -> list[Number]:
             least, most = (number(100 * row[end], 2) for end in ("low_95", "high_95"))
             found.append((f"{least} to {most} %", f"probability that {sample.column_words(selection, threshold)} exceeds {number(value)} "
                           "(95 % confidence interval)", sample.label(selection, where) + doubt))
-    return [*found, (amount(rows["q50"]["value"]), f"median of {name}", ""), (f"{low} to {high}", f"{name} in 90 % of the samples", "")]
+    return [*found, (amount(rows["q50"]["value"]), f"median of {name}", highest),
+            (f"{low} to {high}", f"{name} in 90 % of the samples", highest)]
 
 
 def of_optima(selection: Selection) -> list[Number]:
