@@ -59,6 +59,12 @@ void secure_streams() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
+/// The text of an error; on a terminal "error:" precedes it, unless it marks its errors itself.
+std::string error_text(const std::string& text) {
+    const bool is_marked = ::isatty(STDERR_FILENO) == 0 || text.find("error:") != std::string::npos;
+    return coloured(is_marked ? text : "error: " + text, stderr);
+}
+
 /// True if mpirun or srun has started this process.
 bool has_launcher() {
     constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMIX_NAMESPACE", "PMI_RANK"};
@@ -221,7 +227,7 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
         code = static_cast<int>(program(world));
     } catch (const UsageError& error) {
         // All ranks throw the same error; only the root prints it.
-        if (world.is_root()) fmt::print(stderr, "{}\n", coloured(error.what(), stderr));
+        if (world.is_root()) fmt::print(stderr, "{}\n", error_text(error.what()));
         code = static_cast<int>(error.code());
     } catch (const std::exception& error) {
         // The error occurred on this rank alone; other ranks may be waiting in a collective call.

@@ -50,6 +50,16 @@ class Output(ProgramTest):
                 os.close(writer)
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    def test_a_reader_of_a_report_may_end_first(self):
+        self.write_job()
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        reader, writer = os.pipe()
+        os.close(reader)
+        done = self.run_with(command("report", self.out), stdout=writer)
+        os.close(writer)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_errors_have_colours_on_a_terminal_unless_they_are_unwanted(self):
         self.write_job(changed(("peak_Pa", "peek_Pa")))
         for settings, expected in (({}, "\x1b[1;31merror:\x1b[0m load.peek_Pa"), ({"NO_COLOR": "1"}, ": error: load.peek_Pa")):
@@ -59,6 +69,19 @@ class Output(ProgramTest):
             self.assertIn(expected, os.read(mine, 100_000).decode())
             os.close(mine)
             os.close(program)
+
+    def test_warnings_of_a_valid_job_and_errors_without_a_place_have_colours_on_a_terminal(self):
+        self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 2.0")))
+        for words, expected in ((("run", "job.toml"), "\x1b[1;33mwarning:\x1b[0m domain.spacing_mm"),
+                                (("plan", "job.toml"), "\x1b[1;33mwarning:\x1b[0m domain.spacing_mm"),
+                                (("run", "missing.toml"), "\x1b[1;31merror:\x1b[0m cannot read missing.toml")):
+            with self.subTest(words=words):
+                mine, program = pty.openpty()
+                subprocess.run(command(*words), cwd=self.folder, env=environment(), stderr=program, stdout=program,
+                               stdin=subprocess.DEVNULL, check=False)
+                self.assertIn(expected, os.read(mine, 100_000).decode())
+                os.close(mine)
+                os.close(program)
 
     def test_reduce_shows_the_first_rows(self):
         self.write_job()

@@ -215,9 +215,10 @@ def main(arguments: list[str]) -> int:
         elif not problems:
             print(document(path, result, selection, damaged), flush=True)
     except OSError as error:
-        print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
-        return ENVIRONMENT
+        if not isinstance(error, BrokenPipeError):  # a reader that closes the pipe, such as head, has read enough
+            print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
+            return ENVIRONMENT
     return 1 if problems else DAMAGED if damaged else 0
 
 

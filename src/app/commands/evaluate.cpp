@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "studies/tables.hpp"
 
@@ -52,7 +53,7 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
             fmt::print("{} = {:.9g}\n", column, value.get<double>());
     fmt::print("results: {}\n", folder.root.string());
     if (const std::string note = cell(table, "note"); !note.empty())
-        fmt::print(stderr, "{}\n", note);
+        fmt::print(stderr, "{}\n", coloured(note, stderr));
 }
 
 ExitCode evaluate_command(const EvaluateArguments& arguments, const Comm& world) {

@@ -323,7 +323,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
 void print_text(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
                 const std::string& next) {
     for (const config::Diagnostic& diagnostic : job.diagnostics)
-        fmt::print("{}\n", config::text(diagnostic));
+        fmt::print("{}\n", coloured(config::text(diagnostic), stdout));
     print_cases(e.cases, arguments.all_cases);
     print_choices(e, job.diagnostics);
     if (arguments.verbose) fmt::print("largest {}\n", e.arrays);
@@ -360,7 +360,7 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
             schedule::excess(estimates.demand, available_B,
                              std::filesystem::path("out") / job.plan.name, schedule::run_elsewhere);
     const std::string too_many = schedule::excessive_team(arguments.ranks_per_case, ranks);
-    if (!too_many.empty()) fmt::print(stderr, "warning: {}\n", too_many);
+    if (!too_many.empty()) fmt::print(stderr, "{}\n", coloured("warning: " + too_many, stderr));
     const std::string next =
         schedule::planned_command_line(arguments.job, arguments.overrides, ranks,
                                        too_many.empty() ? arguments.ranks_per_case : ranks);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "studies/tables.hpp"
@@ -28,15 +29,16 @@ void print_counts(const reduce::ReducedTables& written, const std::filesystem::p
                written.rows == 1 ? "" : "s", written.whole, written.rows - written.whole);
     if (const std::size_t left = written.rows - written.whole; left > 0 && written.whole > 0)
         fmt::print(stderr,
-                   "warning: the table is partial: {} of {} cases ha{} no result, and {} empty; "
+                   "{} the table is partial: {} of {} cases ha{} no result, and {} empty; "
                    "shearwake status {} lists the reasons\n",
-                   left, written.rows, left == 1 ? "s" : "ve",
+                   coloured("warning:", stderr), left, written.rows, left == 1 ? "s" : "ve",
                    left == 1 ? "its row is" : "their rows are", folder.string());
     if (written.not_valid > 0)
         fmt::print("the readings of {} case{} are not valid: see the column note\n",
                    written.not_valid, written.not_valid == 1 ? "" : "s");
     if (written.programs.size() > 1)
-        fmt::print("warning: {} versions of the program computed the cases: {}\n",
+        fmt::print("{} {} versions of the program computed the cases: {}\n",
+                   coloured("warning:", stdout),
                    written.programs.size() == 2 ? "two" : std::to_string(written.programs.size()),
                    fmt::join(written.programs, ", "));
 }
@@ -44,10 +46,10 @@ void print_counts(const reduce::ReducedTables& written, const std::filesystem::p
 void print_damaged(const reduce::ReducedTables& written) {
     if (!written.damaged.empty())
         fmt::print(stderr,
-                   "error: {} damaged case file{}: {}; the rows of these cases are empty, the "
+                   "{} {} damaged case file{}: {}; the rows of these cases are empty, the "
                    "next run computes them again\n",
-                   written.damaged.size(), written.damaged.size() == 1 ? "" : "s",
-                   fmt::join(written.damaged, ", "));
+                   coloured("error:", stderr), written.damaged.size(),
+                   written.damaged.size() == 1 ? "" : "s", fmt::join(written.damaged, ", "));
 }
 
 void print_files(const reduce::ReducedTables& written, const std::filesystem::path& folder) {

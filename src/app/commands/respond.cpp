@@ -156,7 +156,7 @@ std::string canonical(const AfferentOptions& options) {
 
 void print(const pipeline::AfferentResult& result, const std::filesystem::path& out) {
     for (const std::string& note : result.notes)
-        fmt::print(stderr, "warning: {}\n", note);
+        fmt::print(stderr, "{}\n", coloured("warning: " + note, stderr));
     fmt::print("{:>5} {:>10} {:>7} {:>9} {:>9} {:>10} {:>8} {:>14}\n", "class", "afferents",
                "active", "spikes", "rate_Hz", "spread_mm", "locking", "first_spike_ms");
     for (const neural::ClassResponse& r : result.classes) {

@@ -2,6 +2,7 @@
 #include "schedule/run/run.hpp"
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
@@ -263,7 +264,7 @@ storage::RunStart start_of(const RunArguments& arguments, int ranks) {
 /// Prints what is doubtful about the job and the arguments, on rank 0.
 void print_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
                     Progress& progress) {
-    if (!job.diagnostics.empty()) fmt::print(stderr, "{}", warnings_of(job));
+    if (!job.diagnostics.empty()) fmt::print(stderr, "{}", coloured(warnings_of(job), stderr));
     const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
     if (!excess.empty()) progress.say("warning: " + excess);
 }

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/python_module.hpp"
+#include "base/text.hpp"
 #include "config/sweep/uncertain.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
@@ -204,7 +205,7 @@ std::vector<Parameter> read_parameters(const ScanArguments& arguments, bool is_r
     config::check_overrides(tree, overrides, names, diagnostics);
     if (is_root)
         for (const config::Diagnostic& diagnostic : diagnostics.sorted())
-            fmt::print(stderr, "{}\n", config::text(diagnostic));
+            fmt::print(stderr, "{}\n", coloured(config::text(diagnostic), stderr));
     if (parameters.empty())
         throw UsageError(arguments.job.string() +
                              ": [uncertain] names no key; it lists the numbers to be "
