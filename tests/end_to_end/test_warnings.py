@@ -29,6 +29,13 @@ c_s_m_s = 9.0
 
 
 class Warnings(ProgramTest):
+    def test_a_settling_time_in_seconds_is_warned_of(self):
+        self.write_job(WAVES_RETURN)
+        for settled_ms, warns in (("0.02", True), ("2.0", False)):
+            said = self.shearwake("check", "job.toml", "-S", f"measure.settled_after_ms={settled_ms}", "-S",
+                                  "time.output_interval_us=20").said
+            self.assertEqual("nothing settles in this time; settled_after_ms is in ms" in said, warns)
+
     def stored(self):
         found = []
         for path in case_files(self.out):

@@ -190,7 +190,13 @@ void check_units(const Case& c, Notes& notes) {
     for (const Gain& gain : scene.load.modulation.envelope.gains)
         if (const auto* ramp = std::get_if<RampGain>(&gain))
             check_time("load.modulation.ramp_ms", ramp->duration_s);
-    check_time("measure.settled_after_ms", c.measure.settled_after_s);
+    const double settled_s = c.measure.settled_after_s;
+    check_time("measure.settled_after_ms", settled_s);
+    if (is_transient && settled_s >= interval_s && fastest_m_s * settled_s < tiny_share * width_m)
+        notes.add(Severity::warning, "measure.settled_after_ms",
+                  "within {:.3g} ms, shear waves travel {:.3g} mm, but the focus is {:.3g} mm wide "
+                  "(FWHM): nothing settles in this time; settled_after_ms is in ms",
+                  milli(settled_s), milli(fastest_m_s * settled_s), milli(width_m));
 }
 
 /// Tactile pointers (DTP, STP) are felt as points that move. From this many drawings per second on,
