@@ -130,6 +130,19 @@ class Respond(ProgramTest):
                               expect=2).said
         self.says(said, "one per receptor, but found 2")
 
+    def test_motions_in_implausible_units_are_warned_of(self):
+        for header, times, peak, words in (
+                ("t_ms,u_mm", "{:.1f}", 30.0, "warning: the largest displacement is 3e+04 um;"),  # um below u_mm
+                ("t_ms,u_um", "{:.1f}", 6e-5, "warning: the largest displacement is 6e-05 um;"),  # m below u_um
+                ("t_us,u_um", "{:.1f}", 60.0, "warning: the motion lasts 0.02 ms, less than"),  # ms below t_us
+                ("t_ms,u_um", "{:.1f}", 60.0, "")):
+            rows = [f"{times.format(0.2 * k)},{peak * (k == 50)}" for k in range(100)]
+            (self.folder / "m.csv").write_text(header + "\n" + "\n".join(rows) + "\n")
+            said = self.shearwake("respond", "m.csv", "-S", 'afferents.classes=["PC"]').said
+            with self.subTest(words=words):
+                self.assertIn(words, said)
+                self.assertEqual("check the unit" in said, bool(words))
+
     def test_invalid_motions_are_rejected_with_their_position(self):
         for text, words in [("t_ms,u_um\n0,0\n1,nan\n", "pin 0, sample 1"),
                             ("t_ms,u_um\n0,0\n1,x\n", "m.csv: line 3"),

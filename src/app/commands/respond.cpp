@@ -51,6 +51,7 @@ AfferentOptions options_of(const RespondArguments& arguments) {
 struct GivenMotion {
     pipeline::ReceptorMotion motion;
     std::string text; // what was read, with its units; empty: a prescribed carrier
+    std::vector<std::string> doubts;
 };
 
 /// No skin is indented by more.
@@ -64,6 +65,29 @@ void check_depth(const RespondArguments& arguments, const PointMotion& motion) {
                     "{}: a displacement is {:.6g} mm, but at most {:.6g} mm are plausible: check "
                     "the unit of the displacements",
                     arguments.motion.string(), 1e3 * u_m, 1e3 * deepest_m));
+}
+
+/// Warnings of a motion that is probably in other units. Stimulators of studies of the sense of
+/// touch indent the skin by 10 nm to some mm, and a nerve fibre fires at most about once per
+/// millisecond.
+std::vector<std::string> doubts_of(const std::vector<std::vector<double>>& u_m, double rate_Hz) {
+    constexpr double large_m = 5e-3, small_m = 1e-9, short_s = 1e-3;
+    double largest_m = 0.0;
+    for (const std::vector<double>& line : u_m)
+        for (const double value_m : line)
+            largest_m = std::max(largest_m, std::abs(value_m));
+    std::vector<std::string> doubts;
+    if (largest_m > large_m || (largest_m > 0.0 && largest_m < small_m))
+        doubts.push_back(fmt::format("the largest displacement is {:.4g} um; studies of the sense "
+                                     "of touch indent the skin by .01 to some 1000 um: check the "
+                                     "unit of the displacements",
+                                     1e6 * largest_m));
+    if (const auto samples = static_cast<double>(u_m.empty() ? 0 : u_m.front().size());
+        samples < short_s * rate_Hz)
+        doubts.push_back(fmt::format("the motion lasts {:.4g} ms, less than the time between two "
+                                     "spikes of a nerve fibre: check the unit of the times",
+                                     1e3 * samples / rate_Hz));
+    return doubts;
 }
 
 /// "500 samples at 5000 Hz for each of 2 pins, 0 to 60 um".
@@ -84,6 +108,7 @@ std::string range_text(const char* noun, const std::vector<std::vector<double>>&
 /// the file to the options. For a prescribed carrier the motion is zero and has its duration.
 GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
     std::string text;
+    std::vector<std::string> doubts;
     pipeline::ReceptorMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
     const auto* carrier = std::get_if<CarrierInput>(&options.input);
     if (carrier && !arguments.motion.empty())
@@ -106,6 +131,7 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
     } else {
         motion.pins = storage::read_motion(arguments.motion, arguments.group);
         check_depth(arguments, motion.pins);
+        doubts = doubts_of(motion.pins.u_m, motion.pins.rate_Hz);
         if (!motion.pins.at_m.empty()) options.pins_m = motion.pins.at_m;
         if (motion.pins.radius_m && !arguments.overrides_radius())
             options.pin_radius_m = *motion.pins.radius_m;
@@ -124,7 +150,7 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
         text += "; the first index of the array is taken as that of the point, the second as that "
                 "of the time";
     motion.path_m = options.pins_m;
-    return {std::move(motion), std::move(text)};
+    return {std::move(motion), std::move(text), std::move(doubts)};
 }
 
 /// Checks the output path before anything is computed.
@@ -187,6 +213,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     } catch (const CaseFailure& failure) {
         throw UsageError(failure.what());
     }
+    result.notes.insert(result.notes.begin(), given.doubts.begin(), given.doubts.end());
     on_root(world, [&] {
         std::vector<VariableGroup> groups = {{"", {}}};
         pipeline::add_columns(result.columns, groups.front());
