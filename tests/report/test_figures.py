@@ -229,7 +229,7 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(player.detail_that_fits(sweep, sweep.cases, limits), player.Detail(player.MOMENTS))
         player.BUDGET_bytes = 1_500
         detail = player.detail_that_fits(sweep, sweep.cases, limits)
-        data = player.case_data(sweep, sweep.cases[0], limits, detail)
+        data = player.case_data(sweep, sweep.cases[0], limits, detail, "")
         self.assertLess(sum(map(len, data["pictures"])), player.BUDGET_bytes)
         self.assertLess(len(data["times"]), 40)
         self.assertEqual((data["times"][0], data["times"][-1]), (0.1, 4.0))  # the first and the last are kept

@@ -91,18 +91,19 @@ def picture(u_um: np.ndarray, peak: float, lossless: bool) -> str:
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def case_data(selection: load.Selection, case: Case, limits: tuple[float, float, float, float], detail: Detail) -> dict[str,
-              Any]:
-    """The pictures of a case, its path and the positions of its focus, in mm, ms and um."""
+def case_data(selection: load.Selection, case: Case, limits: tuple[float, float, float, float], detail: Detail,
+              modulation: str) -> dict[str, Any]:
+    """The pictures of a case, its path and the positions of its focus, in mm, ms and um. `modulation` names that of the cases that
+    are no references."""
     shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
     parts = [cut(s, limits, detail.widest_px) for s in shots]
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
     path = wake.focus_at(case, case.over_time["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
     period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
-    kind = "" if case.is_reference else layout.modulation(selection)
-    return {"label": ", ".join(part for part in (kind, warnings_of.label(selection, case, "player")) if part), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
-            "extent": parts[0][0], "peaks": peaks, "focus": focus,
+    words = [] if case.is_reference or not modulation else [modulation]
+    return {"label": ", ".join([*words, *filter(None, [warnings_of.label(selection, case, "player")])]), "period": period,
+            "times": [round(1e3 * s.t_s, 6) for s in shots], "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
             "offsets": [rounded(o) for o in wake.offsets_mm(case)],
@@ -238,7 +239,8 @@ def player(selection: load.Selection) -> str:
         return ""
     end, peak, limits = common_view(cases)
     detail = detail_that_fits(selection, cases, limits)
-    stored = [case_data(selection, c, limits, detail) | place for c, place in zip(cases, places_of(selection, cases))]
+    kind = layout.modulation(selection)
+    stored = [case_data(selection, c, limits, detail, kind) | place for c, place in zip(cases, places_of(selection, cases))]
     view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
     data: dict[str, Any] = {"cases": stored, "first": first_shown(selection, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
             "axes": selects_of(selection, cases), "load": load_name(cases), "reference": layout.reference_name(layout.all_references(selection)),
