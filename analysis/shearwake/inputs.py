@@ -83,7 +83,8 @@ def _refuse_links(file: h5py.File) -> None:
 
     if error := file.id.links.visit(visit, info=True):
         raise error
-    _refuse_claims("the file contains values", *total, 3 * ALLOWED_B)
+    claimed, stored = total
+    _refuse_claims("the file contains values", claimed, stored, 3 * ALLOWED_B)
 
 
 def _refuse_link(file: h5py.File, name: bytes, kind: int, total: list[int]) -> None:

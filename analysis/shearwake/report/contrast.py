@@ -36,7 +36,7 @@ def counterpart(selection: Selection, case: Case) -> Case | None:
         return [k for k, v in case.settings.items() if k not in follow and one.settings.get(k) != v]
     found = [c for c in layout.ordinary(selection) if names.get((key, c.settings.get(key))) == text
              and all(body and k.startswith(body[1] + ".") for k in differing(c))]
-    return min(found, key=lambda c: len(differing(c)), default=None)
+    return min(found, key=lambda c: len(differing(c))) if found else None
 
 
 def _follows(selection: Selection, other: str, key: str) -> bool:

@@ -264,7 +264,7 @@ def with_and_without(selection: Selection, compared: list[Case], most: Case) -> 
     low, high = (f(compared, key=lambda c: ratio[c.id]) for f in (min, max))
     ends = [low, high] if ratio[high.id] - ratio[low.id] > 0.005 * ratio[high.id] else [most]
     shown = compared if len({place_of(selection, c) for c in compared}) == len(compared) <= LISTED else ends
-    parts = []
+    parts: list[str] = []
     for case in shown:
         text = f"{number(ratio[case.id], 3)} times"
         place = place_of(selection, case)
