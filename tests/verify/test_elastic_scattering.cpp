@@ -234,8 +234,7 @@ TEST_CASE("an inclined elastic cylinder scatters shear waves as the closed form"
 TEST_CASE("errors of elastic cylinders decrease with first order in the spacing",
           "[long][verify]") {
     // Root mean square over positions on the grid, which scatter by 15 %. First order is a factor
-    // of 0.5; observed 0.46 to 0.54 for stiff bodies. At coarser spacings parts of second order
-    // with the opposite sign reduce the errors.
+    // of 0.5; observed 0.46 to 0.54 for stiff bodies.
     const double modulus = GENERATE(0.1, 3.0, 50.0, 400.0);
     const auto mean = [=](double per_radius) {
         Errors sum;
