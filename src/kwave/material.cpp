@@ -40,7 +40,7 @@ void survey(const Material& m, const pstd::Slabs& slabs, Input& input) {
     limits.alone_s = limits.density_kg_m3 = std::numeric_limits<double>::infinity();
     const double spacing_m = pstd::cubic_spacing_m(input.setup.grid);
     pstd::NodeMaterial last; // most neighbours are equal
-    double last_density = 0.0;
+    std::pair<double, double> last_densities;
     for (std::ptrdiff_t x = m.x0; x < m.x0 + slabs.x_count(); ++x)
         for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y)
             for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z) {
@@ -51,10 +51,11 @@ void survey(const Material& m, const pstd::Slabs& slabs, Input& input) {
                     if (next[0] < slabs.nx() && next[1] < slabs.ny() && next[2] < slabs.nz() &&
                         (m.mu(n) == 0.0) != (m.mu(next) == 0.0))
                         input.fluid_faces += 1.0;
-                const auto [low, high] = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
-                if (here == last && high == last_density) continue;
+                const auto densities = std::minmax({m.rho[0](n), m.rho[1](n), m.rho[2](n)});
+                if (here == last && densities == last_densities) continue;
                 last = here;
-                last_density = high;
+                last_densities = densities;
+                const auto [low, high] = densities;
                 const double modulus = m.lambda(n) + 2.0 * m.mu(n);
                 if (!(modulus > 0.0))
                     throw UsageError(fmt::format("lambda + 2 mu is {} at index ({}, {}, {}); it "

@@ -51,7 +51,7 @@ struct SensationLines {
     std::vector<double> frequencies_Hz;
     double window_s = 0.0; // duration of the window
     double power = 1.0;    // by which sums of squared amplitudes are multiplied
-    std::string reason;    // why there is no level; empty: there is one
+    std::string reason;    // why no level is computed; empty: one is
     /// The factors of u in frame `number` in the complex amplitudes of the acceleration [1/s^2],
     /// with a Hann window each followed by that with the slope of the window [1/s^3]. The
     /// acceleration is the second difference in time, which a constant and a drift do not change,

@@ -108,8 +108,8 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
     return ordered_json({{"columns", columns}, {"cases", cases}}).dump(1) + "\n";
 }
 
-/// The warnings of a case, with their severity and key, the reasons for empty cells and the limits
-/// of levels of sensation, with the columns grouped by reason.
+/// The warnings of a case, with their severity and key, and the reasons for empty cells and limits
+/// of values, with the columns grouped by reason.
 std::vector<std::string> remarks_of(const storage::CaseDigest& digest) {
     std::vector<std::string> remarks;
     for (const Remark& w : digest.warnings)
@@ -118,7 +118,7 @@ std::vector<std::string> remarks_of(const storage::CaseDigest& digest) {
                                       w.key, w.message));
     std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
     for (const storage::IndexedScalar& v : digest.scalars) {
-        if (v.note.empty() || !(std::isnan(v.value) || v.name.starts_with("felt_"))) continue;
+        if (v.note.empty()) continue;
         const auto same = std::find_if(by_reason.begin(), by_reason.end(),
                                        [&](const auto& entry) { return entry.first == v.note; });
         if (same == by_reason.end())

@@ -101,6 +101,11 @@ def value_text(selection: Selection, key: str, value: Any) -> str:
     return labels(selection).get((key, value)) or words.value_text(key, rounded(selection, key, value))
 
 
+def amount_text(selection: Selection, key: str, value: Any) -> str:
+    """The same next to the name of the key."""
+    return labels(selection).get((key, value)) or words.amount_text(key, rounded(selection, key, value))
+
+
 def rounded(selection: Selection, key: str, value: Any) -> Any:
     """The value; that of an uncertain key with four digits, since it is drawn at random."""
     return float(f"{value:.4g}") if selection.sweep.uncertain and key in selection.sweep.uncertain["keys"] else value

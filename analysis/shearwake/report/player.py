@@ -130,7 +130,7 @@ def load_name(cases: list[Case]) -> str:
 def selects_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
     """The axes in words, for the page."""
     of_case = {c.id: warnings_of.label(selection, c, "player") for c in cases}
-    return [{"name": axis["name"], "values": [labels.value_text(selection, axis["key"], v).removeprefix("cs ").removeprefix("cp ") if axis["key"] else of_case[v]
+    return [{"name": axis["name"], "values": [labels.amount_text(selection, axis["key"], v) if axis["key"] else of_case[v]
                                               for v in axis["values"]]} for axis in axes_of(selection, cases)]
 
 

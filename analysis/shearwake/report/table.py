@@ -91,7 +91,7 @@ def row(selection: Selection, case: Case, kinds: list[str], keys: list[str], sho
 
 
 def reasons(case: Case) -> str:
-    """Why columns are empty: 'peak_frequency_Hz, snr_1: reason; mach_angle_deg: another reason'."""
+    """Why columns are empty, and limits of values: 'peak_frequency_Hz, snr_1: reason; mach_angle_deg: another reason'."""
     columns: dict[str, list[str]] = {}
     for column, reason in case.notes.items():
         columns.setdefault(reason, []).append(column)

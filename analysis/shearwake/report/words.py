@@ -84,28 +84,31 @@ def millimetres(value: float) -> str:
     return number(round(float(value), 3))
 
 
-def value_text(key: str, value: str | float) -> str:
-    """The value with its unit: '200 Hz', '3 mm', 'AM-STM'."""
+def amount_text(key: str, value: str | float) -> str:
+    """The value with its unit, next to the name of its key: '200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
         if split_unit(key)[0] == "foci":
             count = value.count("[") - 1
             return "1 focus" if count == 1 else f"{count} foci"
         return table_text(value) if value.startswith("{") else value
-    word, unit = split_unit(key)
-    if word in ("c_s", "c_p"):  # "4 m/s" alone could be the speed of the focus
-        return f"{word.replace('_', '')} {number(float(value), 6)}\u00a0{unit}"
+    unit = split_unit(key)[1]
     gap = "" if unit in ("", "°") else "\u00a0"
     return f"{number(float(value), 6)}{gap}{unit}"
+
+
+def value_text(key: str, value: str | float) -> str:
+    """The value with its unit. "4 m/s" alone could be the speed of the focus: 'cs 4 m/s'."""
+    word = split_unit(key)[0]
+    return f"{word.replace('_', '')} " * (word in ("c_s", "c_p")) + amount_text(key, value)
 
 
 def setting_text(name: str, key: str, value: str | float) -> str:
     """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM', '4 foci'. `name` is that
     of the key, as from key_name()."""
     title, _, place = name.partition(", ")
-    amount = value_text(key, value)
+    amount = amount_text(key, value)
     if split_unit(key)[0] in ("foci", "preset"):
         return f"{amount}, {place}" if place else amount
-    amount = amount.removeprefix("cs ").removeprefix("cp ")  # the title states which speed it is
     return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
 
 

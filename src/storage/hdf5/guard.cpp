@@ -3,8 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -60,7 +62,7 @@ constexpr int out_of_memory = 2; // exit code of such a child
 
 /// Throws UsageError if the file system stores less than a hundredth of a file above 64 MB.
 void refuse_holes(const std::filesystem::path& path, double size_B) {
-    const int file = size_B > 64e6 ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
+    const int file = size_B > always_allowed_B ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
     if (file < 0) return; // HDF5 reports why it cannot open it
     double stored_B = 0.0;
     off_t start = 0;
@@ -116,6 +118,67 @@ void must_survive(const std::filesystem::path& file, const std::function<void()>
         throw Error(fmt::format("{} is damaged in a way that crashes the HDF5 library or keeps it "
                                 "busy for more than {:.0f} s",
                                 file.string(), seconds));
+}
+
+namespace {
+
+/// The number of bytes of the values of a dataset, in floating point, where claims do not overflow.
+double claimed_B(hid_t dataset) {
+    const h5::Id space(H5Dget_space(dataset), H5Sclose, "inspect a dataset"),
+        type(H5Dget_type(dataset), H5Tclose, "inspect a dataset");
+    return static_cast<double>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space.raw()), 0)) *
+           static_cast<double>(std::max(H5Tget_size(type.raw()), sizeof(double)));
+}
+
+/// Rejects values in other files (external storage and virtual datasets), and chunks that are
+/// larger than the dataset, since HDF5 allocates complete chunks.
+void require_own_values(hid_t dataset, const std::string& name) {
+    const h5::Id creation(H5Dget_create_plist(dataset), H5Pclose, "inspect dataset " + name);
+    if (H5Pget_external_count(creation.raw()) > 0 || H5Pget_layout(creation.raw()) == H5D_VIRTUAL)
+        throw Error(fmt::format(
+            "dataset \"{:.200}\" stores its values in another file, which is not read", name));
+    if (H5Pget_layout(creation.raw()) != H5D_CHUNKED) return;
+    std::array<hsize_t, H5S_MAX_RANK> extents{};
+    const int rank = H5Pget_chunk(creation.raw(), H5S_MAX_RANK, extents.data());
+    double chunk_B = sizeof(double);
+    for (int n = 0; n < rank; ++n)
+        chunk_B *= static_cast<double>(extents[static_cast<std::size_t>(n)]);
+    if (chunk_B > std::max(always_allowed_B, claimed_B(dataset)))
+        throw Error(
+            fmt::format("dataset \"{:.200}\" has chunks of {:.0f} MB, more than the dataset", name,
+                        chunk_B / 1e6));
+}
+
+struct Contents {
+    std::string error;
+    double claimed_B = 0.0; // of all datasets
+};
+
+} // namespace
+
+double require_self_contained(hid_t file) {
+    Contents contents;
+    const auto visit = [](hid_t root, const char* name, const H5L_info_t* link,
+                          void* out) -> herr_t {
+        auto& found = *static_cast<Contents*>(out);
+        try {
+            if (link->type > H5L_TYPE_SOFT)
+                throw Error(fmt::format(
+                    "the link \"{:.200}\" leads to another file, which is not read", name));
+            if (link->type != H5L_TYPE_HARD) return 0;
+            const h5::Id object(H5Oopen(root, name, H5P_DEFAULT), H5Oclose, "open an object");
+            if (H5Iget_type(object.raw()) != H5I_DATASET) return 0;
+            require_own_values(object.raw(), name);
+            found.claimed_B += claimed_B(object.raw());
+        } catch (const std::exception& error) { // no exception may pass through the C library
+            found.error = error.what();
+            return 1;
+        }
+        return 0;
+    };
+    h5::check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &contents), "list the links");
+    if (!contents.error.empty()) throw Error(contents.error);
+    return contents.claimed_B;
 }
 
 } // namespace shearwake::storage

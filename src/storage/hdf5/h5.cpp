@@ -4,7 +4,6 @@
 #include "parallel/agree.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <hdf5_hl.h>
@@ -52,67 +51,6 @@ std::optional<std::string> system_reason(const std::string& message) {
 
 /// Limit of the length of a text in user files.
 constexpr std::size_t longest_plausible = std::size_t{1} << 24;
-
-/// The number of bytes of the values of a dataset, in floating point, where claims do not overflow.
-double claimed_B(hid_t dataset) {
-    const Id space(H5Dget_space(dataset), H5Sclose, "inspect a dataset"),
-        type(H5Dget_type(dataset), H5Tclose, "inspect a dataset");
-    return static_cast<double>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space.raw()), 0)) *
-           static_cast<double>(std::max(H5Tget_size(type.raw()), sizeof(double)));
-}
-
-/// Rejects values in other files (external storage and virtual datasets), and chunks that are
-/// larger than the dataset, since HDF5 allocates complete chunks.
-void require_own_values(hid_t dataset, const std::string& name) {
-    const Id creation(H5Dget_create_plist(dataset), H5Pclose, "inspect dataset " + name);
-    if (H5Pget_external_count(creation.raw()) > 0 || H5Pget_layout(creation.raw()) == H5D_VIRTUAL)
-        throw Error(fmt::format(
-            "dataset \"{:.200}\" stores its values in another file, which is not read", name));
-    if (H5Pget_layout(creation.raw()) != H5D_CHUNKED) return;
-    std::array<hsize_t, H5S_MAX_RANK> extents{};
-    const int rank = H5Pget_chunk(creation.raw(), H5S_MAX_RANK, extents.data());
-    double chunk_B = sizeof(double);
-    for (int n = 0; n < rank; ++n)
-        chunk_B *= static_cast<double>(extents[static_cast<std::size_t>(n)]);
-    if (chunk_B > std::max(64e6, claimed_B(dataset)))
-        throw Error(
-            fmt::format("dataset \"{:.200}\" has chunks of {:.0f} MB, more than the dataset", name,
-                        chunk_B / 1e6));
-}
-
-struct Contents {
-    std::string error;
-    double claimed_B = 0.0; // of all datasets
-};
-
-/// User files may refer to any file on the machine, but only the file itself is read: throws Error
-/// with the name of the first link of the file that leads to another file, or of the
-/// first dataset that require_own_values() rejects. Follows no link. Returns the bytes of the
-/// values of all datasets.
-double require_self_contained(hid_t file) {
-    Contents contents;
-    const auto visit = [](hid_t root, const char* name, const H5L_info_t* link,
-                          void* out) -> herr_t {
-        auto& found = *static_cast<Contents*>(out);
-        try {
-            if (link->type > H5L_TYPE_SOFT)
-                throw Error(fmt::format(
-                    "the link \"{:.200}\" leads to another file, which is not read", name));
-            if (link->type != H5L_TYPE_HARD) return 0;
-            const Id object(H5Oopen(root, name, H5P_DEFAULT), H5Oclose, "open an object");
-            if (H5Iget_type(object.raw()) != H5I_DATASET) return 0;
-            require_own_values(object.raw(), name);
-            found.claimed_B += claimed_B(object.raw());
-        } catch (const std::exception& error) { // no exception may pass through the C library
-            found.error = error.what();
-            return 1;
-        }
-        return 0;
-    };
-    check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &contents), "list the links");
-    if (!contents.error.empty()) throw Error(contents.error);
-    return contents.claimed_B;
-}
 
 /// The attribute must be a single value.
 void must_be_single(const Id& attribute, const std::string& name) {
@@ -214,7 +152,8 @@ Id open_file(const std::filesystem::path& path, Access access) {
         if (access == Access::read) {
             constexpr double buffers_B = 60e6; // of the library
             // Copies of the values, some of which are converted or reordered.
-            storage::limit_trial_memory(buffers_B + 4.0 * require_self_contained(file.raw()));
+            storage::limit_trial_memory(buffers_B +
+                                        4.0 * storage::require_self_contained(file.raw()));
         }
         return file;
     }

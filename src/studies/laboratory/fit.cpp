@@ -207,9 +207,8 @@ std::vector<Parameter> read_parameters(const ScanArguments& arguments, bool is_r
         for (const config::Diagnostic& diagnostic : diagnostics.sorted())
             fmt::print(stderr, "{}\n", coloured(config::text(diagnostic), stderr));
     if (parameters.empty())
-        throw UsageError(arguments.job.string() +
-                             ": [uncertain] names no key; it lists the numbers to be "
-                             "estimated with their bounds and priors",
+        throw UsageError(arguments.job.string() + ": [uncertain] names no key; it lists the keys "
+                                                  "to be estimated with bounds and priors",
                          ExitCode::bad_job);
     return parameters;
 }
