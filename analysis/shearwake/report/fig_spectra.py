@@ -228,7 +228,7 @@ def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figu
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    _, charts = draw_rows(selection, rows, f"amplitude / {name} (1)", relative,
+    _, charts = draw_rows(selection, rows, f"amplitude / largest of {name} (1)", relative,
                           folder / "spectra_relative.png")
     text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
