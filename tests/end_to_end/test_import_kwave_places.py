@@ -57,6 +57,14 @@ class Places(FilesTest):
         self.imported("study.mat")
         with h5py.File(study_file) as file:
             numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
+        # 0.5 less one unit in the last place is below the half.
+        below = 1e-3 * numpy.nextafter(0.5, 0.0)
+        while below / 1e-3 >= 0.5:
+            below = numpy.nextafter(below, 0.0)
+        study_file = self.changed(sensor={"mask": numpy.array([[below], [-below], [0.0]])}, options={"CartInterp": "nearest"})
+        self.imported("study.mat")
+        with h5py.File(study_file) as file:
+            numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[5, 4, 4]])
 
     def test_cartesian_points_are_weighted_means_of_eight_nodes(self):
         at_mm = numpy.array([[0.25, 0.0, -1.0], [4.0, -4.0, 6.0]]).T

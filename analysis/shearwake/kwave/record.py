@@ -45,7 +45,7 @@ def read_sensor(study, sensor):
     elif mask.ndim in (1, 2) and mask.shape[0] == 6:
         read_corners(study, mask)
     elif mask.shape[0] == 3:
-        read_points(study, mask.reshape(3, -1).T / study.spacing_m + (study.points - 2 * study.first) // 2)
+        read_points(study, mask.reshape(3, -1).T / study.spacing_m)
     else:
         transposed = mask.ndim == 2 and mask.shape[1] in (3, 6)
         raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
@@ -74,18 +74,22 @@ def read_corners(study, mask):
         for box in study.cuboids]) + study.first
 
 
-def read_points(study, at):
-    """Cartesian points as indices from 0 that lie between the nodes, (point, axis)."""
+def read_points(study, from_centre):
+    """Cartesian points between the nodes, in spacings from the central node, (point, axis)."""
     points, centre = study.points - 2 * study.first, (study.points - 2 * study.first) // 2
     interpolation = study.options.text("CartInterp", "linear")
     if interpolation not in ("linear", "nearest"):
         raise BadInput(f"options.CartInterp is \"{interpolation}\"; it must be \"linear\" or \"nearest\"")
     if interpolation == "nearest":  # of the points at one node only the last remains, as in k-Wave
-        at = np.sign(at - centre) * np.floor(np.abs(at - centre) + 0.5) + centre  # round() of MATLAB
+        # round() of MATLAB: half away from zero. In cart2grid of k-Wave, the index of the centre is added afterwards: the
+        # rounding error of an earlier sum would move points near the half.
+        whole = np.trunc(from_centre)
+        at = whole + np.sign(from_centre) * (np.abs(from_centre - whole) >= 0.5) + centre
         check_inside(study, at)
         last = {tuple(node): number for number, node in enumerate(at.astype(int))}
         study.sensor_nodes = np.array(sorted(last, key=last.__getitem__)) + study.first
         return
+    at = from_centre + centre
     if not np.all((at > -1e-9) & (at < points - 1 + 1e-9)):  # also for NaN
         raise BadInput("sensor.mask has points outside of the grid")
     low = np.clip(np.floor(at + 1e-9).astype(int), 0, points - 2)
