@@ -3,7 +3,7 @@
 
 #include "engines/spectral/bodies/endless_bodies.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
-#include "engines/spectral/receptor_stress.hpp"
+#include "engines/spectral/stepping/receptor_stress.hpp"
 #include "simd/kernels.hpp"
 #include "support/growing_motion.hpp"
 #include "support/spectral_cases.hpp"
@@ -108,7 +108,7 @@ public:
         for (Eigen::Index i = 0; i < forces.size(); ++i)
             if (i % spectral::marker_components != spectral::along)
                 step_forces[static_cast<std::size_t>(2 * i)] = forces[i];
-        receptors.give({u.data(), u.data()}, step_forces, 0, store);
+        receptors.emit({u.data(), u.data()}, step_forces, 0, store);
         std::vector<Stress> all;
         for (std::size_t n = 0; n < downs_m.size(); ++n)
             for (std::ptrdiff_t i = 0; i < case_.domain.nx; ++i)

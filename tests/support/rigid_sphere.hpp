@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/receptor_stress.hpp"
+#include "engines/spectral/stepping/receptor_stress.hpp"
 #include "support/displacement_at.hpp"
 #include "support/growing_motion.hpp"
 #include "support/spectral_cases.hpp"

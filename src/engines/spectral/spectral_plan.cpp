@@ -9,7 +9,7 @@
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_variation.hpp"
-#include "engines/spectral/receptor_stress.hpp"
+#include "engines/spectral/stepping/receptor_stress.hpp"
 #include "engines/spectral/stepping/stages.hpp"
 #include "fft/slab_transform.hpp"
 

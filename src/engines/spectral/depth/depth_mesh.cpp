@@ -63,6 +63,13 @@ UsageError too_fine(const Case& c, double h_m) {
 
 } // namespace
 
+std::vector<double> DepthMesh::clear_levels_m() const {
+    std::vector<double> levels_m;
+    for (std::size_t level = 0; level < clear_levels(); ++level)
+        levels_m.push_back(z_m(level));
+    return levels_m;
+}
+
 std::size_t DepthMesh::clear_levels() const {
     std::size_t clear = elements();
     // Tolerance for rounding errors.

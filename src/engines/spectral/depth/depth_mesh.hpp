@@ -57,6 +57,8 @@ struct DepthMesh {
     /// Number of levels whose motion is that of the medium: all above the absorber, including its
     /// top.
     std::size_t clear_levels() const;
+    /// Their depths in metres.
+    std::vector<double> clear_levels_m() const;
     /// Depth of the top of the absorber, or of the base.
     double clear_depth_m() const { return ends_m.back() - (bottom ? bottom->depth_m : 0.0); }
 };

@@ -38,6 +38,24 @@ protected:
 // The state must outlive the stages. Their allocations throw CaseFailure on all ranks together.
 // Collective.
 
+/// What a run passes to its observer (output_stage.cpp): u_z at the measured depths for each frame,
+/// the displacement of each snapshot, and strain and stress, which need the step after the frame or
+/// snapshot: `advance` saves what that step overwrites.
+class OutputStage : public Stage {
+public:
+    using Stage::Stage;
+    /// Passes the frame and the snapshot at the end of the last step, and the strain and stress at
+    /// its start. Collective.
+    virtual void emit(engines::Observer& observer) = 0;
+    /// Whether strain or stress at the current time need one more step. Not collective.
+    virtual bool needs_next_step() const = 0;
+};
+/// `per_frame`: number of steps of a frame.
+std::unique_ptr<OutputStage> make_output(StepState& state, std::ptrdiff_t per_frame);
+/// u_z [m] at a depth as rows of the transposed spectrum, in the layout of SlabTransform. Not
+/// collective.
+void put_plane_of_w(const StepState& state, double depth_m, double* plane);
+
 /// Removes a share of the velocity in the margin of the domain (sponge_stage.cpp).
 std::unique_ptr<Stage> make_sponge(StepState& state);
 /// Interval of the sponge in steps (0: no sponge) and the number of points of its planes.

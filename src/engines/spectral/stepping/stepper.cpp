@@ -6,8 +6,13 @@
 namespace shearwake::spectral {
 
 Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                 double step_s, const Comm& team)
+                 double step_s, const Comm& team, std::ptrdiff_t per_frame)
     : state_(c, mesh, slabs, step_s, team) {
+    if (per_frame > 0) {
+        auto output = make_output(state_, per_frame);
+        output_ = output.get();
+        stages_.push_back(std::move(output));
+    }
     const std::optional<BoxGrid> grid = box();
     uses_box_ = grid.has_value();
     stages_.push_back(make_sponge(state_));
@@ -34,6 +39,12 @@ void Stepper::advance() {
     for (const auto& stage : stages_)
         stage->advance();
     state_.end_step();
+}
+
+void Stepper::finish(engines::Observer& observer) {
+    if (!output_ || !output_->needs_next_step()) return;
+    advance();
+    output_->emit(observer);
 }
 
 std::vector<engines::Array> Stepper::arrays() const {

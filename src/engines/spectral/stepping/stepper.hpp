@@ -21,42 +21,42 @@ namespace shearwake::spectral {
 /// every solve with B is followed by one for the forces at their markers.
 ///
 /// A step from n dt to (n + 1) dt consists of these stages, in this order:
-///   1. sponge      every few steps, removes a share of u - u- in the margin of the domain;
-///   2. pencils     d = B^-1 (f - K u - C (u - u-)/dt + explicit stress of elastic bodies), u+;
-///   3. energy      compares the kinetic energy with the work of the load;
-///   4. constraint  adds the response to the forces at the markers of rigid bodies to d;
-///   5. variation   iterates for e, adds B^-1 E^T S e to d, and advances the strains.
-/// If a box contains the elastic bodies and there are no rigid ones, 2 yields d without elastic
-/// bodies, and 5 adds the response to their explicit and implicit stress together.
-class Stepper {
+///   1. output      saves what strain and stress at the start of the step need;
+///   2. sponge      every few steps, removes a share of u - u- in the margin of the domain;
+///   3. pencils     d = B^-1 (f - K u - C (u - u-)/dt + explicit stress of elastic bodies), u+;
+///   4. energy      compares the kinetic energy with the work of the load;
+///   5. constraint  adds the response to the forces at the markers of rigid bodies to d;
+///   6. variation   iterates for e, adds B^-1 E^T S e to d, and advances the strains.
+/// If a box contains the elastic bodies and there are no rigid ones, 3 yields d without elastic
+/// bodies, and 6 adds the response to their explicit and implicit stress together.
+class Stepper : public engines::Marching {
 public:
-    /// Throws CaseFailure on all ranks together. Collective.
+    /// `per_frame`: number of steps of a frame; 0 if there is no output. Throws CaseFailure on all
+    /// ranks together. Collective.
     Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
-            const Comm& team);
+            const Comm& team, std::ptrdiff_t per_frame = 0);
 
     /// Advances from t = n dt to (n + 1) dt. Throws CaseFailure or FieldDiverges on all ranks
     /// together. Collective.
-    void advance();
-    /// Number of steps so far.
-    std::ptrdiff_t step() const { return state_.step; }
+    void advance() override;
+    std::ptrdiff_t step() const override { return state_.step; }
+    void give(engines::Observer& observer) override {
+        if (output_) output_->emit(observer);
+    }
+    /// To be called after the last step: takes one more step if the strain or stress at its end is
+    /// required. Collective.
+    void finish(engines::Observer& observer);
 
-    /// Save and restore everything that changes from step to step; the stepper must be of the same
-    /// case. Collective.
-    void save(StateWriter& state) const;
-    void restore(const StateReader& state);
+    /// The stepper must be of the same case.
+    void save(StateWriter& state) const override;
+    void restore(const StateReader& state) override;
 
     /// The arrays of all stages on this rank. Not collective.
     std::vector<engines::Array> arrays() const;
 
     EnergyBalance energy() { return energy_of(state_); }
 
-    /// u_z [m] at a depth as rows of the transposed spectrum, in the layout of SlabTransform. Not
-    /// collective.
-    void plane_of_w(double depth_m, double* plane) const;
-
-    /// A component of u (0: x, 1: y, 2: z) at a level, in the same layout as plane_of_w(). Not
-    /// collective.
-    void plane_of_u(std::size_t component, std::size_t level, double* plane) const;
+    void plane_of_w(double depth_m, double* plane) const { put_plane_of_w(state_, depth_m, plane); }
 
     /// The pencils of the displacement at the current and the previous step, row by row.
     const fft::AlignedVector<Block>& now() const { return state_.now; }
@@ -78,6 +78,7 @@ private:
     StepState state_;
     bool uses_box_;
     std::vector<std::unique_ptr<Stage>> stages_;
+    OutputStage* output_ = nullptr; // among the stages
 };
 
 } // namespace shearwake::spectral

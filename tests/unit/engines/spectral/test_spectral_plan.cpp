@@ -115,9 +115,16 @@ TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
                                     .rigid = true}};
         expected.emplace_back("rigid lumps");
     }
+    SECTION("with strain, stress and receptors") {
+        c.record.volumes_s = {c.time.frame_s(0)};
+        c.record.volume_fields = {VolumeField::strain, VolumeField::stress};
+        c.afferents.emplace();
+        c.afferents->input = StressInput{};
+        expected.insert(expected.end(), {"volumes of strain and stress", "stress at receptors"});
+    }
     const Comm alone = Comm::world().split(Comm::world().rank());
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
+    spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone, 1);
     stepper.advance(); // the first iteration in a box allocates its right-hand side
     std::vector<std::string> found;
     for (const engines::Array& array : stepper.arrays()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/tensor_volumes.hpp"
+#include "engines/spectral/stepping/tensor_volumes.hpp"
 
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
@@ -36,12 +36,9 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         pressure_.assign(mesh.rule.nodes.size() * plane, 0.0);
         pencil_.assign(pencil, Block{});
         earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, Block{});
-        std::vector<double> levels_m;
-        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
-            levels_m.push_back(mesh.z_m(level));
         if (bodies)
             near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
-                                                levels_m, Corrected::all_components});
+                                                mesh.clear_levels_m(), Corrected::all_components});
     });
 }
 
@@ -55,14 +52,21 @@ double* TensorVolumes::line(fft::AlignedVector<double>& planes, std::ptrdiff_t n
     return plane(planes, number) + 2 * row * vectors_.nx();
 }
 
-void TensorVolumes::remember(const Stepper& stepper) {
-    std::copy(stepper.before().begin(), stepper.before().end(), earlier_.begin());
+void TensorVolumes::remember(const StepState& state) {
+    std::copy(state.before.begin(), state.before.end(), earlier_.begin());
+}
+
+double TensorVolumes::allocated_B() const {
+    double values = 0.0;
+    for (const auto* planes : {&now_, &rate_, &strain_, &stress_, &pressure_})
+        values += static_cast<double>(planes->size());
+    return values * sizeof(double) + static_cast<double>(earlier_.size() * sizeof(Block));
 }
 
 /// The displacement of one pencil before, at and after the snapshot.
-TensorVolumes::Steps TensorVolumes::steps(const Stepper& stepper, std::ptrdiff_t pencil) const {
+TensorVolumes::Steps TensorVolumes::steps(const StepState& state, std::ptrdiff_t pencil) const {
     const std::ptrdiff_t at = pencil * 3 * static_cast<std::ptrdiff_t>(mesh_.levels() - 1) * parts;
-    return {earlier_.data() + at, stepper.before().data() + at, stepper.now().data() + at};
+    return {earlier_.data() + at, state.before.data() + at, state.now.data() + at};
 }
 
 /// Adds the scheme's average over three steps, times a weight per lane.
@@ -75,7 +79,7 @@ void TensorVolumes::add_mean(const Steps& u, std::ptrdiff_t i, const auto& weigh
 
 /// Computes lambda div(u + ...) at the nodes of an element, smoothed over depth, as physical
 /// planes.
-void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
+void TensorVolumes::find_pressure(const StepState& state, std::size_t element) {
     const std::ptrdiff_t nodes = mesh_.degree + 1, reals = slabs_.share().reals;
     const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
@@ -83,7 +87,7 @@ void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Steps u = steps(stepper, row * vectors_.blocks() + block);
+            const Steps u = steps(state, row * vectors_.blocks() + block);
             const WaveBlock waves = vectors_.waves(row, block);
             for (std::ptrdiff_t q = 0; q < nodes; ++q) {
                 Block dilation[parts] = {}; // W' - k U
@@ -127,7 +131,7 @@ void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
 }
 
 /// Computes strain and strain rate at one node as physical planes.
-void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point) {
+void TensorVolumes::find_strain(const StepState& state, const StrainPoint& point) {
     const std::ptrdiff_t reals = slabs_.share().reals;
     const StrainTransfer strains(mesh_, {point}, strain_components);
     const PencilKernels& kernels = simd::kernels<PencilKernels>();
@@ -136,7 +140,7 @@ void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point
     const std::ptrdiff_t count = std::min<std::ptrdiff_t>(mesh_.degree + 1, levels - first);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Steps u = steps(stepper, row * vectors_.blocks() + block);
+            const Steps u = steps(state, row * vectors_.blocks() + block);
             Block* change = pencil_.data();
             const auto subtract = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
                 kernels.difference(end - begin, 0.5 / step_s_, u.later + begin, u.earlier + begin,
@@ -202,11 +206,11 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
     });
 }
 
-void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
+void TensorVolumes::emit(const StepState& state, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
-    if (near_) near_->take(stepper.bodies().step_forces());
+    if (near_) near_->take(state.bodies->step_forces());
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
-        find_pressure(stepper, element);
+        find_pressure(state, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
             const std::size_t level =
                 element * static_cast<std::size_t>(mesh_.degree) + static_cast<std::size_t>(node);
@@ -216,11 +220,11 @@ void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std
             if (!second)
                 for (auto* planes : {&strain_, &stress_})
                     std::fill(planes->begin(), planes->end(), 0.0);
-            find_strain(stepper, {element, node});
+            find_strain(state, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // the adjacent element follows
             if (near_) together(team_, [&] { correct({element, node}); });
-            give_level(inside, snapshot, level, observer);
+            emit_level(inside, snapshot, level, observer);
         }
     }
 }
@@ -242,7 +246,7 @@ void TensorVolumes::correct(const StrainPoint& point) {
     }
 }
 
-void TensorVolumes::give_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
+void TensorVolumes::emit_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
                                engines::Observer& observer) {
     const std::vector<VolumeField>& fields = case_.record.volume_fields;
     for (std::size_t field = 0; field < fields.size(); ++field) {

@@ -3,7 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
-#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/step_state.hpp"
 
 #include <array>
 #include <vector>
@@ -39,8 +39,9 @@ public:
     /// Passes the stress at `frame` to the observer, for the displacement at the frame and after
     /// the next step, and the forces at the markers of the bodies, RigidBodies::step_forces().
     /// Collective.
-    void give(const Steps& steps, const std::vector<double>& forces, std::ptrdiff_t frame,
+    void emit(const Steps& steps, const std::vector<double>& forces, std::ptrdiff_t frame,
               engines::Observer& observer);
+    double allocated_B() const;
     /// Number of planes that are transformed per frame, as far as it follows from the case.
     static double planes(const Case& c, const DepthMesh& mesh);
 

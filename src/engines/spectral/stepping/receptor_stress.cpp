@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/receptor_stress.hpp"
+#include "engines/spectral/stepping/receptor_stress.hpp"
 
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
@@ -113,6 +113,14 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         if (!surfaces_.empty())
             strain_.resize(strain_components * static_cast<std::size_t>(slabs.share().reals));
     });
+}
+
+double ReceptorStress::allocated_B() const {
+    const std::size_t reals = plane_.size() + compression_.size() + strain_.size();
+    std::size_t blocks = kept_.size();
+    for (const Surfaces& surfaces : surfaces_)
+        blocks += surfaces.kept.size();
+    return static_cast<double>(reals * sizeof(double) + blocks * sizeof(Block));
 }
 
 void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t element,
@@ -281,7 +289,7 @@ void ReceptorStress::add_across(Surfaces& surfaces, const Steps& steps) {
     add_stress(&Surfaces::Cell::viscosity);
 }
 
-void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
+void ReceptorStress::emit(const Steps& steps, const std::vector<double>& forces,
                           std::ptrdiff_t frame, engines::Observer& observer) {
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;

@@ -4,7 +4,7 @@
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
-#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/step_state.hpp"
 #include "problem/medium/material_field.hpp"
 
 namespace shearwake::spectral {
@@ -33,11 +33,12 @@ public:
     bool wanted() const { return wanted_; }
     /// Saves what the next step overwrites; to be called before the step that follows a snapshot.
     /// Not collective.
-    void remember(const Stepper& stepper);
+    void remember(const StepState& state);
     /// Passes the planes of the snapshot to the observer; to be called after that step. Strain and
     /// stress are zero inside rigid bodies. Collective.
-    void give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
+    void emit(const StepState& state, const InsideBodies& inside, std::size_t snapshot,
               engines::Observer& observer);
+    double allocated_B() const;
 
 private:
     struct Steps {
@@ -50,17 +51,17 @@ private:
             return cells.empty() ? layer : cells[static_cast<std::size_t>(cell)];
         }
     };
-    Steps steps(const Stepper& stepper, std::ptrdiff_t pencil) const;
+    Steps steps(const StepState& state, std::ptrdiff_t pencil) const;
     static void add_mean(const Steps& u, std::ptrdiff_t i, const auto& weight, Block& to);
     Materials materials_at(const StrainPoint& point) const;
     void for_each_cell(const auto& f) const;
-    void find_pressure(const Stepper& stepper, std::size_t element);
-    void find_strain(const Stepper& stepper, const StrainPoint& point);
+    void find_pressure(const StepState& state, std::size_t element);
+    void find_strain(const StepState& state, const StrainPoint& point);
     /// Adds the results at a node times `share` to strain_ and stress_.
     void add(const StrainPoint& point, double share);
     /// Corrects strain_ and stress_ of a level around rigid bodies.
     void correct(const StrainPoint& point);
-    void give_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
+    void emit_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
                     engines::Observer& observer);
     double* plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const;
     double* line(fft::AlignedVector<double>& planes, std::ptrdiff_t number,

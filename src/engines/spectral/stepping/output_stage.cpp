@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/rigid_choice.hpp"
+#include "engines/spectral/stepping/receptor_stress.hpp"
+#include "engines/spectral/stepping/stages.hpp"
+#include "engines/spectral/stepping/tensor_volumes.hpp"
+#include "parallel/agree.hpp"
+#include "simd/kernels.hpp"
+
+#include <algorithm>
+
+namespace shearwake::spectral {
+namespace {
+
+/// A component of u at one node: u_x = i (c U - s V), u_y = i (s U + c V), u_z = W.
+void component_of(std::size_t component, const WaveBlock& waves, const Block* uw, const Block* v,
+                  Block* value) {
+    for (std::ptrdiff_t p = 0; p < parts; ++p) {
+        for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
+            const double k = waves.k[lane], kx = p < minus_re ? waves.kx[lane] : -waves.kx[lane];
+            const double c = k > 0.0 ? kx / k : 1.0, s = k > 0.0 ? waves.ky / k : 0.0;
+            value[p][lane] = component == 0   ? c * uw[p][lane] - s * v[p][lane]
+                             : component == 1 ? s * uw[p][lane] + c * v[p][lane]
+                                              : uw[parts + p][lane];
+        }
+    }
+    if (component == 2) return;
+    for (const std::ptrdiff_t p : {plus_re, minus_re}) {
+        std::swap(value[p], value[p + 1]);
+        for (double& negated : value[p].lane)
+            negated = -negated;
+    }
+}
+
+/// A component of u (0: x, 1: y, 2: z) at a level, in the layout of put_plane_of_w(). Not
+/// collective.
+void put_plane_of_u(const StepState& s, std::size_t component, std::size_t level, double* plane) {
+    const auto at_level = static_cast<std::ptrdiff_t>(level);
+    const LineKernels& lines = simd::kernels<LineKernels>();
+    for (std::ptrdiff_t row = 0; row < s.vectors.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < s.vectors.blocks(); ++block) {
+            const Block* u = s.u(s.pencil(row, block));
+            const WaveBlock waves = s.vectors.waves(row, block);
+            Block value[parts] = {};
+            if (at_level < s.vertical.levels())
+                component_of(component, waves, u + 2 * at_level * parts,
+                             u + (s.vertical.psv() + at_level) * parts, value);
+            lines.put(waves, {}, value, plane + 2 * row * s.vectors.nx());
+        }
+    }
+    s.vectors.clear_nyquist(plane);
+}
+
+class Output : public OutputStage {
+public:
+    Output(StepState& state, std::ptrdiff_t per_frame);
+    void advance() override;
+    std::vector<engines::Array> arrays() const override;
+    // What is saved for the start of a step is emitted at its end, before a checkpoint.
+    void save(StateWriter&) const override {}
+    void restore(const StateReader&) override {}
+    void emit(engines::Observer& observer) override;
+    bool needs_next_step() const override;
+
+private:
+    /// The snapshot at the current time, if any.
+    std::optional<std::size_t> snapshot() const;
+    void emit_earlier(engines::Observer& observer);
+    void emit_frame(std::ptrdiff_t number, engines::Observer& observer);
+    void emit_displacement(std::size_t snapshot, std::size_t field, engines::Observer& observer);
+    View2<const double> plane() const;
+
+    Case layers_; // and elastic bodies: those whose material the tensors need
+    std::ptrdiff_t per_frame_;
+    InsideBodies inside_;
+    TensorVolumes tensors_;
+    ReceptorStress receptors_;
+    fft::AlignedVector<double> plane_;
+    // At the start of the step: the snapshot whose tensors, and the frame whose stress is saved.
+    std::optional<std::size_t> saved_snapshot_;
+    std::optional<std::ptrdiff_t> saved_frame_;
+};
+
+Output::Output(StepState& state, std::ptrdiff_t per_frame)
+    : OutputStage(state), layers_(without_rigid_bodies(s_.c)), per_frame_(per_frame),
+      inside_(s_.c, s_.slabs.share()),
+      tensors_(layers_, s_.mesh, s_.slabs, s_.step_s, s_.team, s_.bodies.get()),
+      receptors_(layers_, stress_depths_m(s_.c), s_.mesh, s_.slabs, s_.step_s, s_.team,
+                 s_.bodies.get()) {
+    together(s_.team, [&] { plane_.resize(static_cast<std::size_t>(s_.slabs.share().reals)); });
+}
+
+std::optional<std::size_t> Output::snapshot() const {
+    if (s_.step % per_frame_ != 0) return {};
+    return engines::snapshot_at(s_.c, s_.step / per_frame_);
+}
+
+void Output::advance() {
+    if (tensors_.wanted()) saved_snapshot_ = snapshot();
+    if (receptors_.wanted() && s_.step > 0 && s_.step % per_frame_ == 0)
+        saved_frame_ = s_.step / per_frame_ - 1;
+    if (saved_snapshot_) tensors_.remember(s_);
+    if (saved_frame_) receptors_.remember(s_.before.data());
+}
+
+std::vector<engines::Array> Output::arrays() const {
+    return {{"volumes of strain and stress", tensors_.allocated_B()},
+            {"stress at receptors", receptors_.allocated_B()}};
+}
+
+bool Output::needs_next_step() const {
+    return receptors_.wanted() || (tensors_.wanted() && snapshot());
+}
+
+void Output::emit(engines::Observer& observer) {
+    emit_earlier(observer);
+    if (s_.step % per_frame_ == 0) emit_frame(s_.step / per_frame_ - 1, observer);
+    const auto& fields = s_.c.record.volume_fields;
+    const auto u = std::find(fields.begin(), fields.end(), VolumeField::u);
+    if (const auto now = snapshot(); now && u != fields.end())
+        emit_displacement(*now, static_cast<std::size_t>(u - fields.begin()), observer);
+}
+
+/// Passes the output that refers to the start of the last step.
+void Output::emit_earlier(engines::Observer& observer) {
+    if (saved_snapshot_) tensors_.emit(s_, inside_, *saved_snapshot_, observer);
+    if (saved_frame_)
+        receptors_.emit({s_.before.data(), s_.now.data()}, s_.bodies->step_forces(), *saved_frame_,
+                        observer);
+    saved_snapshot_.reset();
+    saved_frame_.reset();
+}
+
+void Output::emit_frame(std::ptrdiff_t number, engines::Observer& observer) {
+    for (std::size_t depth = 0; depth < s_.c.measure.depths_m.size(); ++depth) {
+        put_plane_of_w(s_, s_.c.measure.depths_m[depth], plane_.data());
+        s_.slabs.to_physical(plane_.data());
+        observer.frame({.number = number, .depth = depth, .u_z_m = plane()});
+    }
+}
+
+void Output::emit_displacement(std::size_t snapshot, std::size_t field,
+                               engines::Observer& observer) {
+    for (std::size_t component = 0; component < 3; ++component)
+        for (std::size_t level = 0; level < s_.mesh.clear_levels(); ++level) {
+            put_plane_of_u(s_, component, level, plane_.data());
+            s_.slabs.to_physical(plane_.data());
+            inside_.set_displacement(s_.mesh.z_m(level), component, s_.bodies->motions(),
+                                     plane_.data());
+            observer.volume({.snapshot = snapshot,
+                             .field = field,
+                             .component = component,
+                             .level = level,
+                             .values = plane()});
+        }
+}
+
+View2<const double> Output::plane() const {
+    const fft::SlabShare& share = s_.slabs.share();
+    return {plane_.data(), share.x_count, s_.c.domain.ny, share.padded_ny};
+}
+
+} // namespace
+
+std::unique_ptr<OutputStage> make_output(StepState& state, std::ptrdiff_t per_frame) {
+    return std::make_unique<Output>(state, per_frame);
+}
+
+void put_plane_of_w(const StepState& s, double depth_m, double* plane) {
+    const auto above = std::upper_bound(s.mesh.ends_m.begin(), s.mesh.ends_m.end() - 1, depth_m);
+    const auto element = static_cast<std::size_t>(above - s.mesh.ends_m.begin()) - 1;
+    const std::vector<double> weights = interpolation_weights(
+        s.mesh.rule, 2.0 * (depth_m - s.mesh.ends_m[element]) / s.mesh.length_m(element) - 1.0);
+    const auto first = static_cast<std::ptrdiff_t>(element) * s.mesh.degree;
+    const LineKernels& lines = simd::kernels<LineKernels>();
+    for (std::ptrdiff_t row = 0; row < s.vectors.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < s.vectors.blocks(); ++block) {
+            const Block* u = s.u(s.pencil(row, block));
+            Block w[parts] = {};
+            for (std::ptrdiff_t i = 0; i <= s.mesh.degree; ++i) {
+                const double weight = weights[static_cast<std::size_t>(i)];
+                const std::ptrdiff_t unknown = 2 * (first + i) + 1;
+                if (unknown >= s.vertical.psv() || weight == 0.0)
+                    continue; // the base does not move
+                for (std::ptrdiff_t part = 0; part < parts; ++part)
+                    add_scaled(weight, u[unknown * parts + part], w[part]);
+            }
+            lines.put(s.vectors.waves(row, block), {}, w, plane + 2 * row * s.vectors.nx());
+        }
+    }
+    s.vectors.clear_nyquist(plane);
+}
+
+} // namespace shearwake::spectral
