@@ -16,9 +16,8 @@ double impulse_N_s(const Load& load, double until_s) {
     constexpr std::size_t most_rough = 400;
     const double end = std::min(until_s, off_time_s(load.modulation.trajectory));
     if (!(end > 0.0)) return 0.0;
-    double highest_Hz = greatest_envelope_frequency_Hz(load.modulation.envelope);
-    if (const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier))
-        highest_Hz += carrier->frequency_Hz;
+    const double highest_Hz = greatest_envelope_frequency_Hz(load.modulation.envelope) +
+                              carrier_frequency_Hz(load.carrier);
 
     // The Gauss rule of two points in each step. The many steps are for the jumps of a steered
     // array's force by up to a few per cent, where its focus is updated or its path begins again.

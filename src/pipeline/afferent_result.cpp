@@ -199,8 +199,7 @@ VariableGroup pins_group(const ReceptorMotion& motion, const AfferentOptions& op
     group.add("hand_x", each, hand_x, "m", "position on the hand along its x");
     group.add("hand_y", each, hand_y, "m", "position on the hand along its y");
 
-    if (!std::holds_alternative<PinInput>(options.input))
-        return group; // a prescribed motion follows from the case
+    if (!follows_skin(options.input)) return group; // a prescribed motion follows from the case
     const std::size_t counted = motion.repetitions.counted;
     for (std::size_t k = 0; k < counted * motion.pins.u_m.front().size(); ++k)
         time.push_back(static_cast<double>(k) / motion.pins.rate_Hz);
@@ -347,7 +346,7 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
     AfferentResult result;
     SpikeTimes mine_s;
     double duration_s = static_cast<double>(motion.repetitions.counted) * once_s(motion);
-    if (std::holds_alternative<StressInput>(options.input)) {
+    if (uses_stress(options.input)) {
         result.notes = texts_of(neural::check_stress(motion.compression_Pa, motion.pins.rate_Hz, n,
                                                      options.silence_s, course_of(motion)));
         mine_s = response_by_group(motion, scene, first, count, options, key);
@@ -381,7 +380,7 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
 std::vector<Remark> check_afferents(const Case& c) {
     const AfferentOptions& options = *c.afferents;
     const Scene scene = neural::make_scene(options);
-    if (std::holds_alternative<StressInput>(options.input)) { // its pins have no effect
+    if (uses_stress(options.input)) { // its pins have no effect
         const auto beyond = std::count_if(
             scene.afferents.begin(), scene.afferents.end(), [&](const neural::Afferent& one) {
                 return !c.domain.holds(on_patch_m(scene.patch, one.at_mm));

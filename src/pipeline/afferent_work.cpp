@@ -42,7 +42,7 @@ Counts counts_of(const Case& c, const Scene& scene) {
 engines::Work receptors_work(const Case& c, const Scene& scene) {
     const AfferentOptions& options = *c.afferents;
     const Counts n = counts_of(c, scene);
-    const bool by_stress = std::holds_alternative<StressInput>(options.input);
+    const bool by_stress = uses_stress(options.input);
     // Each afferent sums the waves of all pins at each sample, then its neuron is simulated.
     return {fmt::format("receptors{}{}", by_stress ? " stress" : " pins",
                         options.noise == Switch::on ? " noise" : ""),
@@ -62,12 +62,14 @@ std::vector<engines::TimedWork> timed_receptors(const Case& c, const std::option
             .pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
             .name = "probe"};
         const std::vector<double> still(static_cast<std::size_t>(brief.time.frames));
-        if (std::holds_alternative<StressInput>(c.afferents->input))
-            motion.compression_Pa.assign(scene->afferents.size(), still);
-        motion.pins.u_m.assign(std::holds_alternative<CarrierInput>(c.afferents->input)
-                                   ? 1
-                                   : c.afferents->pins_m.size(),
-                               still);
+        std::visit(overloaded{[&](const PinInput&) {
+                                  motion.pins.u_m.assign(c.afferents->pins_m.size(), still);
+                              },
+                              [&](const StressInput&) {
+                                  motion.compression_Pa.assign(scene->afferents.size(), still);
+                              },
+                              [&](const CarrierInput&) { motion.pins.u_m.assign(1, still); }},
+                   c.afferents->input);
         const auto began = Clock::now();
         perceived(motion, *c.afferents, *scene, team);
         const double took_s = seconds_since(began);
@@ -79,7 +81,7 @@ std::vector<engines::TimedWork> timed_receptors(const Case& c, const std::option
 
 double afferents_memory_B(const Case& c, const Scene& scene, int ranks) {
     const Counts n = counts_of(c, scene);
-    const bool by_stress = std::holds_alternative<StressInput>(c.afferents->input);
+    const bool by_stress = uses_stress(c.afferents->input);
     // The motion of all pins with silence, its load and load rate; or the stress at all receptors,
     // that of a group of receptors with silence, and its rate. In addition, three lines for each of
     // eight afferents at a time, and the transform.
@@ -93,7 +95,7 @@ double afferents_file_B(const Case& c, const Scene& scene) {
     const Counts n = counts_of(c, scene);
     double numbers =
         9.0 * n.afferents + 2.0 * spikes_per_s * n.counted_s * n.afferents + 5.0 * n.pins;
-    if (std::holds_alternative<PinInput>(c.afferents->input))
+    if (follows_skin(c.afferents->input))
         numbers += (n.pins + 1.0) * n.counted_s / c.time.interval_s;
     return numbers * sizeof(double);
 }

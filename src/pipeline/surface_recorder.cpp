@@ -5,7 +5,7 @@ namespace shearwake::pipeline {
 namespace {
 
 std::vector<Vec2> pins_of(const Case& c) {
-    const bool are_kept = c.afferents && std::holds_alternative<PinInput>(c.afferents->input);
+    const bool are_kept = c.afferents && follows_skin(c.afferents->input);
     return are_kept ? c.afferents->pins_m : std::vector<Vec2>{};
 }
 

@@ -122,7 +122,7 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
             static_cast<std::size_t>(std::llround(1e-3 * arguments.duration_ms * 5000.0));
         motion.pins = {.rate_Hz = 5000.0, .u_m = {std::vector<double>(samples)}};
         motion.modulation_Hz = carrier->am_frequency_Hz;
-    } else if (std::holds_alternative<StressInput>(options.input)) {
+    } else if (uses_stress(options.input)) {
         PointStress stress = storage::read_stress(arguments.motion, arguments.group);
         motion.pins.rate_Hz = stress.rate_Hz;
         text = "stress: " +

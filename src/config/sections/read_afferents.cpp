@@ -214,7 +214,7 @@ std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& doma
     options.input = read_input(reader);
     // The motion of the simulated skin is felt where the focus is. Prescribed pins are independent
     // of the load, and the input "stress" has none.
-    const bool follows = load && std::holds_alternative<PinInput>(options.input);
+    const bool follows = load && follows_skin(options.input);
     options.pins_m = read_pins(reader, domain,
                                follows ? pins_on_path(*load, domain, options.pin_radius_m)
                                        : std::vector<Vec2>{{}});

@@ -137,13 +137,15 @@ Body read_body(Reader reader, std::size_t number, const Medium& medium) {
     const std::string shape = reader.find_choice("shape", alternative_names<Shape>()).value_or("");
     if (const auto read = read_alternative<Shape>(reader, shape)) body.shape = *read;
     bool has_depth = true;
-    if (auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
-        read_direction(reader, *cylinder);
-        has_depth = cylinder->axis == CylinderAxis::horizontal || !cylinder->is_endless();
-    }
-    if (auto* ellipsoid = std::get_if<Ellipsoid>(&body.shape); ellipsoid && shape == "ellipsoid")
-        ellipsoid->orientation = read_orientation(reader);
-    if (auto* box = std::get_if<Box>(&body.shape)) box->orientation = read_orientation(reader);
+    const auto read_axis = [&](Cylinder& cylinder) {
+        read_direction(reader, cylinder);
+        has_depth = cylinder.axis == CylinderAxis::horizontal || !cylinder.is_endless();
+    };
+    const auto read_turn = [&](auto& of) { of.orientation = read_orientation(reader); };
+    if (!shape.empty())
+        std::visit(overloaded{[&](Ellipsoid& ellipsoid) { read_turn(ellipsoid); }, read_axis,
+                              [&](Box& box) { read_turn(box); }},
+                   body.shape);
     body.centre_m = read_centre_m(reader, has_depth);
     check_properties(reader, body);
     if (shape.empty()) // its keys may belong to any shape

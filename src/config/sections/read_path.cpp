@@ -185,6 +185,13 @@ constexpr std::array shapes = {
     Shape{"polyline", read_polyline},
     Shape{PathFileKeys::name, read_csv},
 };
+constexpr bool has_reader(std::string_view name) {
+    return std::string_view(path_words).find(name) != std::string_view::npos &&
+           std::ranges::any_of(shapes, [&](const Shape& shape) { return shape.name == name; });
+}
+static_assert([]<class... S>(std::type_identity<std::variant<S...>>) {
+    return (has_reader(S::name) && ...);
+}(std::type_identity<decltype(Curve::shape)>{}));
 
 } // namespace
 

@@ -26,15 +26,9 @@ std::array<double, 2> frequencies_Hz(const Case& c) {
     return {1.0 / c.time.duration_s(), 0.5 / c.time.interval_s};
 }
 
-bool is_lossless(const Layer& layer) {
-    const auto* viscous = std::get_if<KelvinVoigt>(&layer.loss);
-    return std::holds_alternative<Lossless>(layer.loss) ||
-           (viscous && viscous->viscosity_Pa_s == 0.0);
-}
-
 /// Why the steady state on a layer cannot be computed; empty if it can.
 std::string obstacle_to_steady_state(const Case& c, const Layer& layer) {
-    if (is_lossless(layer))
+    if (newtonian_viscosity_Pa_s(layer.loss) == 0.0)
         return fmt::format("is \"periodic\", but layer \"{}\" is lossless: waves that are guided "
                            "along it never decay, so that a load that has always repeated has no "
                            "steady state; give it a viscosity_Pa_s or another loss law",

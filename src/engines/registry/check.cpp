@@ -89,11 +89,10 @@ void check_focus_resolution(const Case& c, Notes& notes) {
 /// there are too many of them.
 bool check_periods(const Case& c, Notes& notes) {
     const Load& load = c.scene().load;
-    double highest_Hz = bandwidth_rad_m(load.footprint, spectrum_end) *
-                            greatest_speed_m_s(load.modulation.trajectory) / two_pi +
-                        greatest_envelope_frequency_Hz(load.modulation.envelope);
-    if (const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier))
-        highest_Hz += carrier->frequency_Hz;
+    const double highest_Hz = bandwidth_rad_m(load.footprint, spectrum_end) *
+                                  greatest_speed_m_s(load.modulation.trajectory) / two_pi +
+                              greatest_envelope_frequency_Hz(load.modulation.envelope) +
+                              carrier_frequency_Hz(load.carrier);
     const double periods = highest_Hz * c.time.duration_s();
     if (periods <= most_periods) return true;
     notes.add(
@@ -261,7 +260,7 @@ void check_focal_disc(const Case& c, Notes& notes) {
 
 /// The afferents sense the motion of the skin only through the pins.
 void check_pins(const Case& c, Notes& notes) {
-    if (!c.afferents || !std::holds_alternative<PinInput>(c.afferents->input)) return;
+    if (!c.afferents || !follows_skin(c.afferents->input)) return;
     double nearest_m = std::numeric_limits<double>::infinity();
     along_path(c, [&](double, Vec2 focus) {
         for (const Vec2 pin_m : c.afferents->pins_m)
@@ -285,17 +284,15 @@ void check_pins(const Case& c, Notes& notes) {
             farthest_m = std::max(farthest_m, distance_m);
         }
     });
-    const bool has_stress = !std::holds_alternative<PstdOptions>(c.solver);
     // A focus presses within half of its width. Pins farther away rise with its waves.
     if (c.afferents->pins_m.size() > 1 && farthest_m > 0.5 * width_m)
         notes.add(
             Severity::warning, "afferents.input",
             "some of {} pins are at times {:.3g} mm away from the focus, which is {:.3g} mm wide "
             "(FWHM), and may pull while others press; the model of pins is valid only if all have "
-            "the same sign; use {}",
-            c.afferents->pins_m.size(), milli(farthest_m), milli(width_m),
-            has_stress ? "afferents.input = \"stress\""
-                       : "engine \"layered\" or \"spectral\" with afferents.input = \"stress\"");
+            "the same sign; use afferents.input = \"stress\" with engine \"layered\" or "
+            "\"spectral\"",
+            c.afferents->pins_m.size(), milli(farthest_m), milli(width_m));
 }
 
 void check_line_of_sight(const Case& c, Notes& notes) {

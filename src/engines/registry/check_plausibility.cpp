@@ -102,14 +102,14 @@ void check_layers(const Case& c, Notes& notes) {
                       "layer {} has c_p = {:.4g} m/s and c_s = {:.4g} m/s; tissue is nearly "
                       "incompressible, with c_p of about 1500 m/s",
                       i + 1, layer.c_p_m_s, layer.c_s_m_s);
-        const auto* loss = std::get_if<KelvinVoigt>(&layer.loss);
-        if (!loss || !(loss->viscosity_Pa_s > large_viscosity_Pa_s)) continue;
-        const double damping_Hz = static_shear_modulus(layer) / (two_pi * loss->viscosity_Pa_s);
+        const double viscosity_Pa_s = newtonian_viscosity_Pa_s(layer.loss).value_or(0.0);
+        if (!(viscosity_Pa_s > large_viscosity_Pa_s)) continue;
+        const double damping_Hz = static_shear_modulus(layer) / (two_pi * viscosity_Pa_s);
         if (damping_Hz < least_damping_Hz)
             notes.add(Severity::warning, "medium.layer",
                       "the viscosity of layer {}, {:.3g} Pa s, exceeds the shear modulus above "
                       "{:.2g} Hz, so that hardly any wave travels; tissue has .1 to 20 Pa s",
-                      i + 1, loss->viscosity_Pa_s, damping_Hz);
+                      i + 1, viscosity_Pa_s, damping_Hz);
     }
 }
 
@@ -172,20 +172,22 @@ void check_units(const Case& c, Notes& notes) {
                       milli(time_s), 1e6 * interval_s);
     };
     for (const Mover& mover : scene.load.modulation.trajectory.parts) {
-        if (const auto* travel = std::get_if<Travel>(&mover)) {
-            check_length("load.modulation.path", reach_of_path_m(travel->path), tiny_path_share,
+        const auto check_travel = [&](const Travel& travel) {
+            check_length("load.modulation.path", reach_of_path_m(travel.path), tiny_path_share,
                          "the size of the path");
-            const double pass_s = cycle_s(*travel);
+            const double pass_s = cycle_s(travel);
             if (is_transient && std::isfinite(pass_s) && end_s < least_share_of_path * pass_s)
                 notes.add(Severity::warning, "load.modulation",
                           "a pass along the path lasts {:.4g} ms, but the run {:.4g} ms, which is "
                           "{:.2g} % of it; speeds are in m/s, frequencies in Hz, times in ms",
                           milli(pass_s), milli(end_s), 100.0 * end_s / pass_s);
-            check_time("load.modulation.corner_dwell_ms", travel->corners.dwell_s);
-        } else if (const auto* swing = std::get_if<Swing>(&mover)) {
-            check_length("load.modulation.lm_amplitude_mm", norm(swing->amplitude_m), tiny_share,
+            check_time("load.modulation.corner_dwell_ms", travel.corners.dwell_s);
+        };
+        const auto check_swing = [&](const Swing& swing) {
+            check_length("load.modulation.lm_amplitude_mm", norm(swing.amplitude_m), tiny_share,
                          "the amplitude of the motion");
-        }
+        };
+        std::visit(overloaded{[](const Hold&) {}, check_swing, check_travel}, mover);
     }
     for (const Gain& gain : scene.load.modulation.envelope.gains)
         if (const auto* ramp = std::get_if<RampGain>(&gain))

@@ -126,11 +126,13 @@ using AfferentPlaces = std::variant<HandAfferents, GridAfferents, AfferentList>;
 /// Pins move as the simulated surface does at their positions.
 struct PinInput {
     static constexpr const char* name = "pins";
+    static constexpr bool follows_skin = true, uses_stress = false;
     bool operator==(const PinInput&) const = default;
 };
 /// The input of each receptor is the stress that the engine computes at its position.
 struct StressInput {
     static constexpr const char* name = "stress";
+    static constexpr bool follows_skin = false, uses_stress = true;
     bool operator==(const StressInput&) const = default;
 };
 template <class Walk, Is<PinInput> Input>
@@ -149,6 +151,7 @@ constexpr auto names_of(std::type_identity<CarrierWave>) {
 /// depth/2 (1 + cos 2 pi f_am t), it is A m c, A max(m c, 0) or A (m c)^2.
 struct CarrierInput {
     static constexpr const char* name = "carrier";
+    static constexpr bool follows_skin = false, uses_stress = false;
     CarrierWave wave = CarrierWave::squared;
     double frequency_Hz = 40e3;
     double amplitude_m = 0.0;
@@ -185,6 +188,14 @@ void walk_fields(Walk& walk, Input& carrier) {
                             .meaning = "depth of the amplitude modulation"});
 }
 using AfferentInput = std::variant<PinInput, StressInput, CarrierInput>;
+/// Whether pins move as the simulated skin does.
+inline bool follows_skin(const AfferentInput& input) {
+    return std::visit([](const auto& one) { return one.follows_skin; }, input);
+}
+/// Whether receptors sense the computed stress instead of the motion of pins.
+inline bool uses_stress(const AfferentInput& input) {
+    return std::visit([](const auto& one) { return one.uses_stress; }, input);
+}
 
 /// Propagation of waves: on an infinite sheet, or within the outline of the hand.
 enum class SkinSheet { flat, hand };

@@ -11,7 +11,7 @@ bool wants_tangential(const Case& c) {
 
 std::vector<double> stress_depths_m(const Case& c) {
     std::vector<double> depths_m;
-    if (c.afferents && std::holds_alternative<StressInput>(c.afferents->input))
+    if (c.afferents && uses_stress(c.afferents->input))
         for (const AfferentClass kind : all_classes) // ascending
             depths_m.push_back(properties(kind).depth_m);
     return depths_m;

@@ -103,23 +103,6 @@ double greatest_frequency_Hz(const SampledGain& g) {
     return g.interval_s > 0.0 ? 0.5 / g.interval_s : 0.0;
 }
 
-/// The frequency with which the gain repeats; 0: it is steady or does not repeat.
-double repetition_Hz(const SineGain& g) {
-    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
-}
-double repetition_Hz(const RampGain&) {
-    return 0.0;
-}
-double repetition_Hz(const SquareGain& g) {
-    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
-}
-double repetition_Hz(const WindowGain&) {
-    return 0.0;
-}
-double repetition_Hz(const SampledGain& g) {
-    return g.repeat ? 1.0 / g.period_s() : 0.0;
-}
-
 } // namespace
 
 double gain(const Envelope& envelope, double t_s) {
@@ -139,12 +122,28 @@ void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>
         numbers.push_back(std::visit([&](const auto& g) { return smooth_piece(g, t_s); }, factor));
 }
 
+double repetition_Hz(const Gain& gain) {
+    const auto of_wave = [](const auto& g) { return g.depth != 0.0 ? g.frequency_Hz : 0.0; };
+    return std::visit(
+        overloaded{
+            [&](const SineGain& g) { return of_wave(g); }, [](const RampGain&) { return 0.0; },
+            [&](const SquareGain& g) { return of_wave(g); }, [](const WindowGain&) { return 0.0; },
+            [](const SampledGain& g) { return g.repeat ? 1.0 / g.period_s() : 0.0; }},
+        gain);
+}
+
+bool acts_once(const Gain& gain) {
+    return std::visit(
+        overloaded{[](const SineGain&) { return false; }, [](const RampGain&) { return true; },
+                   [](const SquareGain&) { return false; }, [](const WindowGain&) { return true; },
+                   [](const SampledGain& g) { return !g.repeat; }},
+        gain);
+}
+
 double gain_frequency_Hz(const Envelope& envelope) {
-    for (const Gain& factor : envelope.gains) {
-        const double frequency_Hz =
-            std::visit([](const auto& g) { return repetition_Hz(g); }, factor);
-        if (frequency_Hz > 0.0) return frequency_Hz;
-    }
+    for (const Gain& factor : envelope.gains)
+        if (const double frequency_Hz = repetition_Hz(factor); frequency_Hz > 0.0)
+            return frequency_Hz;
     return 0.0;
 }
 

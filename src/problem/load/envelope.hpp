@@ -192,6 +192,11 @@ double gain(const Envelope& envelope, double t_s);
 /// Appends numbers that do not change while `gain` is a smooth function of time.
 void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>& numbers);
 
+/// The frequency with which the gain repeats; 0 if it is steady or does not repeat [Hz].
+double repetition_Hz(const Gain& gain);
+/// Whether the gain rises or falls once, which a load that repeats for ever cannot.
+bool acts_once(const Gain& gain);
+
 /// The frequency of the first periodic gain that is not steady; 0 if there is none [Hz].
 double gain_frequency_Hz(const Envelope& envelope);
 

@@ -213,25 +213,29 @@ std::vector<Vec2> points_along(const Curve& path, double step_m) {
     return points;
 }
 
-template <class Part>
-const Part* first_of(const Trajectory& trajectory) {
-    for (const Mover& mover : trajectory.parts)
-        if (const auto* part = std::get_if<Part>(&mover)) return part;
-    return nullptr;
-}
-
 } // namespace
+
+double update_rate_Hz(const Footprint& footprint) {
+    return std::visit(overloaded{[](const GaussianFootprint&) { return 0.0; },
+                                 [](const ArrayFootprint& array) { return array.update_rate_Hz; },
+                                 [](const LensFootprint&) { return 0.0; }},
+                      footprint);
+}
 
 std::vector<std::vector<Vec2>> drawn_shape(const Modulation& modulation, double step_m) {
     Vec2 rest{};
+    std::optional<Curve> path, swing;
     for (const Mover& mover : modulation.trajectory.parts)
-        if (const auto* hold = std::get_if<Hold>(&mover)) rest = rest + hold->at_m;
-
-    std::vector<Vec2> line = {{0.0, 0.0}};
-    if (const auto* travel = first_of<Travel>(modulation.trajectory))
-        line = points_along(travel->path, step_m);
-    else if (const auto* swing = first_of<Swing>(modulation.trajectory))
-        line = points_along(Curve(-1.0 * swing->amplitude_m, swing->amplitude_m), step_m);
+        std::visit(overloaded{[&](const Hold& hold) { rest = rest + hold.at_m; },
+                              [&](const Swing& s) {
+                                  if (!swing) swing = Curve(-1.0 * s.amplitude_m, s.amplitude_m);
+                              },
+                              [&](const Travel& travel) {
+                                  if (!path) path = travel.path;
+                              }},
+                   mover);
+    if (!path) path = swing;
+    const std::vector<Vec2> line = path ? points_along(*path, step_m) : std::vector<Vec2>(1);
 
     std::vector<Vec2> foci = modulation.foci_m;
     if (foci.empty()) foci.push_back({});

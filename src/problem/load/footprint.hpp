@@ -155,6 +155,8 @@ double fwhm_m(const Footprint& footprint);
 /// The distance from the focus beyond which the pattern is faded out, see fading(); none for a
 /// Gaussian [m].
 std::optional<double> reach_m(const Footprint& footprint);
+/// The rate at which the source updates the position of its focus; 0: continuously [Hz].
+double update_rate_Hz(const Footprint& footprint);
 /// The |k| beyond which the spectrum stays below `fraction` of its largest value [rad/m].
 double bandwidth_rad_m(const Footprint& footprint, double fraction);
 

@@ -125,10 +125,9 @@ double strength(const Load& load, double t_s) {
 }
 
 double held_s(const Load& load, double t_s) {
-    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
-    if (!array || array->update_rate_Hz == 0.0) return t_s;
+    const double rate_Hz = update_rate_Hz(load.footprint);
     // A sample at the time of an update uses the new focus.
-    return std::floor(t_s * array->update_rate_Hz + 1e-9) / array->update_rate_Hz;
+    return rate_Hz == 0.0 ? t_s : std::floor(t_s * rate_Hz + 1e-9) / rate_Hz;
 }
 
 std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s,
@@ -145,11 +144,10 @@ std::vector<double> force_areas_m2(const Load& load, std::span<const double> tim
     std::vector<Vec2> foci_m;
     for (const double t_s : times_s)
         foci_m.push_back(position(load.modulation.trajectory, pattern.held_s(t_s)));
-    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
-    if (!array || !pattern.changes())
-        return std::vector<double>(times_s.size(), area_at(foci_m.front()));
-    return is_smooth(*array, load.modulation.foci_m.size())
-               ? smooth_values(foci_m, array->distance_m, area_at)
+    if (!pattern.changes()) return std::vector<double>(times_s.size(), area_at(foci_m.front()));
+    const auto& array = std::get<ArrayFootprint>(load.footprint);
+    return is_smooth(array, load.modulation.foci_m.size())
+               ? smooth_values(foci_m, array.distance_m, area_at)
                : rough_values(foci_m, most_rough, area_at);
 }
 
@@ -186,45 +184,15 @@ void add_of(const Mover& mover, std::vector<double>& frequencies_Hz) {
                mover);
 }
 
-void add_of(const Gain& gain, std::vector<double>& frequencies_Hz) {
-    std::visit(overloaded{[&](const SineGain& sine) {
-                              if (sine.depth > 0.0) frequencies_Hz.push_back(sine.frequency_Hz);
-                          },
-                          [&](const SquareGain& square) {
-                              if (square.depth > 0.0) frequencies_Hz.push_back(square.frequency_Hz);
-                          },
-                          [&](const SampledGain& sampled) {
-                              if (sampled.repeat)
-                                  frequencies_Hz.push_back(1.0 / sampled.period_s());
-                          },
-                          [](const RampGain&) {}, [](const WindowGain&) {}},
-               gain);
-}
-
-/// The reason why a gain does not repeat; empty if it does.
-std::string why_not(const Gain& gain) {
-    const std::string once = "rises or falls once (a ramp or a window), which a load that repeats "
-                             "for ever cannot; remove it";
-    return std::visit(
-        overloaded{[&](const RampGain&) { return once; }, [&](const WindowGain&) { return once; },
-                   [](const SineGain&) { return std::string(); },
-                   [](const SquareGain&) { return std::string(); },
-                   [](const SampledGain& sampled) {
-                       return std::string(sampled.repeat ? ""
-                                                         : "has an envelope of samples that are "
-                                                           "not repeated; set repeat = true");
-                   }},
-        gain);
-}
-
 /// The reason why the load does not repeat; empty if it does.
 std::string why_not(const Load& load) {
     for (const Mover& mover : load.modulation.trajectory.parts)
         if (const auto* travel = std::get_if<Travel>(&mover))
             if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
                 return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
-    for (const Gain& gain : load.modulation.envelope.gains)
-        if (const std::string reason = why_not(gain); !reason.empty()) return reason;
+    if (std::ranges::any_of(load.modulation.envelope.gains, acts_once))
+        return "rises or falls once (a ramp, a window, or samples without repeat = true), which a "
+               "load that repeats for ever cannot; remove it";
     return {};
 }
 
@@ -245,13 +213,14 @@ std::vector<double> frequencies_of(const Load& load) {
     std::vector<double> frequencies_Hz;
     for (const Mover& mover : load.modulation.trajectory.parts)
         add_of(mover, frequencies_Hz);
-    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
-    if (array && array->update_rate_Hz > 0.0 && !frequencies_Hz.empty())
-        frequencies_Hz.push_back(array->update_rate_Hz);
+    if (const double rate_Hz = update_rate_Hz(load.footprint);
+        rate_Hz > 0.0 && !frequencies_Hz.empty())
+        frequencies_Hz.push_back(rate_Hz);
     for (const Gain& gain : load.modulation.envelope.gains)
-        add_of(gain, frequencies_Hz);
-    if (const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier))
-        frequencies_Hz.push_back(carrier->frequency_Hz);
+        if (const double gain_Hz = repetition_Hz(gain); gain_Hz > 0.0)
+            frequencies_Hz.push_back(gain_Hz);
+    if (const double carrier_Hz = carrier_frequency_Hz(load.carrier); carrier_Hz > 0.0)
+        frequencies_Hz.push_back(carrier_Hz);
     std::ranges::sort(frequencies_Hz);
     const auto same = std::unique(frequencies_Hz.begin(), frequencies_Hz.end());
     frequencies_Hz.erase(same, frequencies_Hz.end());

@@ -33,6 +33,13 @@ void walk_fields(Walk& walk, C& carrier) {
 }
 using Carrier = std::variant<AveragedCarrier, ResolvedCarrier>;
 
+/// The frequency of the carrier; 0 if it is averaged [Hz].
+inline double carrier_frequency_Hz(const Carrier& carrier) {
+    return std::visit(overloaded{[](const AveragedCarrier&) { return 0.0; },
+                                 [](const ResolvedCarrier& c) { return c.frequency_Hz; }},
+                      carrier);
+}
+
 /// Normal traction p(x, y, t) = peak G(x - x_f(t), y - y_f(t)) e(t) c(t) [Pa], positive into the
 /// tissue, from t = 0 to off_time_s. With n simultaneous foci, each has 1/n of the peak. G of an
 /// array depends on its focus, and the peak refers to a single focus directly below the centre.

@@ -37,23 +37,22 @@ Complex mean_phase(const std::vector<Vec2>& offsets_m, double kx_rad_m, double k
 
 LoadPattern::LoadPattern(const Load& load, double until_s) : load_(load), until_s_(until_s) {
     const Trajectory& trajectory = load.modulation.trajectory;
-    if (const auto* array = std::get_if<ArrayFootprint>(&load.footprint)) {
+    const auto steered = [&](ArrayFootprint array) {
         changes_ = greatest_speed_m_s(trajectory) > 0.0;
-        ArrayFootprint reaching = *array;
         double spread_m = 0.0;
         for (const Vec2& offset : load.modulation.foci_m)
             spread_m = std::max(spread_m, norm(offset));
-        reaching.reach_m += spread_m;
-        field_.emplace(reaching, furthest_m(trajectory, array->center_m, until_s));
-    } else if (const auto* lens = std::get_if<LensFootprint>(&load.footprint)) {
-        patch_ = design_of(*lens)->pattern;
-    }
+        array.reach_m += spread_m;
+        field_.emplace(array, furthest_m(trajectory, array.center_m, until_s));
+    };
+    std::visit(overloaded{[](const GaussianFootprint&) {}, steered,
+                          [&](const LensFootprint& lens) { patch_ = design_of(lens)->pattern; }},
+               load.footprint);
     set(0.0);
 }
 
 double LoadPattern::held_s(double t_s) const {
-    const bool is_array = std::holds_alternative<ArrayFootprint>(load_.footprint);
-    return shearwake::held_s(load_, is_array ? std::min(t_s, until_s_) : t_s);
+    return shearwake::held_s(load_, field_ ? std::min(t_s, until_s_) : t_s);
 }
 
 void LoadPattern::set(double held_s) {

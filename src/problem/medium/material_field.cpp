@@ -18,8 +18,8 @@ struct Properties {
 };
 
 Properties properties_of(const Layer& layer) {
-    const auto* law = std::get_if<KelvinVoigt>(&layer.loss);
-    return {layer.density_kg_m3, layer.c_p_m_s, layer.c_s_m_s, law ? law->viscosity_Pa_s : 0.0};
+    return {layer.density_kg_m3, layer.c_p_m_s, layer.c_s_m_s,
+            newtonian_viscosity_Pa_s(layer.loss).value_or(0.0)};
 }
 
 /// `given` is a Body or a MapSample.

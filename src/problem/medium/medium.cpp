@@ -14,6 +14,16 @@ bool operator==(const Medium& a, const Medium& b) {
     return a.layers == b.layers && a.base == b.base && a.bodies == b.bodies && same_map;
 }
 
+std::optional<double> newtonian_viscosity_Pa_s(const ShearLoss& loss) {
+    using Viscosity = std::optional<double>;
+    return std::visit(
+        overloaded{[](const Lossless&) -> Viscosity { return 0.0; },
+                   [](const KelvinVoigt& law) -> Viscosity { return law.viscosity_Pa_s; },
+                   [](const FractionalKelvinVoigt&) -> Viscosity { return {}; },
+                   [](const StandardLinearSolid&) -> Viscosity { return {}; }},
+        loss);
+}
+
 double static_shear_modulus(const Layer& layer) {
     return layer.density_kg_m3 * layer.c_s_m_s * layer.c_s_m_s;
 }

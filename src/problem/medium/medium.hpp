@@ -7,6 +7,7 @@
 
 #include <complex>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -170,6 +171,9 @@ void walk_fields(Walk& walk, M& medium) {
 
 /// mu(omega) [Pa]; omega [rad/s] may be complex with Im omega <= 0.
 std::complex<double> shear_modulus(const Layer& layer, std::complex<double> omega_rad_s);
+
+/// The viscosity in mu = mu0 + i omega viscosity, 0 without losses; none of other laws [Pa s].
+std::optional<double> newtonian_viscosity_Pa_s(const ShearLoss& loss);
 
 /// Re mu at omega = 0 [Pa].
 double static_shear_modulus(const Layer& layer);

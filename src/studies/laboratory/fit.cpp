@@ -173,15 +173,21 @@ constexpr double least_magnitude = 1e-9;
 
 /// A uniform or triangular distribution gives bounds alone.
 std::optional<Prior> prior_of(const sampling::Distribution& distribution) {
-    if (std::holds_alternative<sampling::Uniform>(distribution.shape) ||
-        std::holds_alternative<sampling::Triangular>(distribution.shape))
-        return std::nullopt;
-    if (const auto* shape = std::get_if<sampling::LogNormal>(&distribution.shape))
-        if (distribution.root_of == 0.0)
-            return Prior{std::log(shape->median), std::log(shape->geometric_sd), true};
-    const double low = sampling::quantile(distribution, 0.158655),
-                 high = sampling::quantile(distribution, 0.841345);
-    return Prior{0.5 * (low + high), 0.5 * (high - low), false};
+    using Result = std::optional<Prior>;
+    const auto normal = [&]() -> Result {
+        const double low = sampling::quantile(distribution, 0.158655),
+                     high = sampling::quantile(distribution, 0.841345);
+        return Prior{0.5 * (low + high), 0.5 * (high - low), false};
+    };
+    const auto log_normal = [&](const sampling::LogNormal& shape) {
+        if (distribution.root_of != 0.0) return normal();
+        return Result{{std::log(shape.median), std::log(shape.geometric_sd), true}};
+    };
+    return std::visit(overloaded{[](const sampling::Uniform&) -> Result { return {}; },
+                                 [&](const sampling::Normal&) { return normal(); }, log_normal,
+                                 [](const sampling::Triangular&) -> Result { return {}; },
+                                 [&](const sampling::Empirical&) { return normal(); }},
+                      distribution.shape);
 }
 
 /// The keys to estimate. The root warns of overrides of such keys. Not collective.

@@ -6,6 +6,7 @@
 #include "studies/optimise/optimise_table.hpp"
 #include "studies/optimise/search/waveform.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <numbers>
 
@@ -77,49 +78,72 @@ private:
     config::NodePtr root_;
 };
 
-/// A path that is larger or smaller.
-void set_path(JobTree& job, const Curve& curve) {
-    const std::string path = "load.modulation.path";
-    std::visit(
-        overloaded{[&](const Line& line) {
-                       job.set(path + ".from_mm", point_text(line.from_m));
-                       job.set(path + ".to_mm", point_text(line.to_m));
-                   },
-                   [&](const Arc& arc) { job.set(path + ".radius_mm", exact(1e3 * arc.radius_m)); },
-                   [&](const Polyline& polyline) {
-                       for (const char* key : {"corners_mm", "sides", "side_mm", "radius_mm",
-                                               "center_mm", "start_deg", "file"})
-                           job.remove(path, key);
-                       std::string points;
-                       for (const Vec2& point_m : polyline.points_m())
-                           points += (points.empty() ? "" : ", ") + point_text(point_m);
-                       job.set(path + ".shape", "\"polyline\"");
-                       job.set(path + ".points_mm", "[" + points + "]");
-                       job.set(path + ".closed",
-                               polyline.ends() == Ends::closed ? "true" : "false");
-                   },
-                   [&](const Lissajous& lissajous) {
-                       job.set(path + ".amplitudes_mm", point_text(lissajous.shape().amplitudes_m));
-                   }},
-        curve.shape);
+/// A walk over the fields of a shape that collects its lengths as keys of a job.
+struct LengthKeys {
+    std::vector<std::pair<std::string, std::string>> values;
+
+    void operator()(Vec2 point_m, const Field& field) {
+        values.emplace_back(field.key, point_text(point_m));
+    }
+    void operator()(double value, const Field& field) {
+        if (std::string_view(field.key).ends_with("_mm"))
+            values.emplace_back(field.key, exact(1e3 * value));
+    }
+    void operator()(const std::vector<Vec2>& points_m, const Field& field) {
+        std::string points;
+        for (const Vec2& point_m : points_m)
+            points += (points.empty() ? "" : ", ") + point_text(point_m);
+        values.emplace_back(field.key, "[" + points + "]");
+    }
+    void operator()(const auto&, const Field&) {}
+    void key(const Field&) {}
+};
+
+LengthKeys lengths_of(const Curve& curve) {
+    LengthKeys keys;
+    std::visit([&](const auto& shape) { walk_fields(keys, shape); }, curve.shape);
+    return keys;
 }
 
-void set_motion(JobTree& job, const MovedCase& moved) {
+/// A path that is larger or smaller.
+void set_path(JobTree& job, const Curve& before, const Curve& after) {
+    const std::string path = "load.modulation.path";
+    if (const auto* polyline = std::get_if<Polyline>(&after.shape)) {
+        for (const char* key : {"corners_mm", "sides", "side_mm", "radius_mm", "center_mm",
+                                "start_deg", "file"}) // of a polygon or a file of points
+            job.remove(path, key);
+        job.set(path + ".shape", "\"polyline\"");
+        job.set(path + ".closed", polyline->ends() == Ends::closed ? "true" : "false");
+    }
+    const LengthKeys old = lengths_of(before);
+    for (const auto& length : lengths_of(after).values)
+        if (std::ranges::find(old.values, length) == old.values.end())
+            job.set(path + "." + length.first, length.second);
+}
+
+void set_motion(JobTree& job, const Case& base, const MovedCase& moved) {
     if (moved.change == MotionChange{}) return;
     job.remove("load.modulation", "draw_frequency_Hz");
-    for (const Mover& mover : moved.physics.scene().load.modulation.trajectory.parts) {
-        const auto* travel = std::get_if<Travel>(&mover);
+    const std::vector<Mover>& parts = moved.physics.scene().load.modulation.trajectory.parts;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const auto* travel = std::get_if<Travel>(&parts[i]);
         if (!travel) continue;
-        if (moved.change.size != 1.0) set_path(job, travel->path);
-        if (const auto* constant = std::get_if<ConstantSpeed>(&travel->motion))
-            job.set("load.modulation.speed_m_s", exact(constant->speed_m_s));
-        const auto* swing = std::get_if<OscillatingSpeed>(&travel->motion);
-        if (!swing) continue;
-        job.set("load.modulation.kind", "\"SM-STM\"");
-        job.set("load.modulation.speed_m_s", exact(swing->mean_m_s));
-        job.set("load.modulation.speed_deviation_m_s", exact(swing->deviation_m_s));
-        job.set("load.modulation.sm_frequency_Hz", exact(swing->frequency_Hz));
-        job.set("load.modulation.sm_phase_deg", exact(180.0 / std::numbers::pi * swing->phase_rad));
+        const Mover& before = base.scene().load.modulation.trajectory.parts[i];
+        if (moved.change.size != 1.0) set_path(job, std::get<Travel>(before).path, travel->path);
+        const auto set = [&](const char* key, double value) {
+            job.set(std::string("load.modulation.") + key, exact(value));
+        };
+        const auto set_oscillating = [&](const OscillatingSpeed& speed) {
+            job.set("load.modulation.kind", "\"SM-STM\"");
+            set("speed_m_s", speed.mean_m_s);
+            set("speed_deviation_m_s", speed.deviation_m_s);
+            set("sm_frequency_Hz", speed.frequency_Hz);
+            set("sm_phase_deg", 180.0 / std::numbers::pi * speed.phase_rad);
+        };
+        std::visit(
+            overloaded{[&](const ConstantSpeed& constant) { set("speed_m_s", constant.speed_m_s); },
+                       set_oscillating, [](const Rests&) {}},
+            travel->motion);
     }
     const double factor = moved.change.size / moved.change.speed;
     for (const char* key : {"time.duration_ms", "time.output_interval_us", "measure.at_ms",
@@ -142,7 +166,7 @@ std::string job_of_optimum(const Study& study, const OptimisedCase& of, const Mo
                                         setting.value));
     job.remove("optimise");
     job.set("job.name", "\"" + study.job.plan.name + "-optimum\"");
-    set_motion(job, moved);
+    set_motion(job, of.base.physics, moved);
     job.set("load.modulation.envelope",
             fmt::format("[{{ shape = \"samples\", interval_us = {}, repeat = {}, values = {} }}]",
                         exact(1e6 * envelope.interval_s), envelope.repeat ? "true" : "false",

@@ -34,18 +34,21 @@ void add_motion(Row& row, const MovedCase& moved) {
     for (const Mover& mover : moved.physics.scene().load.modulation.trajectory.parts) {
         const auto* travel = std::get_if<Travel>(&mover);
         if (!travel) continue;
-        const auto* motion = std::get_if<OscillatingSpeed>(&travel->motion);
-        const auto* constant = std::get_if<ConstantSpeed>(&travel->motion);
-        row.insert(
-            row.end(),
-            {{"optimum_size_1", change.size},
-             {"optimum_speed_m_s", motion     ? motion->mean_m_s
-                                   : constant ? constant->speed_m_s
-                                              : not_a_number},
-             {"optimum_sm_frequency_Hz", motion && swings ? motion->frequency_Hz : not_a_number},
-             {"optimum_sm_deviation_m_s", motion && swings ? motion->deviation_m_s : not_a_number},
-             {"optimum_sm_phase_deg",
-              motion && swings ? degrees(motion->phase_rad) : not_a_number}});
+        constexpr double none = not_a_number;
+        const auto [mean_m_s, deviation_m_s, frequency_Hz, phase_rad] =
+            std::visit(overloaded{[](const ConstantSpeed& m) {
+                                      return OscillatingSpeed{m.speed_m_s, none, none, none};
+                                  },
+                                  [](const OscillatingSpeed& m) { return m; },
+                                  [](const Rests&) {
+                                      return OscillatingSpeed{none, none, none, none};
+                                  }},
+                       travel->motion);
+        row.insert(row.end(), {{"optimum_size_1", change.size},
+                               {"optimum_speed_m_s", mean_m_s},
+                               {"optimum_sm_frequency_Hz", swings ? frequency_Hz : none},
+                               {"optimum_sm_deviation_m_s", swings ? deviation_m_s : none},
+                               {"optimum_sm_phase_deg", swings ? degrees(phase_rad) : none}});
         return;
     }
 }

@@ -168,17 +168,13 @@ double sine_frequency_Hz(const Envelope& envelope) {
 /// A sinusoidal gain needs four times the samples of its frequency: it begins with a break, and
 /// JumpTail requires the derivatives there to decrease.
 double band_Hz(const Load& load) {
-    double carrier = 0.0;
-    if (const auto* resolved = std::get_if<ResolvedCarrier>(&load.carrier))
-        carrier = resolved->frequency_Hz;
     const double scan = bandwidth_rad_m(load.footprint, band_fraction) *
                         greatest_speed_m_s(load.modulation.trajectory) / two_pi;
     // A focus that is updated at the rate of the array moves in jumps, which have content slightly
     // above that rate.
-    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
-    const double update = array && scan > 0.0 ? array->update_rate_Hz : 0.0;
-    return std::max(scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier +
-                        update,
+    const double update = scan > 0.0 ? update_rate_Hz(load.footprint) : 0.0;
+    return std::max(scan + greatest_envelope_frequency_Hz(load.modulation.envelope) +
+                        carrier_frequency_Hz(load.carrier) + update,
                     4.0 * sine_frequency_Hz(load.modulation.envelope));
 }
 

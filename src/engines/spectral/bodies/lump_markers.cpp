@@ -318,32 +318,38 @@ void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
     points = std::move(joined);
 }
 
+/// Cuts an endless cylinder off at the edges of the domain.
+void cut_axis(const Domain& domain, Vec3& centre_m, Cylinder& cylinder) {
+    const double turn = cylinder.azimuth_deg * std::numbers::pi / 180.0;
+    const double c = std::cos(turn), s = std::sin(turn);
+    double from = -std::numeric_limits<double>::infinity(), to = -from;
+    const auto cut = [&](double at_m, double slope, double half_m) {
+        if (std::abs(slope) < 1e-9) return;
+        const double one = (-half_m - at_m) / slope, other = (half_m - at_m) / slope;
+        from = std::max(from, std::min(one, other));
+        to = std::min(to, std::max(one, other));
+    };
+    cut(centre_m.x, c, 0.5 * domain.extent_x_m());
+    cut(centre_m.y, s, 0.5 * domain.extent_y_m());
+    cylinder.length_m = std::max(0.0, to - from);
+    const double middle = 0.5 * (from + to);
+    centre_m = centre_m + Vec3{middle * c, middle * s, 0.0};
+}
+
 } // namespace
 
 Body lump_in(const Body& body, const Domain& domain) {
     Body part = body;
     const Endless along = endless_along(body, domain);
-    if (auto* box = std::get_if<Box>(&part.shape)) {
-        if (along == Endless::along_x) part.centre_m.x = 0.0, box->size_m.x = domain.extent_x_m();
-        if (along == Endless::along_y) part.centre_m.y = 0.0, box->size_m.y = domain.extent_y_m();
-    }
-    auto* cylinder = std::get_if<Cylinder>(&part.shape);
-    if (!cylinder || !cylinder->is_endless()) return part;
-    if (cylinder->axis == CylinderAxis::vertical) return part;
-    const double turn = cylinder->azimuth_deg * std::numbers::pi / 180.0;
-    const double c = std::cos(turn), s = std::sin(turn);
-    double from = -std::numeric_limits<double>::infinity(), to = -from;
-    const auto cut = [&](double centre_m, double slope, double half_m) {
-        if (std::abs(slope) < 1e-9) return;
-        const double one = (-half_m - centre_m) / slope, other = (half_m - centre_m) / slope;
-        from = std::max(from, std::min(one, other));
-        to = std::min(to, std::max(one, other));
+    const auto cut_box = [&](Box& box) {
+        if (along == Endless::along_x) part.centre_m.x = 0.0, box.size_m.x = domain.extent_x_m();
+        if (along == Endless::along_y) part.centre_m.y = 0.0, box.size_m.y = domain.extent_y_m();
     };
-    cut(part.centre_m.x, c, 0.5 * domain.extent_x_m());
-    cut(part.centre_m.y, s, 0.5 * domain.extent_y_m());
-    cylinder->length_m = std::max(0.0, to - from);
-    const double middle = 0.5 * (from + to);
-    part.centre_m = part.centre_m + Vec3{middle * c, middle * s, 0.0};
+    const auto cut_cylinder = [&](Cylinder& cylinder) {
+        if (cylinder.is_endless() && cylinder.axis != CylinderAxis::vertical)
+            cut_axis(domain, part.centre_m, cylinder);
+    };
+    std::visit(overloaded{[](Ellipsoid&) {}, cut_cylinder, cut_box}, part.shape);
     return part;
 }
 

@@ -26,8 +26,10 @@ constexpr int overlap_samples = 48;
 constexpr std::size_t most_markers = 2000;
 
 bool has_edges(const Body& body) {
-    const auto* cylinder = std::get_if<Cylinder>(&body.shape);
-    return std::holds_alternative<Box>(body.shape) || (cylinder && !cylinder->is_endless());
+    return std::visit(overloaded{[](const Ellipsoid&) { return false; },
+                                 [](const Cylinder& cylinder) { return !cylinder.is_endless(); },
+                                 [](const Box&) { return true; }},
+                      body.shape);
 }
 
 bool spans(double centre_m, double size_m, double extent_m) {
@@ -133,19 +135,21 @@ std::size_t lump_marker_count(const Case& c) {
 } // namespace
 
 Endless endless_along(const Body& body, const Domain& domain) {
-    if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
-        if (cylinder->axis == CylinderAxis::vertical || !cylinder->is_endless() || is_turned(body))
-            return Endless::no;
-        const double turn_deg = std::abs(std::remainder(cylinder->azimuth_deg, 180.0));
+    if (is_turned(body)) return Endless::no;
+    const auto of_cylinder = [](const Cylinder& cylinder) {
+        if (cylinder.axis == CylinderAxis::vertical || !cylinder.is_endless()) return Endless::no;
+        const double turn_deg = std::abs(std::remainder(cylinder.azimuth_deg, 180.0));
         if (turn_deg == 0.0) return Endless::along_x;
         return turn_deg == 90.0 ? Endless::along_y : Endless::no;
-    }
-    const auto* box = std::get_if<Box>(&body.shape);
-    if (!box || is_turned(body)) return Endless::no;
-    const bool x = spans(body.centre_m.x, box->size_m.x, domain.extent_x_m());
-    const bool y = spans(body.centre_m.y, box->size_m.y, domain.extent_y_m());
-    if (x && y) return Endless::both;
-    return x ? Endless::along_x : y ? Endless::along_y : Endless::no;
+    };
+    const auto of_box = [&](const Box& box) {
+        const bool x = spans(body.centre_m.x, box.size_m.x, domain.extent_x_m());
+        const bool y = spans(body.centre_m.y, box.size_m.y, domain.extent_y_m());
+        if (x && y) return Endless::both;
+        return x ? Endless::along_x : y ? Endless::along_y : Endless::no;
+    };
+    return std::visit(overloaded{[](const Ellipsoid&) { return Endless::no; }, of_cylinder, of_box},
+                      body.shape);
 }
 
 double stiffness_contrast(const Body& body, const Medium& medium) {

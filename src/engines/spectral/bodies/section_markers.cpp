@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/section_markers.hpp"
 
+#include "base/error.hpp"
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>
@@ -14,10 +15,6 @@ namespace {
 struct SectionSpacings {
     double across_m, down_m;
 };
-
-double half_width_m(const Box& box, Endless along) {
-    return 0.5 * (along == Endless::along_x ? box.size_m.y : box.size_m.x);
-}
 
 /// Adds a point and its mirror images.
 void add_mirrored(double across_m, double down_m, std::vector<SectionMarker>& markers) {
@@ -98,13 +95,35 @@ void sort_by_depth(std::vector<SectionMarker>& markers) {
 
 } // namespace
 
+double inset_of(const Body& body) {
+    return std::visit(overloaded{[](const Ellipsoid&) { return curved_inset; },
+                                 [](const Cylinder&) { return curved_inset; },
+                                 [](const Box&) { return flat_inset; }},
+                      body.shape);
+}
+
+CrossSection cross_section(const Body& body, Endless along) {
+    return std::visit(
+        overloaded{[](const Ellipsoid&) -> CrossSection { throw Error("an endless ellipsoid"); },
+                   [](const Cylinder& cylinder) {
+                       return CrossSection{true, cylinder.radius_m, cylinder.radius_m};
+                   },
+                   [&](const Box& box) {
+                       const Vec3 size_m = box.size_m;
+                       return CrossSection{false,
+                                           0.5 * (along == Endless::along_x ? size_m.y : size_m.x),
+                                           0.5 * size_m.z};
+                   }},
+        body.shape);
+}
+
 std::vector<SectionMarker> section_markers(const Body& body, Endless along, double spacing_m,
                                            double spacing_z_m) {
     const SectionSpacings h{spacing_m, spacing_z_m};
-    const auto* box = std::get_if<Box>(&body.shape);
+    const CrossSection section = cross_section(body, along);
     std::vector<SectionMarker> markers =
-        box ? on_rectangle(half_width_m(*box, along), 0.5 * box->size_m.z, h)
-            : on_circle(std::get<Cylinder>(body.shape).radius_m, h);
+        section.is_round ? on_circle(section.half_down_m, h)
+                         : on_rectangle(section.half_across_m, section.half_down_m, h);
     sort_by_depth(markers);
     fill_inside(h, markers);
     sort_by_depth(markers);

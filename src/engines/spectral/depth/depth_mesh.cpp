@@ -35,11 +35,9 @@ Longest longest_elements(const Case& c, const SpectralOptions& options) {
     if (options.time_step_s) return {}; // the job specifies the step
     double least_loss = std::numeric_limits<double>::infinity();
     for (const Layer& layer : c.scene().medium.layers) {
-        const auto* law = std::get_if<KelvinVoigt>(&layer.loss);
         const double k = bandwidth_rad_m(c.scene().load.footprint, 1e-2);
-        least_loss =
-            std::min(least_loss,
-                     law ? law->viscosity_Pa_s * k / (layer.density_kg_m3 * layer.c_s_m_s) : 0.0);
+        least_loss = std::min(least_loss, newtonian_viscosity_Pa_s(layer.loss).value_or(0.0) * k /
+                                              (layer.density_kg_m3 * layer.c_s_m_s));
     }
     if (least_loss > 0.1) return {.first = options.accuracy >= 4e-4 ? 2.0 : 1.0};
     const double most = options.accuracy >= 4e-3 ? 2.0 : options.accuracy >= 4e-4 ? 1.0 : 0.65;

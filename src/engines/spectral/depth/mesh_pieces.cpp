@@ -29,10 +29,14 @@ struct Inclusion {
 bool is_curved(const Body& body) {
     const auto is_level = [](Vec3 axis) { return axis.z == 0.0 || std::abs(axis.z) == 1.0; };
     const BodyAxes axes = axes_of(body);
-    if (std::holds_alternative<Box>(body.shape))
+    const auto is_round = [&](const Cylinder& cylinder) {
+        return cylinder.axis != CylinderAxis::vertical && std::abs(axes.x.z) != 1.0;
+    };
+    const auto is_tilted = [&](const Box&) {
         return !(is_level(axes.x) && is_level(axes.y) && is_level(axes.z));
-    const auto* cylinder = std::get_if<Cylinder>(&body.shape);
-    return !cylinder || (cylinder->axis != CylinderAxis::vertical && std::abs(axes.x.z) != 1.0);
+    };
+    return std::visit(overloaded{[](const Ellipsoid&) { return true; }, is_round, is_tilted},
+                      body.shape);
 }
 
 Inclusion inclusion_of(const Body& body, double spacing_m, double per_degree, double omega_rad_s) {

@@ -12,8 +12,7 @@ namespace shearwake::spectral {
 namespace {
 
 double viscosity_of(const Layer& layer) {
-    if (std::holds_alternative<Lossless>(layer.loss)) return 0.0;
-    if (const auto* law = std::get_if<KelvinVoigt>(&layer.loss)) return law->viscosity_Pa_s;
+    if (const auto viscosity_Pa_s = newtonian_viscosity_Pa_s(layer.loss)) return *viscosity_Pa_s;
     throw CaseFailure("engine \"spectral\" supports only Kelvin-Voigt and lossless layers");
 }
 

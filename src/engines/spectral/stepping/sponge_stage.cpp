@@ -22,8 +22,8 @@ double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
     double least = 1e300, top_m = 0.0;
     for (const Layer& layer : medium.layers) {
         if (top_m >= depth_m) break;
-        const auto* law = std::get_if<KelvinVoigt>(&layer.loss);
-        least = std::min(least, law ? law->viscosity_Pa_s / layer.density_kg_m3 : 0.0);
+        least = std::min(least,
+                         newtonian_viscosity_Pa_s(layer.loss).value_or(0.0) / layer.density_kg_m3);
         top_m += layer.thickness_m;
     }
     return least;

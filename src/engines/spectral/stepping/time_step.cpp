@@ -50,17 +50,17 @@ double film_factor(const Medium& medium, std::size_t layer, double k_rad_m) {
 /// Determines the fastest motion that a step must resolve, and its description.
 void find_fastest(const Load& load, Scales& s) {
     const double wavelength_mm = 2e3 * std::numbers::pi / s.k_rad_m;
-    const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier);
-    const double modulation_Hz = greatest_envelope_frequency_Hz(load.modulation.envelope) +
-                                 (carrier ? carrier->frequency_Hz : 0.0);
+    const double carrier_Hz = carrier_frequency_Hz(load.carrier);
+    const double modulation_Hz =
+        greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier_Hz;
     const double modulation_rad_s = two_pi * modulation_Hz;
     const double scan_rad_s = s.k_rad_m * s.scan_speed_m_s;
     const double shear_rad_s = s.k_rad_m * s.wave_speed_m_s;
     s.load_rad_s = std::max(modulation_rad_s, scan_rad_s);
     s.omega_rad_s = std::max(shear_rad_s, s.load_rad_s);
     if (s.omega_rad_s == modulation_rad_s)
-        s.fastest = fmt::format("limited by the {} ({:.3g} Hz)", carrier ? "carrier" : "modulation",
-                                modulation_Hz);
+        s.fastest = fmt::format("limited by the {} ({:.3g} Hz)",
+                                carrier_Hz > 0.0 ? "carrier" : "modulation", modulation_Hz);
     else
         s.fastest = fmt::format("limited by {} ({:.3g} mm at {:.3g} m/s, {:.3g} Hz)",
                                 s.omega_rad_s == scan_rad_s ? "the scan" : "shear waves",

@@ -142,7 +142,7 @@ PathProgress at_rest(const Travel& travel, const Rests& rests, double t_s) {
     const double run_s = rests.ends_s.back();
     PathProgress now;
     double within_s = t_s;
-    if (travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth) {
+    if (runs_again(travel)) {
         const double runs = std::floor(t_s / run_s);
         within_s = t_s - runs * run_s;
         now.pass = travel.at_end == AtEnd::repeat ? runs : 0.5 * runs;
@@ -168,7 +168,35 @@ PathProgress folded(const Travel& travel, PathProgress in_run) {
     return in_run;
 }
 
+/// At constant speed, with rests and slow parts at the corners.
+PathProgress with_stops(const Travel& travel, double speed_m_s, double t_s) {
+    const Timetable table(travel);
+    if (runs_again(travel) && !(table.cycle_m() > 0.0))
+        return {}; // a repeated path that is a point
+    const double run_s = table.cycle_s(speed_m_s);
+    const double pass = runs_again(travel) ? std::floor(t_s / run_s) : 0.0;
+    PathProgress now = in_run(table, travel.corners, speed_m_s, t_s - run_s * pass);
+    now.pass = pass;
+    return folded(travel, now);
+}
+
+PathProgress without_stops(const Travel& travel, double t_s) {
+    PathProgress all = {.arc_m = arc_length_m(travel.motion, t_s),
+                        .speed_m_s = speed_m_s(travel.motion, t_s)};
+    if (runs_again(travel)) {
+        const double pass_m = Timetable(travel).cycle_m();
+        if (!(pass_m > 0.0)) return {}; // a repeated path that is a point
+        all.pass = std::floor(all.arc_m / pass_m);
+        all.arc_m -= pass_m * all.pass;
+    }
+    return folded(travel, all);
+}
+
 } // namespace
+
+bool runs_again(const Travel& travel) {
+    return travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth;
+}
 
 double cycle_m(const Travel& travel) {
     return Timetable(travel).cycle_m();
@@ -194,13 +222,18 @@ double shortest_between_stops_m(const Travel& travel) {
 }
 
 double cycle_s(const Travel& travel) {
-    if (const auto* rests = std::get_if<Rests>(&travel.motion))
-        return rests->ends_s.back() * (travel.at_end == AtEnd::back_and_forth ? 2.0 : 1.0);
-    if (const auto* oscillating = std::get_if<OscillatingSpeed>(&travel.motion))
-        return oscillating->mean_m_s > 0.0 ? end_of_oscillating_s(*oscillating, cycle_m(travel))
-                                           : never;
-    const double speed_m_s = std::get<ConstantSpeed>(travel.motion).speed_m_s;
-    return speed_m_s > 0.0 ? Timetable(travel).cycle_s(speed_m_s) : never;
+    return std::visit(
+        overloaded{[&](const ConstantSpeed& m) {
+                       return m.speed_m_s > 0.0 ? Timetable(travel).cycle_s(m.speed_m_s) : never;
+                   },
+                   [&](const OscillatingSpeed& m) {
+                       return m.mean_m_s > 0.0 ? end_of_oscillating_s(m, cycle_m(travel)) : never;
+                   },
+                   [&](const Rests& m) {
+                       return m.ends_s.back() *
+                              (travel.at_end == AtEnd::back_and_forth ? 2.0 : 1.0);
+                   }},
+        travel.motion);
 }
 
 double speed_of_cycle_m_s(const Travel& travel, double cycle_s) {
@@ -211,26 +244,15 @@ double speed_of_cycle_m_s(const Travel& travel, double cycle_s) {
 }
 
 PathProgress progress(const Travel& travel, double t_s) {
-    if (const auto* rests = std::get_if<Rests>(&travel.motion)) return at_rest(travel, *rests, t_s);
-    const Timetable table(travel);
-    const bool again = travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth;
-    const double whole_m = table.cycle_m();
-    if (again && !(whole_m > 0.0)) return {}; // a repeated path that is a point
-    const auto* constant = std::get_if<ConstantSpeed>(&travel.motion);
-    if (constant && constant->speed_m_s > 0.0 && travel.corners != CornerPace{}) {
-        const double run_s = table.cycle_s(constant->speed_m_s);
-        const double pass = again ? std::floor(t_s / run_s) : 0.0;
-        PathProgress now = in_run(table, travel.corners, constant->speed_m_s, t_s - run_s * pass);
-        now.pass = pass;
-        return folded(travel, now);
-    }
-    PathProgress all = {.arc_m = arc_length_m(travel.motion, t_s),
-                        .speed_m_s = speed_m_s(travel.motion, t_s)};
-    if (again) {
-        all.pass = std::floor(all.arc_m / whole_m);
-        all.arc_m -= whole_m * all.pass;
-    }
-    return folded(travel, all);
+    const auto at_corners = [&](const ConstantSpeed& constant) {
+        return constant.speed_m_s > 0.0 && travel.corners != CornerPace{}
+                   ? with_stops(travel, constant.speed_m_s, t_s)
+                   : without_stops(travel, t_s);
+    };
+    return std::visit(
+        overloaded{at_corners, [&](const OscillatingSpeed&) { return without_stops(travel, t_s); },
+                   [&](const Rests& rests) { return at_rest(travel, rests, t_s); }},
+        travel.motion);
 }
 
 } // namespace shearwake

@@ -18,6 +18,8 @@ struct PathProgress {
 /// Continues beyond the end of a path that is traversed once, independent of AtEnd.
 PathProgress progress(const Travel& travel, double t_s);
 
+/// Whether the path is traversed again after its end.
+bool runs_again(const Travel& travel);
 /// Arc length of one pass: the path, or there and back.
 double cycle_m(const Travel& travel);
 /// Number of stops in one pass: the corners, and the points at which it reverses.

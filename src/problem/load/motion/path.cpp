@@ -34,6 +34,20 @@ double angle_rad(const Arc& arc, double arc_m) {
     return arc.start_rad + std::copysign(turned, arc.sweep_rad);
 }
 
+Vec2 scaled(Vec2 point, Vec2 centre, double factor) {
+    return centre + factor * (point - centre);
+}
+
+/// The shape that has corners; null if the path is smooth.
+const Polyline* as_polyline(const Curve& path) {
+    constexpr auto smooth = []() -> const Polyline* { return nullptr; };
+    return std::visit(overloaded{[&](const Line&) { return smooth(); },
+                                 [&](const Arc&) { return smooth(); },
+                                 [](const Polyline& line) { return &line; },
+                                 [&](const Lissajous&) { return smooth(); }},
+                      path.shape);
+}
+
 } // namespace
 
 Polyline::Polyline(std::vector<Vec2> points_m, Ends ends)
@@ -104,12 +118,8 @@ Vec2 tangent(const Curve& path, double arc_m) {
 }
 
 std::ptrdiff_t smooth_piece(const Curve& path, double arc_m) {
-    return std::visit(
-        overloaded{
-            [&](const Polyline& line) { return static_cast<std::ptrdiff_t>(line.piece(arc_m)); },
-            [](const auto&) { return std::ptrdiff_t{0}; },
-        },
-        path.shape);
+    const Polyline* line = as_polyline(path);
+    return line ? static_cast<std::ptrdiff_t>(line->piece(arc_m)) : 0;
 }
 
 bool is_closed(const Curve& path) {
@@ -124,13 +134,43 @@ bool is_closed(const Curve& path) {
 }
 
 std::span<const double> corners_m(const Curve& path) {
-    const auto* line = std::get_if<Polyline>(&path.shape);
+    const Polyline* line = as_polyline(path);
     return line ? line->corners_m() : std::span<const double>{};
 }
 
 bool starts_at_corner(const Curve& path) {
-    const auto* line = std::get_if<Polyline>(&path.shape);
+    const Polyline* line = as_polyline(path);
     return line && line->starts_at_corner();
+}
+
+Curve scaled(const Curve& path, double factor) {
+    return std::visit(
+        overloaded{
+            [&](const Line& line) -> Curve {
+                const Vec2 centre = 0.5 * (line.from_m + line.to_m);
+                return Line{scaled(line.from_m, centre, factor), scaled(line.to_m, centre, factor)};
+            },
+            [&](Arc arc) -> Curve {
+                arc.radius_m *= factor;
+                return arc;
+            },
+            [&](const Polyline& polyline) -> Curve {
+                Vec2 low = polyline.points_m().front(), high = low;
+                for (const Vec2& point : polyline.points_m()) {
+                    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
+                    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
+                }
+                std::vector<Vec2> points_m;
+                for (const Vec2& point : polyline.points_m())
+                    points_m.push_back(scaled(point, 0.5 * (low + high), factor));
+                return Polyline(std::move(points_m), polyline.ends());
+            },
+            [&](const Lissajous& lissajous) -> Curve {
+                LissajousShape shape = lissajous.shape();
+                shape.amplitudes_m = factor * shape.amplitudes_m;
+                return Lissajous(shape);
+            }},
+        path.shape);
 }
 
 Polyline regular_polygon(Vec2 center_m, double radius_m, int corners, double start_rad) {

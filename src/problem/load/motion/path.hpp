@@ -127,6 +127,9 @@ struct Curve {
     bool operator==(const Curve&) const = default;
 };
 
+/// The words of jobs for shapes of a path: alternatives of Curve and forms of them.
+inline constexpr const char* path_words = "word:line|circle|arc|polygon|lissajous|polyline|csv";
+
 double length_m(const Curve& path);
 /// The point and the direction at an arc length; beyond the ends, along the tangent.
 Vec2 point_m(const Curve& path, double arc_m);
@@ -139,6 +142,9 @@ bool is_closed(const Curve& path);
 std::span<const double> corners_m(const Curve& path);
 /// Whether a closed path has a corner where it starts and ends.
 bool starts_at_corner(const Curve& path);
+
+/// The path, larger by a factor about its centre.
+Curve scaled(const Curve& path, double factor);
 
 /// Corners of a regular polygon, anticlockwise, the first at the angle `start_rad`.
 Polyline regular_polygon(Vec2 center_m, double radius_m, int corners, double start_rad);

@@ -12,10 +12,6 @@
 namespace shearwake {
 namespace {
 
-bool runs_again(const Travel& travel) {
-    return travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth;
-}
-
 bool has_ended(const Travel& travel, double t_s) {
     return travel.at_end == AtEnd::hold && !std::holds_alternative<Rests>(travel.motion) &&
            t_s >= cycle_s(travel);
@@ -38,14 +34,21 @@ double swing_rate(const Swing& s, double t_s) {
     return (turns - std::floor(turns) < 0.5 ? 4.0 : -4.0) * s.frequency_Hz;
 }
 
-double greatest_speed_m_s(const Swing& s) {
-    return norm(s.amplitude_m) * s.frequency_Hz * (s.wave == SwingWave::sine ? two_pi : 4.0);
+bool moves(const Mover& part) {
+    return std::visit(overloaded{[](const Hold&) { return false; },
+                                 [](const Swing& s) { return norm(s.amplitude_m) > 0.0; },
+                                 [](const Travel& travel) { return length_m(travel.path) > 0.0; }},
+                      part);
 }
 
-bool moves(const Mover& part) {
-    if (const auto* s = std::get_if<Swing>(&part)) return norm(s->amplitude_m) > 0.0;
-    const auto* travel = std::get_if<Travel>(&part);
-    return travel && length_m(travel->path) > 0.0;
+/// The frequency with which the speed oscillates; 0 if it does not.
+double oscillation_Hz(const Motion& motion) {
+    return std::visit(overloaded{[](const ConstantSpeed&) { return 0.0; },
+                                 [](const OscillatingSpeed& m) {
+                                     return m.deviation_m_s != 0.0 ? m.frequency_Hz : 0.0;
+                                 },
+                                 [](const Rests&) { return 0.0; }},
+                      motion);
 }
 
 } // namespace
@@ -112,14 +115,18 @@ Vec2 position(const Trajectory& trajectory, double t_s) {
 
 Vec2 velocity(const Trajectory& trajectory, double t_s) {
     Vec2 sum;
-    for (const Mover& part : trajectory.parts) {
-        if (const auto* s = std::get_if<Swing>(&part))
-            sum = sum + swing_rate(*s, t_s) * s->amplitude_m;
-        const auto* travel = std::get_if<Travel>(&part);
-        if (!travel || has_ended(*travel, t_s)) continue;
-        const PathProgress now = progress(*travel, t_s);
-        sum = sum + now.speed_m_s * tangent(travel->path, now.arc_m);
-    }
+    for (const Mover& part : trajectory.parts)
+        sum =
+            sum + std::visit(overloaded{
+                                 [](const Hold&) { return Vec2{}; },
+                                 [&](const Swing& s) { return swing_rate(s, t_s) * s.amplitude_m; },
+                                 [&](const Travel& travel) {
+                                     if (has_ended(travel, t_s)) return Vec2{};
+                                     const PathProgress now = progress(travel, t_s);
+                                     return now.speed_m_s * tangent(travel.path, now.arc_m);
+                                 },
+                             },
+                             part);
     return sum;
 }
 
@@ -162,43 +169,53 @@ double level(const Trajectory& trajectory, double t_s) {
 
 double off_time_s(const Trajectory& trajectory) {
     double off = std::numeric_limits<double>::infinity();
-    for (const Mover& part : trajectory.parts) {
-        const auto* travel = std::get_if<Travel>(&part);
-        if (travel && travel->at_end == AtEnd::off) off = std::min(off, cycle_s(*travel));
-    }
+    const auto end = [&](const Travel& travel) {
+        if (travel.at_end == AtEnd::off) off = std::min(off, cycle_s(travel));
+    };
+    for (const Mover& part : trajectory.parts)
+        std::visit(overloaded{[](const Hold&) {}, [](const Swing&) {}, end}, part);
     return off;
 }
 
 double greatest_speed_m_s(const Trajectory& trajectory) {
     double sum = 0.0;
-    for (const Mover& part : trajectory.parts) {
-        if (const auto* s = std::get_if<Swing>(&part)) sum += greatest_speed_m_s(*s);
-        if (const auto* travel = std::get_if<Travel>(&part))
-            sum += greatest_speed_m_s(travel->motion);
-    }
+    for (const Mover& part : trajectory.parts)
+        sum += std::visit(
+            overloaded{[](const Hold&) { return 0.0; },
+                       [](const Swing& s) {
+                           return norm(s.amplitude_m) * s.frequency_Hz *
+                                  (s.wave == SwingWave::sine ? two_pi : 4.0);
+                       },
+                       [](const Travel& travel) { return greatest_speed_m_s(travel.motion); }},
+            part);
     return sum;
 }
 
 bool has_constant_velocity(const Trajectory& trajectory) {
-    return std::none_of(trajectory.parts.begin(), trajectory.parts.end(), [](const Mover& part) {
-        if (!moves(part)) return false;
+    return std::ranges::none_of(trajectory.parts, [](const Mover& part) {
         const auto* travel = std::get_if<Travel>(&part);
-        if (!travel || runs_again(*travel)) return true;
-        const auto* motion = std::get_if<OscillatingSpeed>(&travel->motion);
-        return !std::holds_alternative<Line>(travel->path.shape) ||
-               (motion && motion->deviation_m_s != 0.0);
+        const bool is_straight = travel && !runs_again(*travel) &&
+                                 std::holds_alternative<Line>(travel->path.shape) &&
+                                 oscillation_Hz(travel->motion) == 0.0;
+        return moves(part) && !is_straight;
     });
 }
 
 double swing_frequency_Hz(const Trajectory& trajectory) {
     double drawn_Hz = 0.0;
+    const auto of_travel = [&](const Travel& travel) {
+        const double frequency_Hz = oscillation_Hz(travel.motion);
+        if (frequency_Hz == 0.0 && runs_again(travel))
+            drawn_Hz = std::max(drawn_Hz, 1.0 / cycle_s(travel));
+        return frequency_Hz;
+    };
     for (const Mover& part : trajectory.parts) {
-        if (const auto* s = std::get_if<Swing>(&part); s && moves(part)) return s->frequency_Hz;
-        const auto* travel = std::get_if<Travel>(&part);
-        if (!travel || !moves(part)) continue;
-        const auto* motion = std::get_if<OscillatingSpeed>(&travel->motion);
-        if (motion && motion->deviation_m_s != 0.0) return motion->frequency_Hz;
-        if (runs_again(*travel)) drawn_Hz = std::max(drawn_Hz, 1.0 / cycle_s(*travel));
+        if (!moves(part)) continue;
+        const double frequency_Hz =
+            std::visit(overloaded{[](const Hold&) { return 0.0; },
+                                  [](const Swing& s) { return s.frequency_Hz; }, of_travel},
+                       part);
+        if (frequency_Hz > 0.0) return frequency_Hz;
     }
     const auto moving = std::count_if(trajectory.parts.begin(), trajectory.parts.end(), moves);
     return moving > 1 ? drawn_Hz : 0.0;

@@ -170,7 +170,7 @@ template <class Walk, Is<Travel> T>
 void walk_fields(Walk& walk, T& travel) {
     walk.choice(travel.path.shape, {.key = "path.shape",
                                     .text = "mover",
-                                    .type = "word:line|circle|arc|polygon|lissajous|polyline|csv",
+                                    .type = path_words,
                                     .fallback = "required",
                                     .meaning = "shape of the path"});
     walk(travel.at_end,

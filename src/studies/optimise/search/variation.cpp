@@ -21,41 +21,6 @@ Travel* travel_at_constant_speed(Case& c) {
     return nullptr;
 }
 
-Vec2 scaled(Vec2 point, Vec2 centre, double factor) {
-    return centre + factor * (point - centre);
-}
-
-/// The curve, larger by a factor about its centre.
-Curve scaled(const Curve& curve, double factor) {
-    return std::visit(
-        overloaded{
-            [&](const Line& line) -> Curve {
-                const Vec2 centre = 0.5 * (line.from_m + line.to_m);
-                return Line{scaled(line.from_m, centre, factor), scaled(line.to_m, centre, factor)};
-            },
-            [&](Arc arc) -> Curve {
-                arc.radius_m *= factor;
-                return arc;
-            },
-            [&](const Polyline& polyline) -> Curve {
-                Vec2 low = polyline.points_m().front(), high = low;
-                for (const Vec2& point : polyline.points_m()) {
-                    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
-                    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
-                }
-                std::vector<Vec2> points_m;
-                for (const Vec2& point : polyline.points_m())
-                    points_m.push_back(scaled(point, 0.5 * (low + high), factor));
-                return Polyline(std::move(points_m), polyline.ends());
-            },
-            [&](const Lissajous& lissajous) -> Curve {
-                LissajousShape shape = lissajous.shape();
-                shape.amplitudes_m = factor * shape.amplitudes_m;
-                return Lissajous(shape);
-            }},
-        curve.shape);
-}
-
 void scale_times(Case& c, double factor) {
     c.time.interval_s *= factor;
     c.measure.at_s *= factor;

@@ -31,19 +31,17 @@ fft::SlabShare section_share(const fft::SlabShare& share, const Domain& section,
 /// The body with its axis along y through y = 0.
 Body turned(Body body, bool along_x) {
     body.centre_m = {along_x ? body.centre_m.y : body.centre_m.x, 0.0, body.centre_m.z};
-    if (auto* box = std::get_if<Box>(&body.shape))
-        box->size_m = {along_x ? box->size_m.y : box->size_m.x, 1.0, box->size_m.z};
+    const CrossSection section = cross_section(body, along_x ? Endless::along_x : Endless::along_y);
+    if (section.is_round)
+        body.shape = Cylinder{.radius_m = section.half_down_m, .azimuth_deg = 90.0};
     else
-        body.shape =
-            Cylinder{.radius_m = std::get<Cylinder>(body.shape).radius_m, .azimuth_deg = 90.0};
+        body.shape = Box{.size_m = {2.0 * section.half_across_m, 1.0, 2.0 * section.half_down_m}};
     return body;
 }
 
-Vec3 half_section_m(const Body& body) {
-    if (const auto* box = std::get_if<Box>(&body.shape))
-        return {0.5 * box->size_m.x, 0.0, 0.5 * box->size_m.z};
-    const double radius_m = std::get<Cylinder>(body.shape).radius_m;
-    return {radius_m, 0.0, radius_m};
+Vec3 half_section_m(const Body& turned_body) {
+    const CrossSection section = cross_section(turned_body, Endless::along_y);
+    return {section.half_across_m, 0.0, section.half_down_m};
 }
 
 /// Points of the outline with the lengths that they represent.
@@ -53,7 +51,7 @@ std::vector<SurfacePoint> outline(const Body& body, double spacing_m) {
         return std::max(1L, std::lround(std::ceil(length_m / spacing_m)));
     };
     const Vec3 half_m = half_section_m(body);
-    if (std::holds_alternative<Cylinder>(body.shape)) {
+    if (cross_section(body, Endless::along_y).is_round) {
         const double around_m = two_pi * half_m.x;
         const long parts = parts_of(around_m);
         for (long i = 0; i < parts; ++i) {
@@ -85,8 +83,7 @@ SurfacePatches section_patches(const std::vector<Body>& turned_bodies,
                                const SectionMarkers& markers, double spacing_m, double base_m) {
     std::vector<PatchedBody> bodies;
     for (const Body& body : turned_bodies) {
-        bodies.push_back({body.centre_m, outline(body, patch_points * spacing_m),
-                          std::holds_alternative<Box>(body.shape) ? flat_inset : curved_inset});
+        bodies.push_back({body.centre_m, outline(body, patch_points * spacing_m), inset_of(body)});
         std::erase_if(bodies.back().surface, [&](const SurfacePoint& p) {
             return body.centre_m.z + p.offset_m.z > base_m;
         });

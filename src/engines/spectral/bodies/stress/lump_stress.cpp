@@ -54,7 +54,7 @@ SurfacePatches lump_patches(const LumpBodies& lumps, const Domain& domain, doubl
     for (const Body& body : lumps.lumps()) {
         bodies.push_back({body.centre_m,
                           surface_points(body, domain, patch_points * domain.spacing_m),
-                          std::holds_alternative<Box>(body.shape) ? flat_inset : curved_inset});
+                          inset_of(body)});
         std::erase_if(bodies.back().surface, [&](const SurfacePoint& p) {
             return body.centre_m.z + p.offset_m.z > base_m;
         });
