@@ -52,9 +52,9 @@ bool CsvReader::next() {
             if (cells_.size() == most_csv_cells)
                 throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
             cells_.push_back(cell());
-        } while (take(separator_));
-        take('\r');
-        if (!rest_.empty() && !take('\n'))
+        } while (consume(separator_));
+        consume('\r');
+        if (!rest_.empty() && !consume('\n'))
             throw CsvError(next_line_, "a quoted cell that continues after its closing quote");
         if (kind_ == CsvText::relaxed) check_row();
         ++next_line_;
@@ -79,14 +79,14 @@ void CsvReader::check_row() {
                                               cell));
 }
 
-bool CsvReader::take(char c) {
+bool CsvReader::consume(char c) {
     if (rest_.empty() || rest_.front() != c) return false;
     rest_.remove_prefix(1);
     return true;
 }
 
 std::string CsvReader::cell() {
-    if (take('"')) return quoted_cell();
+    if (consume('"')) return quoted_cell();
     const char ends[] = {separator_, '\r', '\n'};
     const std::string_view text =
         rest_.substr(0, rest_.find_first_of(std::string_view(ends, std::size(ends))));
@@ -105,7 +105,7 @@ std::string CsvReader::quoted_cell() {
     while (!rest_.empty()) {
         const char c = rest_.front();
         rest_.remove_prefix(1);
-        if (c == '"' && !take('"')) {
+        if (c == '"' && !consume('"')) {
             next_line_ += breaks;
             return text;
         }

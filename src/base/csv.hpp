@@ -39,7 +39,7 @@ public:
     std::string_view text() const { return text_; }
 
 private:
-    bool take(char c);
+    bool consume(char c);
     void check_row();
     std::string cell();
     std::string quoted_cell();

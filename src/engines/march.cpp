@@ -92,7 +92,7 @@ MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer, Checkp
         report();
         const auto between = Clock::now();
         watched.has_snapshot = false;
-        field.give(watched);
+        field.emit(watched);
         const auto to = Clock::now();
         const bool is_first = setup.count == 0.0;
         Part& output = watched.has_snapshot ? snapshots : is_first ? setup : each;

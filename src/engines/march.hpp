@@ -71,7 +71,7 @@ public:
     virtual void advance() = 0;
     /// Passes the frame, snapshot or sample at the end of the last step, if any, to the observer.
     /// Collective.
-    virtual void give(Observer& observer) = 0;
+    virtual void emit(Observer& observer) = 0;
     /// Save and restore everything that changes from step to step. Collective.
     virtual void save(StateWriter& state) const = 0;
     virtual void restore(const StateReader& state) = 0;

@@ -176,8 +176,8 @@ void RunTransform::put_columns(Rows rows, const Lines& to, Complex* columns,
     });
 }
 
-void RunTransform::take_columns(Rows rows, const Lines& from, const Complex* columns,
-                                std::ptrdiff_t pitch) const {
+void RunTransform::gather_columns(Rows rows, const Lines& from, const Complex* columns,
+                                  std::ptrdiff_t pitch) const {
     SlabTransform::Work& w = *slabs_.work_;
     if (!window_)
         return columns_to_rows(columns, pitch, rows.count, from.ky_count, w.line(0) + from.ky_start,
@@ -342,10 +342,10 @@ void RunTransform::to_values(const double* lines, std::span<const Plane> planes,
                 const Lines& from = shares_[rank].lines;
                 if (from.ky_count == 0) continue;
                 if (rank == me_)
-                    take_columns(now, from, lines_of(lines, p) + mine.begin + at, layout_.pitch);
+                    gather_columns(now, from, lines_of(lines, p) + mine.begin + at, layout_.pitch);
                 else
-                    take_columns(now, from, parcel.rows.data() + parcel.of_rows_at[rank] + at,
-                                 mine.count());
+                    gather_columns(now, from, parcel.rows.data() + parcel.of_rows_at[rank] + at,
+                                   mine.count());
             }
             untransform(now, rest, values + plane.first);
         }

@@ -134,8 +134,8 @@ private:
     void untransform(Rows rows, Rest& runs, double* values) const;
     void put_columns(Rows rows, const Lines& to, std::complex<double>* columns,
                      std::ptrdiff_t pitch) const;
-    void take_columns(Rows rows, const Lines& from, const std::complex<double>* columns,
-                      std::ptrdiff_t pitch) const;
+    void gather_columns(Rows rows, const Lines& from, const std::complex<double>* columns,
+                        std::ptrdiff_t pitch) const;
     void transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
                        std::complex<double>* modes) const;
     void untransform_row(std::ptrdiff_t row, Rest& runs, std::complex<double>* modes,

@@ -325,7 +325,7 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
     return motion;
 }
 
-void keep_receptors(const Case& c, const std::optional<Scene>& scene, SurfaceRecorder& recorder) {
+void record_receptors(const Case& c, const std::optional<Scene>& scene, SurfaceRecorder& recorder) {
     if (stress_depths_m(c).empty()) return;
     std::vector<Vec2> at_m;
     std::vector<std::size_t> depths;
@@ -333,7 +333,7 @@ void keep_receptors(const Case& c, const std::optional<Scene>& scene, SurfaceRec
         at_m.push_back(on_patch_m(scene->patch, one.at_mm));
         depths.push_back(static_cast<std::size_t>(one.kind)); // classes by their depth
     }
-    recorder.keep_stress(at_m, std::move(depths));
+    recorder.record_stress(at_m, std::move(depths));
 }
 
 AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,

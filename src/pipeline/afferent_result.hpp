@@ -53,8 +53,8 @@ neural::Repetitions receptor_repetitions(const Case& c, const neural::Scene& sce
 
 /// Makes the recorder store the stress at the receptors, if the case requests it. Call before the
 /// run; collective.
-void keep_receptors(const Case& c, const std::optional<neural::Scene>& scene,
-                    SurfaceRecorder& recorder);
+void record_receptors(const Case& c, const std::optional<neural::Scene>& scene,
+                      SurfaceRecorder& recorder);
 
 /// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
 /// elsewhere. The spikes do not depend on the number of ranks. Throws CaseFailure on all ranks if

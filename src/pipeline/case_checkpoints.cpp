@@ -63,7 +63,8 @@ void CaseCheckpoints::find_newest() {
         bool is_candidate = false; // according to rank 0, which checks the files
         storage::CheckpointFacts facts;
         const auto pass_over = [&](const std::string& reason) {
-            hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), reason));
+            hooks_.report(
+                fmt::format("checkpoint {} {}: it is not used", paths[i].string(), reason));
         };
         on_root(team_, [&] {
             if (!fs::exists(paths[i])) return;
@@ -148,7 +149,7 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
         reason = failure.what();
     }
     if (!reason.empty() && team_.is_root())
-        hooks_.say(
+        hooks_.report(
             fmt::format("case {} continues without a checkpoint: {}", owner_.case_id, reason));
     // Without a checkpoint, a stop is delayed until the end of the case.
     if (stopping_) (reason.empty() ? stops_ : stop_failed_) = true;

@@ -25,7 +25,7 @@ struct CheckpointSchedule {
 /// Callbacks to the run, called only on the root of the team.
 struct CheckpointHooks {
     std::function<bool()> stop_asked;
-    std::function<void(const std::string&)> say;
+    std::function<void(const std::string&)> report;
     /// The share of the steps that are complete, 0 to 1; at most four times per second.
     std::function<void(double)> progressed = {};
 };
@@ -56,11 +56,11 @@ public:
     /// collective.
     std::string part_record() const { return newest_ ? newest_->facts.part : ""; }
     /// Called at every save on all ranks, after the checkpoint is written.
-    void keep_with(std::function<std::string()> part_record) { part_ = std::move(part_record); }
+    void store_with(std::function<std::string()> part_record) { part_ = std::move(part_record); }
     /// Removes the checkpoints, when the case is complete or starts from scratch.
     void discard();
     /// Reports a message to the user, on the root. Not collective.
-    void say(const std::string& text) const { hooks_.say(text); }
+    void report(const std::string& text) const { hooks_.report(text); }
     /// Seconds for which earlier runs have computed the case. Not collective.
     double earlier_seconds() const { return earlier_seconds_; }
 

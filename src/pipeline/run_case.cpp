@@ -31,7 +31,7 @@ void refuse_too_large(double needed_B, double available_B) {
 storage::SurfaceLayout layout_of(const Case& c) {
     storage::SurfaceLayout layout{
         .domain = c.domain, .times_s = {}, .depths_m = c.measure.depths_m};
-    for (const std::ptrdiff_t n : kept_frames(c))
+    for (const std::ptrdiff_t n : recorded_frames(c))
         layout.times_s.push_back(c.time.frame_s(n));
     return layout;
 }
@@ -54,7 +54,7 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
                                 volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
         is_usable = reason.empty();
         if (!is_usable)
-            checkpoints.say(
+            checkpoints.report(
                 fmt::format("{}.part {}: the case starts from scratch", path.string(), reason));
     });
     if (team.broadcast(is_usable)) return storage::Beginning::resume;
@@ -72,7 +72,7 @@ void compute(const Case& c, engines::Engine& engine, const Comm& team, SurfaceRe
         checkpoints.discard();
         throw;
     } catch (const Error&) {
-        if (checkpoints.has_state()) writer.keep_uncommitted();
+        if (checkpoints.has_state()) writer.retain_uncommitted();
         throw;
     }
     if (checkpoints.stop()) {
@@ -108,10 +108,10 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const storage::SurfaceLayout layout = layout_of(c);
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
     storage::CaseFileWriter writer(path, team, layout, beginning, checkpoints.part_record());
-    checkpoints.keep_with([&writer] { return writer.part_record(); });
+    checkpoints.store_with([&writer] { return writer.part_record(); });
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
-    keep_receptors(c, plan.receptors, recorder);
+    record_receptors(c, plan.receptors, recorder);
     const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;

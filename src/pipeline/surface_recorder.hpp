@@ -33,8 +33,8 @@ public:
 
     /// Sets where the stress is recorded: positions and, for each, the index of its depth. Call
     /// before the run.
-    void keep_stress(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
-        stresses_.keep(at_m, std::move(depths));
+    void record_stress(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
+        stresses_.record_at(at_m, std::move(depths));
     }
 
     /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is

@@ -138,9 +138,9 @@ CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& 
         row.status = digest->status;
         row.scalars = digest->scalars;
         row.remarks =
-            digest->whole() ? remarks_of(*digest) : std::vector<std::string>{digest->damage};
+            digest->is_complete() ? remarks_of(*digest) : std::vector<std::string>{digest->damage};
         row.wall_s = digest->wall_s;
-        if (digest->whole()) row.valid = digest->is_valid() ? "yes" : "no";
+        if (digest->is_complete()) row.valid = digest->is_valid() ? "yes" : "no";
         return row;
     }
     const auto history = journal.cases.find(c.id);
@@ -292,8 +292,8 @@ ReducedTables reduce(const ReduceInput& input) {
     const Table& table = adds_errors ? extended : plain;
     for (const storage::IndexedCase& c : plan.cases) {
         const storage::CaseDigest* digest = index.find(c.id);
-        if (digest && !digest->whole()) written.damaged.push_back(c.id);
-        if (!digest || !digest->whole()) continue;
+        if (digest && !digest->is_complete()) written.damaged.push_back(c.id);
+        if (!digest || !digest->is_complete()) continue;
         if (!digest->is_valid()) ++written.not_valid;
         if (std::ranges::find(written.programs, digest->git_id) == written.programs.end())
             written.programs.push_back(digest->git_id);
@@ -329,7 +329,7 @@ ReducedTables reduce(const ReduceInput& input) {
     written.first_rows = first_rows(plain, main, 5);
     written.rows = table.rows.size();
     const std::size_t status = table.columns.size() - 2;
-    written.whole = static_cast<std::size_t>(
+    written.complete = static_cast<std::size_t>(
         std::count_if(table.rows.begin(), table.rows.end(), [&](const std::vector<Cell>& row) {
             return std::get<std::string>(row[status]) == "complete";
         }));

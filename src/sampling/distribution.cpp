@@ -35,7 +35,7 @@ auto library_form(const Triangular& t) {
     return boost::math::triangular_distribution<double>(t.min, t.mode, t.max);
 }
 
-double whole_below(const Empirical& e, double x) {
+double untruncated_below(const Empirical& e, double x) {
     const auto& v = e.values;
     if (x <= v.front()) return x < v.front() ? 0.0 : 0.5 / static_cast<double>(v.size());
     if (x >= v.back()) return 1.0;
@@ -43,28 +43,28 @@ double whole_below(const Empirical& e, double x) {
     const double i = static_cast<double>(above - v.begin() - 1);
     return (i + (x - *(above - 1)) / (*above - *(above - 1))) / static_cast<double>(v.size() - 1);
 }
-double whole_below(const LogNormal& n, double x) {
+double untruncated_below(const LogNormal& n, double x) {
     return x <= 0.0 ? 0.0 : std::isinf(x) ? 1.0 : boost::math::cdf(library_form(n), x);
 }
 template <class Shape>
-double whole_below(const Shape& shape, double x) {
+double untruncated_below(const Shape& shape, double x) {
     if (std::isinf(x)) return x > 0.0 ? 1.0 : 0.0;
     return boost::math::cdf(library_form(shape), x);
 }
 
-double whole_quantile(const Empirical& e, double p) {
+double untruncated_quantile(const Empirical& e, double p) {
     const double place = p * static_cast<double>(e.values.size() - 1);
     const auto i = std::min(static_cast<std::size_t>(place), e.values.size() - 2);
     const double share = place - static_cast<double>(i);
     return e.values[i] * (1.0 - share) + e.values[i + 1] * share;
 }
 template <class Shape>
-double whole_quantile(const Shape& shape, double p) {
+double untruncated_quantile(const Shape& shape, double p) {
     return boost::math::quantile(library_form(shape), p);
 }
 
 double below(const Distribution& d, double x) {
-    return std::visit([&](const auto& shape) { return whole_below(shape, x); }, d.shape);
+    return std::visit([&](const auto& shape) { return untruncated_below(shape, x); }, d.shape);
 }
 
 struct Ends {
@@ -130,7 +130,7 @@ double quantile(const Distribution& d, double p) {
     const double whole = std::clamp(ends.lower + p * (ends.upper - ends.lower), 1e-300,
                                     1.0 - std::numeric_limits<double>::epsilon() / 2.0);
     const double x = std::clamp(
-        std::visit([&](const auto& shape) { return whole_quantile(shape, whole); }, d.shape),
+        std::visit([&](const auto& shape) { return untruncated_quantile(shape, whole); }, d.shape),
         d.least, d.most);
     return d.root_of > 0.0 ? std::sqrt(d.root_of * x) : x;
 }

@@ -109,7 +109,7 @@ bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answ
     const pipeline::CasePlan plan = suitable_plan(c);
     check_receptors(c);
     pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
-    pipeline::keep_receptors(c, plan.receptors, recorder);
+    pipeline::record_receptors(c, plan.receptors, recorder);
     FrameKeeper keeper(c, world_, recorder, rows_);
     fail_together(world_, [&] { engine_->run(c, world_, keeper, &interrupt); });
     if (interrupt.stop()) return false;

@@ -127,7 +127,7 @@ namespace {
 void compute(const Case& c, const pipeline::CasePlan& plan, engines::Engine& engine,
              const Comm& team) {
     pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
-    pipeline::keep_receptors(c, plan.receptors, recorder);
+    pipeline::record_receptors(c, plan.receptors, recorder);
     engine.run(c, team, recorder);
     recorder.finish();
     if (!plan.receptors) return;

@@ -72,7 +72,7 @@ TEST_CASE("receptor stress is unchanged when a run stops and resumes", "[mpi][ne
     test::StopAt checkpoints(GENERATE(3, 4, 5)); // every second step ends at a frame
     const std::vector<Vec2> places = {{1e-3, 2e-3}, {-4e-3, 0.0}, {0.5, 0.0}};
     const auto run = [&](pipeline::SurfaceRecorder& recorder, engines::Checkpoints* stop) {
-        recorder.keep_stress(places, {0, 1, 2});
+        recorder.record_stress(places, {0, 1, 2});
         engines::make_engine(c.solver)->run(c, world, recorder, stop);
     };
     pipeline::SurfaceRecorder through(c, world, nullptr, {}), stopped(c, world, nullptr, {}),

@@ -137,7 +137,7 @@ public:
         StressStore store;
         store.begin({.x_start = 0, .x_count = case_.domain.nx});
         receptors_->remember(u.data());
-        receptors_->give({u.data(), u.data()}, forces, 0, store);
+        receptors_->emit({u.data(), u.data()}, forces, 0, store);
         std::vector<Plane> planes;
         for (std::size_t n = 0; n < heights_m_.size(); ++n) {
             planes.push_back({{}, store.at(0, n)});
@@ -166,7 +166,7 @@ public:
         const auto near =
             spectral::stress_correction(*bodies_, {case_.scene().medium, case_.domain, mesh_, share,
                                                    depths_m, spectral::Corrected::zz});
-        near->take(forces);
+        near->set_forces(forces);
         std::vector<Correction> all;
         for (std::size_t n = 0; n < depths_m.size(); ++n) {
             std::vector<double> plane(static_cast<std::size_t>(share.reals), 0.0);

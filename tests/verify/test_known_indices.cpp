@@ -128,7 +128,7 @@ TEST_CASE("an engine with known Sobol indices shows them after plan, run and red
     compute(plan, folder / "");
     const reduce::ReducedTables written = reduce::reduce(
         {.folder = folder / "", .plan = folder / "plan.json", .tables = folder / "tables"});
-    CHECK(written.whole == plan.cases.size());
+    CHECK(written.complete == plan.cases.size());
     const reduce::TextTable table =
         reduce::read_csv(storage::read_file(written.sensitivity), "sensitivity");
     std::size_t checked = 0;

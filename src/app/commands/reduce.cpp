@@ -26,8 +26,8 @@ std::string report_line(const std::filesystem::path& folder) {
 
 void print_counts(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
     fmt::print("{} case{}: {} complete, {} failed or missing\n", written.rows,
-               written.rows == 1 ? "" : "s", written.whole, written.rows - written.whole);
-    if (const std::size_t left = written.rows - written.whole; left > 0 && written.whole > 0)
+               written.rows == 1 ? "" : "s", written.complete, written.rows - written.complete);
+    if (const std::size_t left = written.rows - written.complete; left > 0 && written.complete > 0)
         fmt::print(stderr,
                    "{} the table is partial: {} of {} cases ha{} no result, and {} empty; "
                    "shearwake status {} lists the reasons\n",
@@ -66,7 +66,7 @@ void print_json(const reduce::ReducedTables& written, const std::filesystem::pat
     };
     fmt::print("{}", json_document("reduce", {{"folder", folder.string()},
                                               {"cases", written.rows},
-                                              {"complete", written.whole},
+                                              {"complete", written.complete},
                                               {"not_valid", written.not_valid},
                                               {"damaged", written.damaged},
                                               {"programs", written.programs},
@@ -87,7 +87,7 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
         is_damaged = !written.damaged.empty();
         if (!arguments.json) print_counts(written, path);
         print_damaged(written);
-        if (written.whole == 0)
+        if (written.complete == 0)
             throw UsageError(fmt::format("no case of {} is complete, so there is nothing to "
                                          "reduce; shearwake status {} lists the reasons",
                                          path.string(), path.string()),

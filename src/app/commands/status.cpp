@@ -95,7 +95,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
         const storage::CaseDigest* digest = index.find(c.id);
-        if (digest && digest->whole()) {
+        if (digest && digest->is_complete()) {
             ++tally.done;
             if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
             if (!digest->is_valid()) tally.not_valid.push_back(c.id);

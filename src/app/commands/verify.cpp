@@ -81,7 +81,7 @@ Verified verify(const schedule::OutputFolder& folder, storage::CaseIndex& index)
     }
     for (const auto& [id, digest] : index.all()) {
         ++v.files;
-        if (!digest.whole()) v.damaged.push_back(&digest);
+        if (!digest.is_complete()) v.damaged.push_back(&digest);
     }
     for (const std::string& id : planned)
         if (!index.find(id)) v.missing.push_back(id);

@@ -252,7 +252,7 @@ private:
 };
 
 /// The part of a schema that applies only to jobs without a sweep; removes the lists from `schema`.
-Json take_requirements(Json& schema) {
+Json extract_requirements(Json& schema) {
     Json rules = Json::object();
     if (const auto list = schema.find(required_keys); list != schema.end()) {
         if (schema.contains("properties") && schema["properties"].contains("preset"))
@@ -263,16 +263,16 @@ Json take_requirements(Json& schema) {
     }
     if (schema.contains("properties"))
         for (auto& [key, below] : schema["properties"].items())
-            if (Json found = take_requirements(below); !found.empty())
+            if (Json found = extract_requirements(below); !found.empty())
                 rules["properties"][key] = std::move(found);
     if (schema.contains("items"))
-        if (Json found = take_requirements(schema["items"]); !found.empty())
+        if (Json found = extract_requirements(schema["items"]); !found.empty())
             rules["items"] = std::move(found);
     for (const char* list : {"allOf", "anyOf"})
         if (schema.contains(list))
             for (Json& part : schema[list]) {
                 Json& below = part.contains("then") ? part["then"] : part;
-                Json found = take_requirements(below);
+                Json found = extract_requirements(below);
                 if (found.empty()) continue;
                 const Json when = part.contains("if") ? part["if"] : Json{{"type", "object"}};
                 rules["allOf"].push_back({{"if", when}, {"then", std::move(found)}});
@@ -384,8 +384,8 @@ std::string job_schema() {
         if (!modulation.contains(key)) modulation[key] = type;
     SchemaWalk(path).shapes();
 
-    Json rules = take_requirements(root);
-    Json path_rules = take_requirements(path);
+    Json rules = extract_requirements(root);
+    Json path_rules = extract_requirements(path);
     if (!path_rules.empty()) path["allOf"].push_back(std::move(path_rules));
     Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                    {"title", "Job file of shearwake"}};

@@ -44,7 +44,7 @@ void FieldReader::read(Vec2& value, const std::string& key, const Range& range,
         value = reader_.point_or(key, value);
 }
 
-double FieldReader::whole(const std::string& key, double fallback, const Range& range) {
+double FieldReader::integer(const std::string& key, double fallback, const Range& range) {
     const double number = reader_.number_or(key, fallback, range);
     if (number != std::floor(number)) reader_.error(key, "must be a whole number");
     return std::floor(number);

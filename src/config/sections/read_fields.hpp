@@ -65,7 +65,7 @@ private:
               const Field& field);
     template <std::integral Whole>
     void read(Whole& value, const std::string& key, const Range& range, const Field&) {
-        value = static_cast<Whole>(whole(key, static_cast<double>(value), range));
+        value = static_cast<Whole>(integer(key, static_cast<double>(value), range));
     }
     void read(bool& value, const std::string& key, const Range&, const Field&) {
         value = reader_.find_flag(key).value_or(value);
@@ -101,7 +101,7 @@ private:
     template <class T>
     void read(std::shared_ptr<const T>&, const std::string&, const Range&, const Field&) {}
 
-    double whole(const std::string& key, double fallback, const Range& range);
+    double integer(const std::string& key, double fallback, const Range& range);
 
     Reader& reader_;
     const Table& table_;

@@ -262,11 +262,11 @@ void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgr
         if (!kept.table || kept.table->key() != kept.key)
             expect_table(progress, kept.key, ky_count, team.size());
     for (const Kept& kept : tables)
-        keep_table(kept.table, kept.key, team, progress);
+        store_table(kept.table, kept.key, team, progress);
 }
 
-void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
-                               const Comm& team, CaseProgress& progress) {
+void LayeredEngine::store_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
+                                const Comm& team, CaseProgress& progress) {
     if (table && table->key() == key) return;
     table.reset(); // freed first, as two tables may not fit into memory
     if (key.depths_m.empty()) return;
@@ -331,7 +331,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     if (loss_table_) energy = spectra->energy(*loss_table_);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
     observer.begin({inner.x_start, inner.x_count});
-    const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& give) {
+    const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& emit) {
         const std::size_t other = table.key().depths_m.size() - depths; // that are not measured
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
@@ -344,7 +344,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                     slabs_->to_physical([&](std::ptrdiff_t ky,
                                             Complex* row) { spectra->put_row(first, n, ky, row); },
                                         plane.data());
-                    give(first + n, depth,
+                    emit(first + n, depth,
                          View2<const double>(plane.data() + inner.offset, inner.x_count,
                                              given.domain.ny, share.padded_ny));
                     progress.did(CaseProgress::Stage::frames);

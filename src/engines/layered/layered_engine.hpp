@@ -46,8 +46,8 @@ private:
                  engines::Checkpoints* checkpoints);
     void prepare(const LayeredPlan& plan, const Comm& team, CaseProgress& progress);
     /// Frees the table if the key has no depths.
-    void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
-                    CaseProgress& progress);
+    void store_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
+                     const Comm& team, CaseProgress& progress);
 
     /// The second only for cases that request the stress, the third only for those that request the
     /// tangential displacement, the fourth only in the periodic regime.
@@ -84,10 +84,10 @@ struct LayeredPlan {
     std::ptrdiff_t ky_count;         // of the rank with most rows
     std::ptrdiff_t frames_together;  // whose spectra are in memory at the same time
     std::array<TransferKey, 4> keys; // displacement, stress, tangential displacement, loss
-    bool keeps_y = false;            // whether the load moves along x alone
+    bool stores_y = false;           // whether the load moves along x alone
 
     /// Whether a table is expanded once, not for each batch of frames.
-    bool is_kept(const TransferKey& table) const;
+    bool is_stored(const TransferKey& table) const;
     /// The work of the stages, by CaseProgress::Stage.
     std::array<engines::Work, CaseProgress::stages> stages() const;
     std::vector<engines::Array> arrays() const;

@@ -50,14 +50,14 @@ void PstdMarch<Real>::advance() {
 }
 
 template <class Real>
-void PstdMarch<Real>::give(engines::Observer& observer) {
+void PstdMarch<Real>::emit(engines::Observer& observer) {
     if (stepper_.steps() % per_frame_ != 0) return;
     const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
     if (frames > case_.time.frames) return; // a study may continue after the last frame
-    outputs_.frames.give(frames - 1, observer, team_);
+    outputs_.frames.emit(frames - 1, observer, team_);
     if (!outputs_.volumes) return;
     if (const auto snapshot = engines::snapshot_at(case_, frames))
-        outputs_.volumes->give(*snapshot, outputs_.frames.displacement(), observer, team_);
+        outputs_.volumes->emit(*snapshot, outputs_.frames.displacement(), observer, team_);
 }
 
 template <class Real>

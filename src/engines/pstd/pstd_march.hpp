@@ -30,7 +30,7 @@ public:
 
     std::ptrdiff_t step() const override { return stepper_.steps(); }
     void advance() override;
-    void give(engines::Observer& observer) override;
+    void emit(engines::Observer& observer) override;
     void save(StateWriter& state) const override;
     void restore(const StateReader& state) override;
 

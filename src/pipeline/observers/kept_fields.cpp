@@ -9,7 +9,7 @@
 
 namespace shearwake::pipeline {
 
-std::vector<std::ptrdiff_t> kept_frames(const Case& c) {
+std::vector<std::ptrdiff_t> recorded_frames(const Case& c) {
     std::vector<std::ptrdiff_t> kept;
     if (c.record.frames) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
@@ -24,7 +24,7 @@ std::vector<std::ptrdiff_t> kept_frames(const Case& c) {
 }
 
 KeptFields::KeptFields(const Case& c, storage::CaseFileWriter& writer)
-    : case_(c), writer_(writer), frames_(kept_frames(c)) {}
+    : case_(c), writer_(writer), frames_(recorded_frames(c)) {}
 
 void KeptFields::frame(const engines::Frame& frame) {
     const auto kept = std::lower_bound(frames_.begin(), frames_.end(), frame.number);

@@ -10,7 +10,7 @@
 namespace shearwake::pipeline {
 
 /// The frames that a case stores: all, or those closest to the requested snapshots.
-std::vector<std::ptrdiff_t> kept_frames(const Case& c);
+std::vector<std::ptrdiff_t> recorded_frames(const Case& c);
 
 /// Passes the frames and volumes that a case stores to its file.
 class KeptFields : public Recording {

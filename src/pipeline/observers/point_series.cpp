@@ -86,7 +86,7 @@ void PointSeries::finish() {
         team_.sum(one.u_m);
 }
 
-void ReceptorSeries::keep(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
+void ReceptorSeries::record_at(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
     together(team_, [&] {
         depths_ = std::move(depths);
         series_ = empty_series(at_m, case_.time);

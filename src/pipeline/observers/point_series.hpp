@@ -41,7 +41,7 @@ class ReceptorSeries : public Recording {
 public:
     ReceptorSeries(const Case& c, const Comm& team) : case_(c), team_(team) {}
     /// Positions and, for each, the index of its depth. Call before the run. Collective.
-    void keep(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
+    void record_at(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void stress(const engines::StressFrame& frame) override;
     void save(StateWriter& state) override;

@@ -75,7 +75,7 @@ struct Probed {
 
 void compute(const Probed& probed, const Case& c, const Comm& team, ProbeClock& clock) {
     pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
-    pipeline::keep_receptors(c, probed.receptors, recorder);
+    pipeline::record_receptors(c, probed.receptors, recorder);
     probed.engine->run(c, team, recorder, &clock);
 }
 

@@ -26,7 +26,7 @@ std::string cases_text(std::size_t count) {
 
 std::string counts_text(const Selection& selection, const WorkResult& result) {
     std::string text = fmt::format("{}: {} computed now, {} already complete, {} failed",
-                                   cases_text(selection.total), result.done, selection.whole,
+                                   cases_text(selection.total), result.done, selection.complete,
                                    result.failed + selection.failed_before);
     if (selection.not_selected > 0)
         text += fmt::format(", {} not selected", selection.not_selected);
@@ -169,7 +169,7 @@ nlohmann::ordered_json closing_document(const OutputFolder& folder, const config
             {"state", ending == Ending::stopped ? "stopped" : "finished"},
             {"cases", selection.total},
             {"computed", result.done},
-            {"already_complete", selection.whole},
+            {"already_complete", selection.complete},
             {"failed", result.failed + selection.failed_before},
             {"by_other_runs", result.elsewhere},
             {"not_selected", selection.not_selected},

@@ -133,7 +133,7 @@ std::string Progress::line(const SweepCounts& counts) const {
     return text;
 }
 
-void Progress::say(const std::string& text) {
+void Progress::report(const std::string& text) {
     if (drawn_) fmt::print(stderr, "\r\x1b[K");
     drawn_ = false;
     fmt::print(stderr, "{}\n", coloured(text, stderr));

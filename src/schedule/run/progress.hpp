@@ -53,7 +53,7 @@ public:
     /// Prints the progress if a line is due. Cheap, may be called often.
     void update(const SweepCounts& counts);
     /// Prints a separate line.
-    void say(const std::string& line);
+    void report(const std::string& line);
     void finish();
 
 private:

@@ -55,7 +55,8 @@ struct Beginning {
 bool is_mixed(const Plan& plan, storage::CaseIndex& index, const RunArguments& arguments) {
     for (const PlannedCase& c : plan.cases) {
         const storage::CaseDigest* digest = index.find(c.id);
-        if (!digest || !digest->whole() || digest->git_id == pipeline::program_git_id()) continue;
+        if (!digest || !digest->is_complete() || digest->git_id == pipeline::program_git_id())
+            continue;
         if (arguments.allow_mixed) return true;
         throw UsageError(fmt::format(
             "case {} was computed by another version of this program, {}; this one is {}. Choose "
@@ -170,9 +171,9 @@ ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Sel
 void print_beginning(const Beginning& beginning, const RunArguments& arguments,
                      Progress& progress) {
     if (!beginning.warning.empty() && !arguments.quiet)
-        progress.say("warning: " + beginning.warning);
+        progress.report("warning: " + beginning.warning);
     for (const SetAside& damaged : beginning.damaged)
-        progress.say(
+        progress.report(
             fmt::format("case {} is damaged ({}): its file was moved to {}, and the case is "
                         "computed again",
                         damaged.id, damaged.reason, damaged.place.string()));
@@ -221,7 +222,7 @@ struct Preparation {
     const Comm& world;
     storage::Journal journal;
     const storage::RunStart& start;
-    std::function<void(const std::string&)> say;
+    std::function<void(const std::string&)> report;
     std::chrono::steady_clock::time_point said = {};
 
     /// Before the time step of a case is chosen. Collective.
@@ -235,7 +236,8 @@ struct Preparation {
         const auto now = std::chrono::steady_clock::now();
         if (number > 1 && now - said < std::chrono::seconds(2)) return;
         said = now;
-        say(fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
+        report(
+            fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
     }
 };
 
@@ -266,7 +268,7 @@ void print_warnings(const config::Job& job, const RunArguments& arguments, int r
                     Progress& progress) {
     if (!job.diagnostics.empty()) fmt::print(stderr, "{}", coloured(warnings_of(job), stderr));
     const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
-    if (!excess.empty()) progress.say("warning: " + excess);
+    if (!excess.empty()) progress.report("warning: " + excess);
 }
 
 /// The cases to compute with their number of teams, and those that resume from checkpoints.
@@ -293,8 +295,8 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
                        .state = world.is_root() ? folder.progress(part) : "",
                        .folder = folder.root.string(),
                        .part = part});
-    const auto say = [&](const std::string& text) {
-        if (world.is_root() && !arguments.quiet) progress.say(text);
+    const auto report = [&](const std::string& text) {
+        if (world.is_root() && !arguments.quiet) progress.report(text);
     };
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!arguments.force)
@@ -312,7 +314,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         cases.push_back(&job.plan.cases[index]);
     const storage::Journal journal(folder.journal(part));
     std::optional<cost::CaseCosts> costs =
-        costs_of(cases, {folder, deadline, world, journal, start, say});
+        costs_of(cases, {folder, deadline, world, journal, start, report});
     if (!costs) {
         WorkResult none;
         none.asked_to_stop = true;
@@ -322,11 +324,11 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     Arrangement work =
         arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
     if (cost::measure_rates(*costs, cases, work.layout.ranks_per_case, memory_B, world,
-                            {say, stop_requested}))
+                            {report, stop_requested}))
         work =
             arrange(job.plan, selection.work, work.layout.ranks_per_case, memory_B, *costs, world);
     const TeamLayout& layout = work.layout;
-    on_root(world, [&] { say(work_text(job, selection, layout, world.size(), folder)); });
+    on_root(world, [&] { report(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
     start.cases_left = work.cases.size();
     on_root(world, [&] { note_beginning(start, beginning, journal); });

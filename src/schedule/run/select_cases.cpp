@@ -70,7 +70,7 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
             continue;
         }
         if (index.is_complete(id)) {
-            ++selection.whole;
+            ++selection.complete;
             selection.there.push_back(i);
             continue;
         }
@@ -88,13 +88,13 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
 
 Selection share(const Selection& selection, const Comm& world) {
     std::ostringstream text;
-    text << selection.total << ' ' << selection.whole << ' ' << selection.failed_before << ' '
+    text << selection.total << ' ' << selection.complete << ' ' << selection.failed_before << ' '
          << selection.not_selected;
     for (const std::size_t index : selection.work)
         text << ' ' << index;
     std::istringstream words(world.broadcast(text.str()));
     Selection shared;
-    words >> shared.total >> shared.whole >> shared.failed_before >> shared.not_selected;
+    words >> shared.total >> shared.complete >> shared.failed_before >> shared.not_selected;
     for (std::size_t index = 0; words >> index;)
         shared.work.push_back(index);
     return shared;

@@ -20,7 +20,7 @@ struct Selection {
     std::vector<std::size_t> there;  // positions of the complete cases; on rank 0 only
     std::vector<std::size_t> others; // positions of the cases that are not selected; on rank 0 only
     std::size_t total = 0;
-    std::size_t whole = 0;        // cases with a complete file
+    std::size_t complete = 0;     // cases with a complete file
     long failed_before = 0;       // that are not retried
     std::size_t not_selected = 0; // by --only or --shard
 };

@@ -179,8 +179,8 @@ bool Worker::one_case(const PlannedCase& planned) {
             break;
         }
         if (team_.is_root())
-            say(fmt::format("case {} is tried again in {} s: {}", planned.id,
-                            waits_for_files[attempt].count(), error->reason));
+            report(fmt::format("case {} is tried again in {} s: {}", planned.id,
+                               waits_for_files[attempt].count(), error->reason));
         std::this_thread::sleep_for(waits_for_files[attempt]);
     }
     before_ = &planned.physics;
@@ -197,7 +197,7 @@ bool Worker::compute(const PlannedCase& planned) {
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
-        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); },
+        {[this] { return stop_asked(); }, [this](const auto& text) { report(text); },
          [this](double share) { progressed(share); }});
     const auto began = std::chrono::steady_clock::now();
     const auto outcome =
@@ -248,7 +248,7 @@ void Worker::report(const PlannedCase& planned, const engines::SolverReport& sol
     for (const std::string& note : solver.notes)
         if (reported_.insert(note).second) news.push_back(note);
     if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
-        progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
+        progress_.report(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
 } catch (const std::bad_alloc&) { // the case is complete
 }
 
@@ -256,11 +256,11 @@ void Worker::report(const PlannedCase& planned, const engines::SolverReport& sol
 void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Cause cause) {
     counters_.fetch_add(failed, 1);
     try {
-        say(fmt::format("case {} failed: {}", planned.id, reason));
+        report(fmt::format("case {} failed: {}", planned.id, reason));
         journal_.failed(planned.id, reason, cause);
-        keep_failure(planned, reason);
+        record_failure(planned, reason);
     } catch (const std::exception& error) {
-        progress_.say(fmt::format("and this could not be recorded: {}", error.what()));
+        progress_.report(fmt::format("and this could not be recorded: {}", error.what()));
     }
     if (list_.arguments.fail_fast) give_up();
     if (cause != storage::Cause::files) return;
@@ -269,8 +269,9 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
     look_for_folder();
     if (counters_.read(folder_gone) == 0 &&
         ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
-        progress_.say(fmt::format("file errors ended {} cases in a row; no further case is started",
-                                  most_file_failures_in_a_row));
+        progress_.report(
+            fmt::format("file errors ended {} cases in a row; no further case is started",
+                        most_file_failures_in_a_row));
         give_up();
     }
 }
@@ -292,7 +293,7 @@ void Worker::give_up() {
 }
 
 /// Keeps what is needed to examine the case: reason, log, inputs, and the command that retries it.
-void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
+void Worker::record_failure(const PlannedCase& planned, const std::string& reason) const {
     storage::make_directory(list_.folder.failure(planned.id).parent_path());
     RunArguments again = list_.arguments;
     again.only = {planned.id};
@@ -309,9 +310,9 @@ void Worker::keep_failure(const PlannedCase& planned, const std::string& reason)
     storage::write_file(list_.folder.failure(planned.id), text);
 }
 
-void Worker::say(const std::string& text) {
+void Worker::report(const std::string& text) {
     case_log_.push_back(storage::timestamp() + " " + text);
-    progress_.say(text);
+    progress_.report(text);
 }
 
 /// Whether the root of any team has received a signal, the time limit is reached, or there is a
@@ -319,16 +320,16 @@ void Worker::say(const std::string& text) {
 /// every 50 ms.
 bool Worker::stop_asked() {
     const bool is_signalled = stop_requested();
-    if (!signal_told_ && (is_signalled || list_.deadline.left_s() <= 0.0)) {
-        signal_told_ = true;
+    if (!signal_reported_ && (is_signalled || list_.deadline.left_s() <= 0.0)) {
+        signal_reported_ = true;
         counters_.fetch_add(signalled, 1);
     }
     const auto now = std::chrono::steady_clock::now();
-    if (world_.is_root() && !signal_told_ && now - last_stop_file_ > 500ms) {
+    if (world_.is_root() && !signal_reported_ && now - last_stop_file_ > 500ms) {
         last_stop_file_ = now;
         std::error_code unknown;
         if (std::filesystem::exists(list_.folder.stop_file(), unknown)) {
-            signal_told_ = true;
+            signal_reported_ = true;
             counters_.fetch_add(signalled, 1);
         }
     }
@@ -336,7 +337,7 @@ bool Worker::stop_asked() {
         last_look_ = now;
         signal_seen_ = counters_.read(signalled) > 0;
     }
-    return signal_told_ || signal_seen_;
+    return signal_reported_ || signal_seen_;
 }
 
 void Worker::progressed(double share) {

@@ -96,8 +96,8 @@ private:
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
-    void keep_failure(const PlannedCase& planned, const std::string& reason) const;
-    void say(const std::string& text);
+    void record_failure(const PlannedCase& planned, const std::string& reason) const;
+    void report(const std::string& text);
     bool stop_asked();
     void look_for_folder();
     /// Shares the progress of the running case with the other teams. On the root of the team.
@@ -128,7 +128,7 @@ private:
     long worked_us_ = 0;           // of this team, from its first search for a case to its last
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
         last_folder_{};
-    bool signal_told_ = false, signal_seen_ = false;
+    bool signal_reported_ = false, signal_seen_ = false;
 };
 
 } // namespace shearwake::schedule

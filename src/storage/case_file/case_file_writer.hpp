@@ -64,7 +64,7 @@ public:
     /// rank 0, and empty elsewhere or if no fields are stored. Collective.
     std::string part_record();
     /// An uncommitted file remains for a later run. Not collective.
-    void keep_uncommitted() { left_ = true; }
+    void retain_uncommitted() { left_ = true; }
     /// Closes the uncommitted file, which remains for a later run. Collective.
     void leave_for_later();
     /// Closes the uncommitted file, which the destructor removes. Collective.

@@ -108,7 +108,7 @@ std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
 
 /// JSON cannot represent infinity: such cases are read from their files again.
 bool can_be_kept(const CaseDigest& digest) {
-    bool fine = digest.whole() || digest.is_lost;
+    bool fine = digest.is_complete() || digest.is_lost;
     for (const IndexedScalar& s : digest.scalars)
         fine = fine && !std::isinf(s.value);
     return fine;
@@ -146,7 +146,7 @@ const CaseDigest* CaseIndex::find(const std::string& id) {
     if (checked != checked_.end()) return &checked->second;
     const auto stamp = stamp_of(case_file(id));
     if (!stamp) return nullptr;
-    if (trust_ == Trust::size_and_time && take_known(id, *stamp)) return &checked_[id];
+    if (trust_ == Trust::size_and_time && accept_known(id, *stamp)) return &checked_[id];
     read_missing();
     const auto read = checked_.find(id);
     return read == checked_.end() ? nullptr : &read->second; // another process has removed it
@@ -161,7 +161,7 @@ fs::path CaseIndex::case_file(const std::string& id) const {
     return folder_ / "cases" / (id + ".h5");
 }
 
-bool CaseIndex::take_known(const std::string& id, const Stamp& stamp) {
+bool CaseIndex::accept_known(const std::string& id, const Stamp& stamp) {
     const auto known = known_.find(id);
     if (known == known_.end() || known->second.stamp != stamp) return false;
     checked_[id] = std::move(known->second.digest);
@@ -183,7 +183,8 @@ void CaseIndex::read_missing() {
         const std::string id = entry.path().stem().string();
         const auto stamp = stamp_of(entry.path());
         if (!stamp || checked_.contains(id)) continue;
-        if (trust_ == Trust::checksum || !take_known(id, *stamp)) missing.emplace_back(id, *stamp);
+        if (trust_ == Trust::checksum || !accept_known(id, *stamp))
+            missing.emplace_back(id, *stamp);
     }
     std::ranges::sort(missing, {}, &std::pair<std::string, Stamp>::first);
     std::vector<fs::path> files;
@@ -200,8 +201,8 @@ void CaseIndex::read_missing() {
             if (fs::exists(files[i], gone)) put(id, stamp, damaged(id, unreadable));
         } else if (!check.damage.empty()) {
             put(id, stamp, lost(id, check.damage));
-        } else if (in_index && known->second.digest.whole()) {
-            take_known(id, stamp);
+        } else if (in_index && known->second.digest.is_complete()) {
+            accept_known(id, stamp);
         } else {
             put(id, stamp, read_digest(files[i], id));
         }
@@ -223,7 +224,7 @@ void add_to_index(const fs::path& index, const fs::path& case_file) {
     if (!stamp) return;
     // The file has just been written: its bytes are verified only when they may have changed.
     const CaseDigest digest = read_digest(case_file, case_file.stem().string());
-    if (!digest.whole() || !can_be_kept(digest)) return;
+    if (!digest.is_complete() || !can_be_kept(digest)) return;
     try {
         append_line(index, line_of(*stamp, digest), Flush::later);
     } catch (const UsageError&) { // it will be read from the file

@@ -33,7 +33,7 @@ struct CaseDigest {
     std::vector<Remark> warnings;       // severity error: the readings are not valid
     std::vector<IndexedScalar> scalars; // in the order of the file
 
-    bool whole() const { return status == "complete"; }
+    bool is_complete() const { return status == "complete"; }
     /// Whether no warning states that the readings are not valid.
     bool is_valid() const {
         for (const Remark& warning : warnings)
@@ -75,7 +75,7 @@ public:
     double verified_B() const { return verified_B_; }
     bool is_complete(const std::string& id) {
         const CaseDigest* digest = find(id);
-        return digest && digest->whole();
+        return digest && digest->is_complete();
     }
     /// Adds the entries that were read from files to the index. Has no effect if the folder is not
     /// writable.
@@ -88,7 +88,7 @@ private:
     };
 
     std::filesystem::path case_file(const std::string& id) const;
-    bool take_known(const std::string& id, const CaseStamp& stamp);
+    bool accept_known(const std::string& id, const CaseStamp& stamp);
     void read_missing();
     void put(const std::string& id, const CaseStamp& stamp, CaseDigest digest);
 

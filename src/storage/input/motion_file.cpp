@@ -81,7 +81,7 @@ public:
     /// For columns of one quantity; the example shows the header.
     CsvTraces(std::string_view quantity, std::string_view example)
         : quantity_(quantity), example_(example) {}
-    void take(const Cells& cells, std::size_t line) {
+    void add(const Cells& cells, std::size_t line) {
         if (units_.empty()) return heading(cells, line);
         if (cells.size() != units_.size())
             throw UsageError(fmt::format("line {}: it has {} cells, but the header has {}", line,
@@ -159,7 +159,7 @@ private:
 void read_lines(std::string_view csv, CsvTraces& traces) {
     try {
         for (CsvReader reader(csv, CsvText::relaxed); reader.next();)
-            traces.take(reader.cells(), reader.line());
+            traces.add(reader.cells(), reader.line());
     } catch (const CsvError& error) {
         throw UsageError(fmt::format("line {}: it has {}", error.line, error.what()));
     }

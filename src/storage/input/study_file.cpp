@@ -44,8 +44,8 @@ public:
             fail(name, fmt::format("is {}, but must be between {:g} and {:g}", value, least, most));
         return value;
     }
-    std::ptrdiff_t whole(const std::string& name, double least, double most) const {
-        return as_whole(name, number(name, least, most));
+    std::ptrdiff_t integer(const std::string& name, double least, double most) const {
+        return as_integer(name, number(name, least, most));
     }
     std::string text(const std::string& name) const {
         return h5::text_attribute(group_.raw(), name);
@@ -60,7 +60,7 @@ public:
                 fail(name, fmt::format("contains {}, but must be between {:g} and {:g}",
                                        values[axis], least, most));
             if constexpr (std::is_integral_v<Number>)
-                result[axis] = as_whole(name, values[axis]);
+                result[axis] = as_integer(name, values[axis]);
             else
                 result[axis] = values[axis];
         }
@@ -78,7 +78,7 @@ public:
             if (!(values[i] >= 0.0 && values[i] < static_cast<double>(study.points[axis])))
                 fail(name, fmt::format("contains a node at {} along {}, which has {} points",
                                        values[i], "xyz"[axis], study.points[axis]));
-            result[i / 3][axis] = as_whole(name, values[i]);
+            result[i / 3][axis] = as_integer(name, values[i]);
         }
         return result;
     }
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    std::ptrdiff_t as_whole(const std::string& name, double value) const {
+    std::ptrdiff_t as_integer(const std::string& name, double value) const {
         if (value != std::floor(value))
             fail(name, fmt::format("contains {}, which is not a whole number", value));
         return static_cast<std::ptrdiff_t>(value);
@@ -117,7 +117,7 @@ void read_grid(hid_t file, StudyData& study) {
                                         points, most_nodes));
     study.spacing_m = grid.triple<double>("spacing_m", 1e-9, 1e3);
     study.time_step_s = grid.number("time_step_s", 1e-15, 1e3);
-    study.steps = grid.whole("steps", 1, 1e9);
+    study.steps = grid.integer("steps", 1, 1e9);
     const Section layer(file, "layer");
     study.layer_points = layer.triple<std::ptrdiff_t>("points", 0, 1e6);
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -245,7 +245,7 @@ void read_sensor(hid_t file, StudyData& study) {
         study.sensor_fields.push_back(index_of(sensor, "fields", name, names));
         series += sensor_records[study.sensor_fields.back()].series;
     }
-    study.sensor_start = sensor.whole("start", 1, static_cast<double>(study.steps));
+    study.sensor_start = sensor.integer("start", 1, static_cast<double>(study.steps));
     const double values =
         static_cast<double>(study.sensor.size()) * static_cast<double>(study.steps) * series;
     if (values > most_of_a_list)

@@ -32,7 +32,7 @@ JsonLine event(std::string_view name) {
     return line;
 }
 
-void take(const Json& line, JournalContents& contents) {
+void add_line(const Json& line, JournalContents& contents) {
     const std::string name = line.at("event");
     if (name == "damaged") return; // the case is recomputed, which other lines record
     if (name == "run_prepares" || name == "run_started" || name == "run_ended") {
@@ -153,7 +153,7 @@ JournalContents read_journal(const std::filesystem::path& path) {
         const std::optional<std::string> line = unseal(text);
         try {
             if (line)
-                take(Json::parse(*line), contents);
+                add_line(Json::parse(*line), contents);
             else
                 ++contents.unreadable_lines;
         } catch (const nlohmann::json::exception&) {

@@ -251,14 +251,14 @@ private:
                 conclude(round);
                 return code;
             }
-            say(fmt::format("adding {}", counts_text(round.next)));
+            report(fmt::format("adding {}", counts_text(round.next)));
             add(round.next, points_);
             round_.retry_failed = false; // once per run, not in each round
         }
     }
 
     /// Prints on rank 0; with --json on the standard error, as the output is a document.
-    void say(const std::string& text) const {
+    void report(const std::string& text) const {
         if (world_.is_root() && !arguments_.quiet)
             fmt::print(arguments_.json ? stderr : stdout, "{}\n", text);
     }
@@ -312,7 +312,7 @@ private:
         if (world_.is_root() && !arguments_.json)
             fmt::print("{}\nnext: {}\n", outcome.reason, next);
         else
-            say(outcome.reason);
+            report(outcome.reason);
         return outcome;
     }
 
@@ -331,8 +331,8 @@ private:
         document_["next"] = next;
         if (arguments_.json) return;
         for (const std::string& sentence : round.sentences)
-            say(sentence);
-        say("next: " + next);
+            report(sentence);
+        report("next: " + next);
     }
 
     double elapsed_s() const { return seconds_since(began_); }

@@ -19,7 +19,7 @@ public:
         : step_(step), snapshot_(snapshot) {}
     std::ptrdiff_t step() const override { return step_; }
     void advance() override { ++step_; }
-    void give(engines::Observer& observer) override {
+    void emit(engines::Observer& observer) override {
         if (step_ == snapshot_) observer.volume({});
     }
     void save(StateWriter& /*state*/) const override {}

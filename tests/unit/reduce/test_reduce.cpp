@@ -86,7 +86,7 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(std::get<std::string>(cell(4, "reference")) == "yes");
     const reduce::ReducedTables written = reduce::reduce(input);
     CHECK(written.rows == 5);
-    CHECK(written.whole == 2);
+    CHECK(written.complete == 2);
     CHECK(storage::read_file(written.csv) == reduce::csv(table));
 }
 

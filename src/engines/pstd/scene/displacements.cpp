@@ -114,7 +114,7 @@ Frames::Frames(const Case& c, FramePlaces places, const Slabs& slabs)
       u_z_(Field::uz, slabs, places_.first_z, places_.planes),
       plane_m_(static_cast<std::size_t>(slabs.rows())) {}
 
-void Frames::give(std::ptrdiff_t number, engines::Observer& observer, const Comm& team) {
+void Frames::emit(std::ptrdiff_t number, engines::Observer& observer, const Comm& team) {
     const std::string why = divergence(c_, number, u_z_.largest_m(team), slabs_.grid.dt_s);
     if (!why.empty()) throw FieldDiverges(why);
     const std::ptrdiff_t ny = slabs_.ny(),
@@ -174,7 +174,7 @@ DisplacementVolumes::Plane DisplacementVolumes::y_mean(const Plane& plane) const
     return mean;
 }
 
-void DisplacementVolumes::give(std::size_t snapshot, const Displacement& u_z,
+void DisplacementVolumes::emit(std::size_t snapshot, const Displacement& u_z,
                                engines::Observer& observer, const Comm& team) const {
     const std::ptrdiff_t ny = slabs_.ny();
     const std::ptrdiff_t first =

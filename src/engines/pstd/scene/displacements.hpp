@@ -69,7 +69,7 @@ public:
     Displacement& displacement() { return u_z_; }
     /// Passes frame `number` to the observer. Throws FieldDiverges on all ranks if a value is not
     /// finite or larger than the domain. Collective.
-    void give(std::ptrdiff_t number, engines::Observer& observer, const Comm& team);
+    void emit(std::ptrdiff_t number, engines::Observer& observer, const Comm& team);
 
 private:
     const Case& c_;
@@ -95,7 +95,7 @@ public:
     void add(const Stepper<Real>& stepper); // after every step; not collective
     /// Passes the planes of a snapshot to the observer. `u_z` contains at least `levels` planes,
     /// beginning at z = 0.
-    void give(std::size_t snapshot, const Displacement& u_z, engines::Observer& observer,
+    void emit(std::size_t snapshot, const Displacement& u_z, engines::Observer& observer,
               const Comm& team) const; // collective
 
     void save(StateWriter& state) const;    // collective

@@ -40,7 +40,7 @@ double EndlessBodies::rigid(std::size_t marker, std::ptrdiff_t part,
     }
 }
 
-void EndlessBodies::take_mass() {
+void EndlessBodies::add_mass() {
     std::vector<std::vector<double>> masses;
     for (const Body& body : bodies()) {
         const SectionMass mass =
@@ -58,7 +58,7 @@ void EndlessBodies::assemble(const VerticalOperator& op, const Solve& solve) {
         blocks_.resize(static_cast<std::size_t>(per_pencil()));
     rows_.resize(static_cast<std::size_t>(vectors_.rows() * per_pencil()));
     systems_.assemble(op, solve);
-    take_mass();
+    add_mass();
     together(team(), [&] {
         if (team().is_root()) prepare_motion(); // it has system 0, the only one that moves
     });

@@ -44,7 +44,7 @@ private:
     std::ptrdiff_t stride() const { return markers_.along_x() ? lane_count : 1; }
     double* values() { return markers_.along_x() ? scalars(blocks_.data()) : rows_.data(); }
     double rigid(std::size_t marker, std::ptrdiff_t part, const std::vector<double>& q) const;
-    void take_mass();
+    void add_mass();
     void prepare_motion();
     void solve_system(std::size_t index, const std::vector<double>& target, double scale);
 

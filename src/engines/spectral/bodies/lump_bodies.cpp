@@ -55,8 +55,8 @@ LumpBodies::LumpBodies(const Case& c, const DepthMesh& mesh, const fft::SlabTran
     // Its periodic images keep a body that crosses the domain from turning about the other axes.
     for (std::size_t i = 0; i < bodies().size(); ++i) {
         const Endless along = endless_along(bodies()[i], c.domain);
-        if (along == Endless::along_x) hold(i, {4, 5});
-        if (along == Endless::along_y) hold(i, {3, 5});
+        if (along == Endless::along_x) constrain(i, {4, 5});
+        if (along == Endless::along_y) constrain(i, {3, 5});
     }
     place_markers(c, mesh);
     planes_ = std::make_unique<DisplacementPlanes>(depths_, place_taps(), mesh, vectors, slabs,

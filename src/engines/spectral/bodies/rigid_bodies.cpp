@@ -30,7 +30,7 @@ RigidBodies::RigidBodies(std::vector<Body> bodies, std::size_t freedoms, const C
             free_.push_back(i * freedoms + j);
 }
 
-void RigidBodies::hold(std::size_t body, const std::vector<std::size_t>& freedoms) {
+void RigidBodies::constrain(std::size_t body, const std::vector<std::size_t>& freedoms) {
     for (const std::size_t freedom : freedoms)
         std::erase(free_, body * freedoms_ + freedom);
 }

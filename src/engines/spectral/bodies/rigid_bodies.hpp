@@ -105,7 +105,7 @@ protected:
     const Comm& team() const { return team_; }
     std::size_t free_count() const { return free_.size(); }
     /// Keeps some degrees of freedom of a body at zero; before set_mass().
-    void hold(std::size_t body, const std::vector<std::size_t>& freedoms);
+    void constrain(std::size_t body, const std::vector<std::size_t>& freedoms);
     /// The degrees of freedom with a unit of the free one with this index.
     std::vector<double> unit(std::size_t free) const;
     /// Takes the mass of each body, [row][column] of its degrees of freedom, and the factor that

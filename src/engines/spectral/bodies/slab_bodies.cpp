@@ -13,7 +13,7 @@ namespace shearwake::spectral {
 namespace {
 
 /// Both faces and up to three depths between them, except those at the base.
-std::vector<double> held_depths_m(const Case& c, const DepthMesh& mesh) {
+std::vector<double> constrained_depths_m(const Case& c, const DepthMesh& mesh) {
     std::vector<double> depths_m;
     for (const Body& body : rigid_bodies(c)) {
         if (endless_along(body, c.domain) != Endless::both) continue;
@@ -34,7 +34,7 @@ std::vector<double> held_depths_m(const Case& c, const DepthMesh& mesh) {
 
 SlabBodies::SlabBodies(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors)
     : vectors_(vectors), levels_(static_cast<std::ptrdiff_t>(mesh.levels()) - 1) {
-    for (const double depth_m : held_depths_m(c, mesh))
+    for (const double depth_m : constrained_depths_m(c, mesh))
         depths_.push_back(depth_weights(mesh, depth_m));
     values_.resize(static_cast<std::size_t>(size() * parts));
     forces_ = values_;
@@ -135,15 +135,15 @@ void SlabBodies::respond(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& 
         add_scaled(1.0, pencil_[i], d[i]);
 }
 
-void SlabBodies::hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d) {
+void SlabBodies::constrain(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d) {
     if (empty()) return;
     std::fill(values_.begin(), values_.end(), Block{});
     evaluate(1.0, d, values_.data());
     respond(row, block, solve, d);
 }
 
-void SlabBodies::hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d,
-                      double scale, const Block* u, const Block* before) {
+void SlabBodies::constrain(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d,
+                           double scale, const Block* u, const Block* before) {
     if (empty()) return;
     std::fill(values_.begin(), values_.end(), Block{});
     evaluate(2.0 / scale, u, values_.data());
@@ -153,7 +153,7 @@ void SlabBodies::hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& sol
 }
 
 double slab_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
-    const auto depths = static_cast<double>(held_depths_m(c, mesh).size());
+    const auto depths = static_cast<double>(constrained_depths_m(c, mesh).size());
     const double columns = std::ceil(static_cast<double>(c.domain.nx) / (2.0 * lane_count));
     const auto rows = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
     return 5.0 * depths * depths * rows * columns * sizeof(Block);

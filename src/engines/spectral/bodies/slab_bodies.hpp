@@ -23,9 +23,9 @@ public:
     /// Adds the response to the forces that keep the slabs at rest to a change d of the
     /// displacement of a pencil: with `u` and `before` such that 2 u - before + scale d is zero
     /// there, otherwise such that d is. Not collective.
-    void hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d);
-    void hold(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d, double scale,
-              const Block* u, const Block* before);
+    void constrain(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d);
+    void constrain(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& solve, Block* d,
+                   double scale, const Block* u, const Block* before);
 
 private:
     /// The unknowns U and W, then V of all depths.

@@ -90,8 +90,9 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
 double VerticalOperator::stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m,
                                           double dt_s) const {
     const VerticalElement& el = elements_[element];
-    const double held_Pa = held_modulus_Pa(k_rad_m * k_rad_m, finest_ * el.slope * el.slope,
-                                           stable_share * el.density / (dt_s * dt_s), el.lambda_Pa);
+    const double held_Pa =
+        stabilised_modulus_Pa(k_rad_m * k_rad_m, finest_ * el.slope * el.slope,
+                              stable_share * el.density / (dt_s * dt_s), el.lambda_Pa);
     return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - held_Pa);
 }
 

@@ -41,8 +41,9 @@ inline double implicit_lambda_Pa(double lambda_Pa) {
 /// laterally constant. The matrix is
 ///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
 /// m = max(mu_accurate/12, mu_stable/4 - S), where S is the modulus that the inertia of the element
-/// stabilises (held_modulus_Pa), and 0 at light rigid bodies (DepthMesh::light). The value 1/12
-/// makes shear motion fourth order in dt; the excess above it makes the scheme stable at any step.
+/// stabilises (stabilised_modulus_Pa), and 0 at light rigid bodies (DepthMesh::light). The value
+/// 1/12 makes shear motion fourth order in dt; the excess above it makes the scheme stable at any
+/// step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
     std::vector<double> mu_greatest_Pa;       // of all materials at a node

@@ -23,13 +23,13 @@ struct Assembly {
 };
 
 /// The modulus that the inertia of an element stabilises.
-[[gnu::always_inline]] inline Vector held_modulus(const VerticalArrays& v, const VerticalElement& e,
-                                                  Vector k, double dt_s) {
+[[gnu::always_inline]] inline Vector
+stabilised_modulus(const VerticalArrays& v, const VerticalElement& e, Vector k, double dt_s) {
     const double vertical = v.finest * e.slope * e.slope;
     const double inertia = stable_share * e.density / (dt_s * dt_s);
     Vector held{};
     for (std::ptrdiff_t i = 0; i < width; ++i)
-        held[i] = held_modulus_Pa(k[i] * k[i], vertical, inertia, e.lambda_Pa);
+        held[i] = stabilised_modulus_Pa(k[i] * k[i], vertical, inertia, e.lambda_Pa);
     return held;
 }
 
@@ -116,7 +116,7 @@ void assemble_psv(const VerticalArrays& v, Operator which, const Block& k8, doub
             a.add(i, i, simd::all_lanes(v.mass_kg_m2[i / 2] / (dt_s * dt_s)));
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
-            const Vector held = held_modulus(v, el, k, dt_s);
+            const Vector held = stabilised_modulus(v, el, k, dt_s);
             ElementModuli m;
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
@@ -148,7 +148,7 @@ void assemble_sh(const VerticalArrays& v, Operator which, const Block& k8, doubl
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
             const std::ptrdiff_t first = e * (v.nodes - 1);
-            const Vector held = held_modulus(v, el, k, dt_s);
+            const Vector held = stabilised_modulus(v, el, k, dt_s);
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;

@@ -48,9 +48,9 @@ void add_force(const DisplacementArrays& a, const WaveBlock& waves, const double
         const Direction to = direction(waves, s);
         for (std::ptrdiff_t d = 0; d < a.depths; ++d) {
             const double* first = line + 3 * d * stride;
-            const Value x = times_minus_i(take_slice(waves, s, first)),
-                        y = times_minus_i(take_slice(waves, s, first + stride)),
-                        z = take_slice(waves, s, first + 2 * stride);
+            const Value x = times_minus_i(load_slice(waves, s, first)),
+                        y = times_minus_i(load_slice(waves, s, first + stride)),
+                        z = load_slice(waves, s, first + 2 * stride);
             Value u, v;
             for (std::ptrdiff_t p = 0; p < parts; ++p) {
                 const Vector c = to.c[p / 2];

@@ -46,7 +46,7 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
     simd::store(f.part[plus_im] - f.part[minus_im], line + odd_im * pitch + first);
 }
 
-[[gnu::always_inline]] inline Value take_folded(const WaveBlock& waves, std::ptrdiff_t slice,
+[[gnu::always_inline]] inline Value load_folded(const WaveBlock& waves, std::ptrdiff_t slice,
                                                 const double* line) {
     const std::ptrdiff_t first = waves.first + slice * width, pitch = fold_pitch(waves.nx);
     const auto fold = [&](Fold f) { return simd::load(line + f * pitch + first); };
@@ -69,7 +69,7 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
         line[2 * (nx - i) + 1] = v.part[minus_im][lane];
     }
 }
-[[gnu::noinline]] inline Value take_existing(std::ptrdiff_t nx, std::ptrdiff_t first,
+[[gnu::noinline]] inline Value load_existing(std::ptrdiff_t nx, std::ptrdiff_t first,
                                              const double* line) {
     Value v{};
     for (std::ptrdiff_t lane = 0; lane < width && 2 * (first + lane) < nx; ++lane) {
@@ -91,11 +91,11 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
     simd::store_descending(v.part[minus_re], v.part[minus_im], line + 2 * (nx - first - width + 1));
 }
 
-[[gnu::always_inline]] inline Value take_slice(const WaveBlock& waves, std::ptrdiff_t slice,
+[[gnu::always_inline]] inline Value load_slice(const WaveBlock& waves, std::ptrdiff_t slice,
                                                const double* line) {
-    if (waves.middle) return take_folded(waves, slice, line);
+    if (waves.middle) return load_folded(waves, slice, line);
     const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
-    if (!is_full(waves, first)) return take_existing(nx, first, line);
+    if (!is_full(waves, first)) return load_existing(nx, first, line);
     Value v;
     simd::load_ascending(line + 2 * first, v.part[plus_re], v.part[plus_im]);
     simd::load_descending(line + 2 * (nx - first - width + 1), v.part[minus_re], v.part[minus_im]);

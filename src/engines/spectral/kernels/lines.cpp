@@ -19,14 +19,14 @@ void put(const WaveBlock& waves, Symmetry symmetry, const Block* parts_of, doubl
     }
 }
 
-void take(const WaveBlock& waves, Symmetry symmetry, const double* line, Block* parts_of) {
+void gather(const WaveBlock& waves, Symmetry symmetry, const double* line, Block* parts_of) {
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
-        const Value v = take_slice(waves, s, line);
+        const Value v = load_slice(waves, s, line);
         set_parts(parts_of, s, mirrored(symmetry, symmetry.imaginary ? times_minus_i(v) : v));
     }
 }
 
-constexpr LineKernels table = {put, take};
+constexpr LineKernels table = {put, gather};
 
 } // namespace
 } // namespace shearwake::spectral

@@ -41,7 +41,7 @@ struct LineKernels {
     /// Write the four parts of the existing wave vectors to the line and read them; parts of wave
     /// vectors that do not exist are read as 0.
     void (*put)(const WaveBlock& waves, Symmetry symmetry, const Block* parts_of, double* line);
-    void (*take)(const WaveBlock& waves, Symmetry symmetry, const double* line, Block* parts_of);
+    void (*gather)(const WaveBlock& waves, Symmetry symmetry, const double* line, Block* parts_of);
 };
 
 } // namespace shearwake::spectral

@@ -99,15 +99,15 @@ void put(const WaveBlock& waves, std::ptrdiff_t levels, const Block* now, const 
     }
 }
 
-void take(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, const double* line,
-          std::ptrdiff_t stride, Block* pencil) {
+void gather(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, const double* line,
+            std::ptrdiff_t stride, Block* pencil) {
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
         const Direction to = direction(waves, s);
         for (std::ptrdiff_t level = 0; level < levels; ++level) {
             const double* of_level = line + components * level * stride;
-            const Value x = times_minus_i(take_slice(waves, s, of_level)); // the inverse
-            const Value y = times_minus_i(take_slice(waves, s, of_level + stride));
-            const Value w = take_slice(waves, s, of_level + 2 * stride);
+            const Value x = times_minus_i(load_slice(waves, s, of_level)); // the inverse
+            const Value y = times_minus_i(load_slice(waves, s, of_level + stride));
+            const Value w = load_slice(waves, s, of_level + 2 * stride);
             const std::ptrdiff_t uw = 2 * level * parts, v = (2 * levels + level) * parts;
             for (std::ptrdiff_t p = 0; p < parts; ++p) {
                 const Vector c = to.c[p / 2];
@@ -121,7 +121,7 @@ void take(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, co
 
 constexpr PencilKernels pencil_table = {advance,    advance_by_sum, add_scaled,
                                         difference, product,        put_load};
-constexpr SpongeKernels sponge_table = {put, take};
+constexpr SpongeKernels sponge_table = {put, gather};
 
 } // namespace
 } // namespace shearwake::spectral

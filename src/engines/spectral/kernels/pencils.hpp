@@ -39,8 +39,8 @@ struct SpongeKernels {
     void (*put)(const WaveBlock& waves, std::ptrdiff_t levels, const Block* now,
                 const Block* before, double* line, std::ptrdiff_t stride);
     /// Writes scale[level] times the contents of the lines to the pencil.
-    void (*take)(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale,
-                 const double* line, std::ptrdiff_t stride, Block* pencil);
+    void (*gather)(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale,
+                   const double* line, std::ptrdiff_t stride, Block* pencil);
 };
 
 } // namespace shearwake::spectral

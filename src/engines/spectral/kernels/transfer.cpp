@@ -76,12 +76,12 @@ void strain(const TransferArrays& a, const WaveBlock& waves, const Block* pencil
 
 /// The stress in the planes of a point, with the factors of the adjoint of the transfer of strain.
 template <int components>
-[[gnu::always_inline]] inline void take_stress(const WaveBlock& waves, std::ptrdiff_t s,
+[[gnu::always_inline]] inline void load_stress(const WaveBlock& waves, std::ptrdiff_t s,
                                                const double* plane, std::ptrdiff_t stride,
                                                Value (&value)[all_components]) {
 #pragma GCC unroll 9
     for (int c = 0; c < components; ++c, plane += stride) {
-        const Value taken = take_slice(waves, s, plane);
+        const Value taken = load_slice(waves, s, plane);
         value[c] = is_imaginary(c) ? times_minus_i(taken) : taken;
     }
 }
@@ -155,7 +155,7 @@ void add_force_of(const TransferArrays& a, const WaveBlock& waves, const double*
             const TransferPoint* point = a.point + begin;
             for (end = begin; end < a.points && a.point[end].first == point->first; ++end) {
                 Value value[all_components];
-                take_stress<components>(waves, s, plane, stride, value);
+                load_stress<components>(waves, s, plane, stride, value);
                 f[end - begin] = forces_of<components>(to, value, scale, point->slope);
                 plane += components * stride;
             }

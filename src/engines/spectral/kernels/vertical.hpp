@@ -85,8 +85,8 @@ constexpr double stable_share = 0.98;
 /// M_1. Motion that preserves volume (W' = k U) has at most `shear`; the estimate for all other
 /// motion splits off W' - k U, for which K_lambda pays. docs/explanation/engine-spectral.md
 /// derives it ("Stability"). S decreases with k.
-[[gnu::always_inline]] inline double held_modulus_Pa(double k2, double vertical, double inertia,
-                                                     double lambda_Pa) {
+[[gnu::always_inline]] inline double stabilised_modulus_Pa(double k2, double vertical,
+                                                           double inertia, double lambda_Pa) {
     const double both = k2 + vertical, paid_Pa = (stabilising_lambda - 0.25) * lambda_Pa;
     if (!(lambda_Pa > 0.0)) return 0.5 * inertia / both;
     const double less = k2 < vertical ? k2 : vertical;

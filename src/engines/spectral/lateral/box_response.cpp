@@ -142,7 +142,7 @@ void BoxResponse::assemble(const Respond& respond) {
                            all.data() + plane * all_cells + i * grid_.ny);
         to_box.to_lines(all.data() + column * all_cells, static_cast<std::size_t>(all_cells),
                         count_ - column, lines.data() + column * to_box.lines_reals());
-        take_column(column, to_box.lines_reals(), lines.data());
+        gather_column(column, to_box.lines_reals(), lines.data());
     }
 }
 
@@ -164,20 +164,20 @@ void BoxResponse::mirror_row(std::ptrdiff_t plane, std::ptrdiff_t column, std::p
     row[half] = sign < 0.0 ? 0.0 : (half % 2 == 0 ? -weight : weight) * alternating;
 }
 
-void BoxResponse::take_column(std::ptrdiff_t column, std::ptrdiff_t stride, double* lines) {
+void BoxResponse::gather_column(std::ptrdiff_t column, std::ptrdiff_t stride, double* lines) {
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         if (vectors_.is_nyquist(row)) continue;
         for (std::ptrdiff_t plane = column; plane < count_; ++plane) {
             double* line = lines + plane * stride + 2 * row * slabs_.line_pitch();
             slabs_.line_to_spectral(line);
-            take_line(row, plane, column, reinterpret_cast<const std::complex<double>*>(line));
+            gather_line(row, plane, column, reinterpret_cast<const std::complex<double>*>(line));
         }
     }
 }
 
 /// Adds the distances of the other sign along x and stores the entries of one ky.
-void BoxResponse::take_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdiff_t column,
-                            const std::complex<double>* line) {
+void BoxResponse::gather_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdiff_t column,
+                              const std::complex<double>* line) {
     const int a = component(plane), b = component(column);
     const double sign = is_odd_x(a) != is_odd_x(b) ? -1.0 : 1.0;
     const double scale = 1.0 / static_cast<double>(grid_.nx * grid_.ny);
@@ -220,8 +220,8 @@ void BoxResponse::multiply(std::ptrdiff_t row, std::ptrdiff_t block, Precision p
     const WaveBlock waves = planes_.in_line(vectors_.waves(row, block));
     double* line = planes_.line(row);
     for (std::ptrdiff_t plane = 0; plane < count_; ++plane)
-        lines_.take(waves, symmetry_of(component(plane)), line + plane * planes_.stride(),
-                    given_.data() + plane * parts);
+        lines_.gather(waves, symmetry_of(component(plane)), line + plane * planes_.stride(),
+                      given_.data() + plane * parts);
     const float* high = matrix(row, block);
     (precision == Precision::full ? kernels_.multiply : kernels_.multiply_rounded)(
         count_, {high, high + entries_ * lane_count}, given_.data(), result_.data());

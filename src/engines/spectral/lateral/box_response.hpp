@@ -71,9 +71,9 @@ private:
     void mirror_row(std::ptrdiff_t plane, std::ptrdiff_t column, std::ptrdiff_t distance_x,
                     const double* near, double* row) const;
     LateralField near_corner(std::ptrdiff_t nx, std::ptrdiff_t ny) const;
-    void take_column(std::ptrdiff_t column, std::ptrdiff_t stride, double* lines);
-    void take_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdiff_t column,
-                   const std::complex<double>* line);
+    void gather_column(std::ptrdiff_t column, std::ptrdiff_t stride, double* lines);
+    void gather_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdiff_t column,
+                     const std::complex<double>* line);
     void multiply(std::ptrdiff_t row, std::ptrdiff_t block, Precision precision);
     /// The first number of the matrices of a pencil.
     float* matrix(std::ptrdiff_t row, std::ptrdiff_t block) {

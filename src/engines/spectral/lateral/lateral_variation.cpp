@@ -111,7 +111,8 @@ std::size_t point_of(const DepthMesh& mesh, const StrainPoint& p) {
 
 /// Sets the background to the minimum at each node; lambda, where it varies too little for
 /// iterations, to the maximum.
-Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh, Background& b) {
+Variety least_background(const std::vector<Gathered>& gathered, const DepthMesh& mesh,
+                         Background& b) {
     Variety variety;
     for (const Gathered& g : gathered) {
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
@@ -289,7 +290,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
             shear_reflection(stiffest.stiffness, stiffest.density)));
 
     // Requirements on the background, and whether iterations are needed.
-    Variety variety = take_least(gathered, mesh, v.background);
+    Variety variety = least_background(gathered, mesh, v.background);
     const VerticalOperator vertical(mesh, v.background);
     variety.inertia = added_inertia(
         gathered, vertical, bandwidth_rad_m(c.scene().load.footprint, 0.5), k_max_rad_m, step_s);

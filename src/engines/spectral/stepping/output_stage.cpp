@@ -58,13 +58,13 @@ public:
     // What is saved for the start of a step is emitted at its end, before a checkpoint.
     void save(StateWriter&) const override {}
     void restore(const StateReader&) override {}
+    void emit_earlier(engines::Observer& observer) override;
     void emit(engines::Observer& observer) override;
     bool needs_next_step() const override;
 
 private:
     /// The snapshot at the current time, if any.
     std::optional<std::size_t> snapshot() const;
-    void emit_earlier(engines::Observer& observer);
     void emit_frame(std::ptrdiff_t number, engines::Observer& observer);
     void emit_displacement(std::size_t snapshot, std::size_t field, engines::Observer& observer);
     View2<const double> plane() const;
@@ -120,7 +120,6 @@ void Output::emit(engines::Observer& observer) {
         emit_displacement(*now, static_cast<std::size_t>(u - fields.begin()), observer);
 }
 
-/// Passes the output that refers to the start of the last step.
 void Output::emit_earlier(engines::Observer& observer) {
     if (saved_snapshot_) tensors_.emit(s_, inside_, *saved_snapshot_, observer);
     if (saved_frame_)

@@ -40,7 +40,7 @@ private:
         s_.clock.lap(Phase::solves, s_.pencil_bytes(3.0));
         s_.add_planes_force(p, force);
         s_.solve(p, force);
-        s_.slab_bodies.hold(p.row, p.block, s_.background_solve(), force, scale, u, before);
+        s_.slab_bodies.constrain(p.row, p.block, s_.background_solve(), force, scale, u, before);
         s_.add_work(p, scale, u, before, force, pressure);
         s_.clock.lap(Phase::solves);
         s_.put_strain(p, force);

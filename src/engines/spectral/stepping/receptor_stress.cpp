@@ -293,7 +293,7 @@ void ReceptorStress::emit(const Steps& steps, const std::vector<double>& forces,
                           std::ptrdiff_t frame, engines::Observer& observer) {
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
-    if (near_) near_->take(forces);
+    if (near_) near_->set_forces(forces);
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
         std::fill(compression_.begin(), compression_.end(), 0.0);

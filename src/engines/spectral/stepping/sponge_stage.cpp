@@ -105,7 +105,7 @@ private:
     }
 
     void damp() {
-        take_velocity();
+        read_velocity();
         if (s_.is_uniform()) {
             s_.sponge_in_pass = [this](const Pencil& p) {
                 if (p.block == 0) begin_row(p.row);
@@ -134,9 +134,9 @@ private:
     /// u-).
     void damp(const Pencil& p) {
         Block* change = s_.scratch.data();
-        kernels_.take(vectors_.waves(p.row, p.block), s_.vertical.levels(), impulses_.data(),
-                      line(p.row), runs_->lines_reals(), change);
-        s_.solve_held(p, change);
+        kernels_.gather(vectors_.waves(p.row, p.block), s_.vertical.levels(), impulses_.data(),
+                        line(p.row), runs_->lines_reals(), change);
+        s_.solve_constrained(p, change);
         add_impulse(p, change);
     }
 
@@ -156,7 +156,7 @@ private:
     }
 
     /// Computes b (u - u-) for the pencils of this rank and stores it in the planes. Collective.
-    void take_velocity() {
+    void read_velocity() {
         const std::ptrdiff_t stride = runs_->lines_reals(), nx = vectors_.nx();
         for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
             const bool is_nyquist = vectors_.is_nyquist(row);

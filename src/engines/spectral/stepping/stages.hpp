@@ -44,8 +44,9 @@ protected:
 class OutputStage : public Stage {
 public:
     using Stage::Stage;
-    /// Passes the frame and the snapshot at the end of the last step, and the strain and stress at
-    /// its start. Collective.
+    /// Passes the strain and stress at the start of the last step. Collective.
+    virtual void emit_earlier(engines::Observer& observer) = 0;
+    /// In addition passes the frame and the snapshot at its end. Collective.
     virtual void emit(engines::Observer& observer) = 0;
     /// Whether strain or stress at the current time need one more step. Not collective.
     virtual bool needs_next_step() const = 0;

@@ -67,7 +67,7 @@ void StepState::factorise(Operator which) {
         slab_bodies.assemble(vertical, background_solve());
     });
     bodies->assemble(vertical, [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        solve_held(pencil(row, block), force);
+        solve_constrained(pencil(row, block), force);
     });
 }
 
@@ -92,7 +92,7 @@ void StepState::each_reaction(const Reaction& use) {
         [&](const Pencil& p) {
             std::fill(scratch.begin(), scratch.end(), Block{});
             bodies->add_force(p.row, p.block, force);
-            solve_held(p, force);
+            solve_constrained(p, force);
             if (use) use(p, force);
             clock.lap(Phase::solves, pencil_bytes(2.0));
             put_strain(p, force);

@@ -158,9 +158,9 @@ public:
     void solve(const Pencil& p, Block* force) const {
         vertical.solve_implicit(factor(p.at), force);
     }
-    void solve_held(const Pencil& p, Block* force) {
+    void solve_constrained(const Pencil& p, Block* force) {
         solve(p, force);
-        slab_bodies.hold(p.row, p.block, background_solve(), force);
+        slab_bodies.constrain(p.row, p.block, background_solve(), force);
     }
     RigidBodies::Solve background_solve() const;
     /// Adds the work of the load on the motion (u+ - u-)/2 to `work`.

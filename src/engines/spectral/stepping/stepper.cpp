@@ -44,7 +44,7 @@ void Stepper::advance() {
 void Stepper::finish(engines::Observer& observer) {
     if (!output_ || !output_->needs_next_step()) return;
     advance();
-    output_->emit(observer);
+    output_->emit_earlier(observer);
 }
 
 std::vector<engines::Array> Stepper::arrays() const {

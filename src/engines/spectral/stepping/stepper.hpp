@@ -40,7 +40,7 @@ public:
     /// together. Collective.
     void advance() override;
     std::ptrdiff_t step() const override { return state_.step; }
-    void give(engines::Observer& observer) override {
+    void emit(engines::Observer& observer) override {
         if (output_) output_->emit(observer);
     }
     /// To be called after the last step: takes one more step if the strain or stress at its end is

@@ -184,15 +184,15 @@ Envelope best_from(const Forms& forms, const Required& required, const Eigen::Ve
     Envelope best{.values = ones};
     if (squared_strength(forms, ones) < required.strength * required.strength * (1.0 - 1e-12))
         return best; // no other envelope of this motion is as strong
-    const auto keep_if_better = [&](const std::optional<Eigen::VectorXd>& e) {
+    const auto store_if_better = [&](const std::optional<Eigen::VectorXd>& e) {
         if (!e) return;
         if (Envelope found = measured(forms, *e); found.eta > best.eta) best = std::move(found);
     };
     const std::optional<Eigen::VectorXd> first = feasible(forms, required, start);
-    keep_if_better(first);
+    store_if_better(first);
     Eigen::VectorXd e = first ? *first : start;
     search_from(search, e);
-    keep_if_better(feasible(forms, required, std::move(e)));
+    store_if_better(feasible(forms, required, std::move(e)));
     return best;
 }
 

@@ -102,7 +102,7 @@ public:
     /// Not collective.
     EndlessStress(const EndlessBodies& bodies, CorrectedPlanes planes);
 
-    void take(const std::vector<double>& step_forces) override;
+    void set_forces(const std::vector<double>& step_forces) override;
     void add_zz(std::size_t depth, double factor, double* plane) const override;
     std::vector<Change> changes(std::size_t depth) const override;
 
@@ -198,7 +198,7 @@ void EndlessStress::put_phases() {
 }
 
 /// Transforms the forces along the axis. The component along it has been divided by i.
-void EndlessStress::take(const std::vector<double>& step_forces) {
+void EndlessStress::set_forces(const std::vector<double>& step_forces) {
     const std::vector<double> all = bodies_.gathered(step_forces);
     const std::ptrdiff_t waves = (points_along() + 1) / 2, // without the Nyquist wavenumber
         values = marker_components * bodies_.markers().count();

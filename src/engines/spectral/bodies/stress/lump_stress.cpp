@@ -93,7 +93,7 @@ public:
     /// add_zz() is available for Corrected::zz, and changes() for all components. Not collective.
     LumpStress(const LumpBodies& lumps, const CorrectedPlanes& planes);
 
-    void take(const std::vector<double>& step_forces) override { forces_ = step_forces; }
+    void set_forces(const std::vector<double>& step_forces) override { forces_ = step_forces; }
     void add_zz(std::size_t depth, double factor, double* plane) const override;
     std::vector<Change> changes(std::size_t depth) const override {
         return near_.changes(depth, forces_);

@@ -50,7 +50,7 @@ public:
     void take(const Use& use) const {
         each_block([&](const spectral::WaveBlock& waves) {
             Block parts[spectral::parts] = {};
-            kernels_.take(waves, {}, line_, parts);
+            kernels_.gather(waves, {}, line_, parts);
             each_kx(waves, [&](std::ptrdiff_t k, std::ptrdiff_t lane) {
                 use(k, Complex{parts[0][lane], parts[1][lane]});
                 if (k > 0) use(nx_ - k, Complex{parts[2][lane], parts[3][lane]});
