@@ -52,9 +52,10 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
     if (static_cast<std::ptrdiff_t>(depth.frames.size()) != time.frames)
         throw Error(fmt::format("{} frames of sums at depth {:g} mm, but the run has {}",
                                 depth.frames.size(), depth.depth_m * 1e3, time.frames));
-    Readings r;
+    Readings r{.period_note = window.reason};
     const double at = c.measure.at_s, in_frames = at / time.interval_s;
-    if (at > time.duration_s() * (1.0 + time_slack)) {
+    const bool within = at <= time.duration_s() * (1.0 + time_slack);
+    if (!within) {
         r.instant_note = fmt::format("the instant, {:g} ms, is after the end of the run at {:g} ms",
                                      at * 1e3, time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
@@ -71,17 +72,13 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
         if (std::abs(time.frame_s(n) - at) > 1e-6 * time.interval_s)
             r.instant_note = fmt::format("frame at {:g} ms", time.frame_s(n) * 1e3);
     }
-    const bool within = at <= time.duration_s() * (1.0 + time_slack);
     for (std::ptrdiff_t n = 0;
-         within && n < time.frames && time.frame_s(n) <= at * (1.0 + time_slack); ++n) {
-        const double peak = depth.frames[static_cast<std::size_t>(n)].peak;
-        r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
-    }
+         within && n < time.frames && time.frame_s(n) <= at * (1.0 + time_slack); ++n)
+        r.peak_m = std::fmax(r.peak_m, depth.frames[static_cast<std::size_t>(n)].peak);
     if (window.fits()) {
         r.weights = window_weights(time, window.from_s, window.to_s, window.edge_s);
         r.period = period_sums(depth.frames, r.weights);
     }
-    r.period_note = window.reason;
     return r;
 }
 
@@ -175,11 +172,9 @@ void add_surface(Columns& columns, const Case& c, const Readings& r,
 
 /// The load of a grid study does not drive it; the study has sources of its own.
 void add_impulse(Columns& columns, const Case& c) {
-    if (c.study())
-        columns.add("impulse_mN_ms", not_a_number,
-                    "the sources of a study are not a force on the surface");
-    else
-        columns.add("impulse_mN_ms", impulse_N_s(c.scene().load, c.measure.at_s) * 1e6, "");
+    columns.add("impulse_mN_ms",
+                c.study() ? not_a_number : impulse_N_s(c.scene().load, c.measure.at_s) * 1e6,
+                c.study() ? "the sources of a study are not a force on the surface" : "");
 }
 
 struct Band {
@@ -193,15 +188,10 @@ constexpr std::array<Band, 3> bands = {
 class SpectrumColumns {
 public:
     SpectrumColumns(Columns& columns, const Case& c, const std::vector<TraceSeries>& traces)
-        : columns_(columns), time_(c.time), dt_s_(c.time.interval_s) {
-        const auto at_origin = std::find_if(traces.begin(), traces.end(),
-                                            [](const TraceSeries& t) { return t.at_m == Vec2{}; });
-        const TraceSeries* trace = nullptr;
-        if (at_origin != traces.end())
-            trace = &*at_origin;
-        else if (!traces.empty())
-            trace = &traces.front();
-        if (!trace || trace->u_m.empty()) {
+        : columns_(columns), time_(c.time) {
+        auto trace = std::ranges::find(traces, Vec2{}, &TraceSeries::at_m);
+        if (trace == traces.end()) trace = traces.begin();
+        if (traces.empty() || trace->u_m.empty()) {
             note_ = "no trace recorded";
             return;
         }
@@ -217,16 +207,16 @@ public:
         double peak_Hz = not_a_number;
         std::string reason = note_;
         if (note_.empty()) {
-            const double duration_s = time_.duration_s();
+            const double dt_s = time_.interval_s, duration_s = time_.duration_s();
             const std::vector<double> frequencies = trace_frequencies_Hz(time_);
-            const auto amplitudes = amplitude_spectrum(values, dt_s_, frequencies);
+            const auto amplitudes = amplitude_spectrum(values, dt_s, frequencies);
             peak_Hz = is_periodic() ? strongest_line_Hz(frequencies, amplitudes)
                                     : peak_frequency_Hz(frequencies, amplitudes, 1.0 / duration_s);
             if (!is_periodic() && has_mean) {
                 // The mean of a run of finite length leaks to all frequencies. Removing it makes a
                 // maximum of its own below 2/T.
                 const double rest_Hz = peak_frequency_Hz(
-                    frequencies, amplitude_spectrum(without_mean(values), dt_s_, frequencies),
+                    frequencies, amplitude_spectrum(without_mean(values), dt_s, frequencies),
                     1.0 / duration_s);
                 if (rest_Hz >= 2.0 / duration_s) peak_Hz = rest_Hz;
             }
@@ -270,13 +260,13 @@ private:
     }
     bool is_periodic() const { return time_.regime == Regime::periodic; }
     std::string why_not(double high_Hz) const {
-        if (!note_.empty() || high_Hz <= 0.5 / dt_s_) return note_;
-        return fmt::format("frames every {:g} us cannot represent {:g} Hz", dt_s_ * 1e6, high_Hz);
+        if (!note_.empty() || high_Hz <= 0.5 / time_.interval_s) return note_;
+        return fmt::format("frames every {:g} us cannot represent {:g} Hz", time_.interval_s * 1e6,
+                           high_Hz);
     }
 
     Columns& columns_;
     TimeAxis time_;
-    double dt_s_;
     std::string note_; // why there is no trace
     std::vector<Detail> where_;
     std::span<const double> displacement_;
@@ -334,8 +324,8 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
     double value = not_a_number;
     std::string note = window.reason;
     if (note.empty() && mean_u2.empty()) note = "no mean energy was recorded";
-    if (note.empty()) // steps of a quarter of a sample shorten curves by less than a hundredth of
-                      // one
+    // Steps of a quarter of a sample shorten curves by less than a hundredth of one.
+    if (note.empty())
         value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
                           measured_region(c.domain, c.measure),
                           drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m), fwhm);
@@ -346,11 +336,9 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
 void add_region(Columns& columns, const Case& c) {
     if (c.measure.region_m.empty()) return;
     const Region region = measured_region(c.domain, c.measure);
+    const char* note = region.samples() > 0 ? "" : "the region contains no sample";
     const auto add = [&](const char* name, double value) {
-        if (region.samples() > 0)
-            columns.add(name, value, "");
-        else
-            columns.add(name, not_a_number, "the region contains no sample");
+        columns.add(name, *note ? not_a_number : value, note);
     };
     Vec2 low{not_a_number, not_a_number}, high = low;
     for (const Vec2 corner : measured_outline(c.domain, c.measure)) {
