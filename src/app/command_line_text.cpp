@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "app/command_line_text.hpp"
+#include "app/program.hpp"
 
 #include "base/error.hpp"
 #include "pipeline/provenance.hpp"

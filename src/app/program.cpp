@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/program.hpp"
 
-#include "app/command_line_text.hpp"
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"

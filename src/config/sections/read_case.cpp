@@ -4,9 +4,7 @@
 #include "base/csv.hpp"
 #include "base/text.hpp"
 #include "config/document/presets.hpp"
-#include "config/sections/read_afferents.hpp"
 #include "config/sections/read_fields.hpp"
-#include "config/sections/read_vibrometer.hpp"
 #include "problem/load/load.hpp"
 
 #include <algorithm>

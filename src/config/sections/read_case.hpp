@@ -4,6 +4,7 @@
 #include "config/document/reader.hpp"
 #include "config/files/loaders.hpp"
 #include "problem/case/case.hpp"
+#include "problem/case/optimise_options.hpp"
 
 #include <optional>
 
@@ -43,6 +44,20 @@ MeasureOptions read_measure(Reader& reader, const Measured& of);
 std::vector<Vec2> read_region(Reader& reader, const Measured& of);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
                           const MeasureOptions& measure);
+
+/// Reads [optimise]; none if the job has no such table.
+std::optional<OptimiseOptions> read_optimise(Reader reader);
+
+/// Reads [vibrometer]; nothing if the table is absent. The points must lie inside the domain of the
+/// case, if that has an extent, and the surface must be among its depths.
+std::optional<VibrometerOptions> read_vibrometer(Reader& reader, const Case& c,
+                                                 const TextLoader& load_text);
+
+/// Reads [afferents]; nothing if the table is absent. The pins must lie inside the domain, if that
+/// has an extent. If the job lists no pins, they follow the path or the foci of `load`; without a
+/// load (null), there is one pin at the origin.
+std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
+                                              const Load* load, const TextLoader& load_text);
 
 /// The case that the complete job `root` describes; nothing after an error, which is reported.
 std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, const FileLoaders& files,

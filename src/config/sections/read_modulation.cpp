@@ -3,7 +3,7 @@
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_path.hpp"
 #include "problem/load/envelope.hpp"
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sections/read_optimise.hpp"
+#include "config/sections/read_case.hpp"
 
 #include "base/text.hpp"
 #include "config/sections/read_fields.hpp"

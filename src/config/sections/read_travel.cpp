@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_path.hpp"
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "problem/case/edges.hpp"
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>

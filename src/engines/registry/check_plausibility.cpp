@@ -2,7 +2,7 @@
 #include "engines/registry/check.hpp"
 
 #include "base/units.hpp"
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

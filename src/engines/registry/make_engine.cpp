@@ -25,12 +25,4 @@ std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {
                       solver);
 }
 
-std::vector<std::unique_ptr<Engine>> all_engines() {
-    std::vector<std::unique_ptr<Engine>> all;
-    [&]<class... Options>(std::type_identity<std::variant<Options...>>) {
-        (all.push_back(make_engine(Options{})), ...);
-    }(std::type_identity<SolverOptions>{});
-    return all;
-}
-
 } // namespace shearwake::engines

@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "problem/load/load_pattern.hpp"
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

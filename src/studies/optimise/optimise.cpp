@@ -6,7 +6,7 @@
 #include "storage/files.hpp"
 #include "studies/optimise/optimise_study.hpp"
 #include "studies/optimise/optimise_table.hpp"
-#include "studies/optimise/study_file.hpp"
+#include "studies/optimise/study.hpp"
 
 #include <chrono>
 #include <fmt/format.h>

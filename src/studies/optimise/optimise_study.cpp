@@ -7,7 +7,7 @@
 #include "storage/journal/plan_file.hpp"
 #include "storage/journal/run_lock.hpp"
 #include "studies/optimise/search/gram.hpp"
-#include "studies/optimise/study_file.hpp"
+#include "studies/optimise/study.hpp"
 
 #include <fmt/format.h>
 #include <set>

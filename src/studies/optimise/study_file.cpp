@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/study_file.hpp"
+#include "studies/optimise/study.hpp"
 
 #include "base/error.hpp"
 

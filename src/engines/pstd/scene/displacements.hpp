@@ -20,8 +20,6 @@ public:
     template <class Real>
     void add(const Stepper<Real>& stepper); // after every step; not collective
 
-    /// [x of the slab][y][plane], in metres.
-    std::span<const double> values_m() const { return values_m_; }
     /// The weighted sum of planes beginning with first_z + from_plane, [x of the slab][y], in
     /// metres. Not collective.
     void sum(std::span<const double> weights, std::span<double> plane_m,
@@ -38,7 +36,7 @@ private:
     Field velocity_;
     Slabs slabs_;
     std::ptrdiff_t first_z_, planes_;
-    std::vector<double> values_m_;
+    std::vector<double> values_m_; // [x of the slab][y][plane]
 };
 
 /// Weights of the planes of u_z, beginning at z = 0, for u_z at a depth: linear interpolation

@@ -201,7 +201,6 @@ void SectionMarkers::place(const Case& c, const DepthMesh& mesh) {
     smoothing_m_ = marker_smoothing * c.domain.spacing_m;
     along_x_ = !bodies.empty() && endless_along(bodies[0], c.domain) == Endless::along_x;
     across_extent_m_ = along_x_ ? c.domain.extent_y_m() : c.domain.extent_x_m();
-    along_extent_m_ = along_x_ ? c.domain.extent_x_m() : c.domain.extent_y_m();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const Vec3 centre = bodies[i].centre_m;
         const Bounds box = bounds(bodies[i]);

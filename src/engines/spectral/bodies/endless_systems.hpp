@@ -38,9 +38,8 @@ public:
     std::ptrdiff_t count() const { return std::ssize(markers_); }
     bool along_x() const { return along_x_; }
     double memory_B() const { return static_cast<double>(phases_.size() * sizeof(Block)); }
-    /// Extent of the domain across and along the axis.
+    /// Extent of the domain across the axis.
     double across_extent_m() const { return across_extent_m_; }
-    double along_extent_m() const { return along_extent_m_; }
     /// Valid for the lifetime of this object.
     MarkerArrays arrays() const;
     /// Index of a marker's depth in arrays().
@@ -58,7 +57,7 @@ private:
 
     WaveVectors vectors_;
     bool along_x_ = false;
-    double across_extent_m_ = 0.0, along_extent_m_ = 0.0, smoothing_m_ = 0.0;
+    double across_extent_m_ = 0.0, smoothing_m_ = 0.0;
     std::vector<Marker> markers_;
     std::vector<std::size_t> depth_of_;
     std::vector<MarkerDepth> depths_;

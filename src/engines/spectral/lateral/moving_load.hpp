@@ -80,7 +80,6 @@ private:
     };
     void put_shape(Shape& shape) const;
     void place(Sampled& load, double held_s);
-    void place_all();
     void find_breaks(std::ptrdiff_t n);
     void choose_nodes(std::ptrdiff_t n);
 

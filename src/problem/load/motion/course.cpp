@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/load/motion/course.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include "base/units.hpp"
 

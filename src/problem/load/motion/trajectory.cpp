@@ -3,7 +3,6 @@
 
 #include "base/field.hpp"
 #include "base/units.hpp"
-#include "problem/load/motion/course.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 #include "studies/optimise/search/ceiling.hpp"
 #include "studies/optimise/search/families.hpp"
 #include "studies/optimise/study.hpp"
-#include "studies/optimise/study_file.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
