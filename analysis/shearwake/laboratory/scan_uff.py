@@ -102,7 +102,7 @@ class Lines:
             raise BadScan(f"a line has more than {LONGEST_LINE} characters")
         return line.removesuffix(b"\n").rstrip(b"\r").decode("latin-1") if line else None
 
-    def take(self, count: int) -> bytes:
+    def read(self, count: int) -> bytes:
         left = self.size - self.file.tell()
         if not 0 <= count <= left:
             raise BadScan(f"the file is truncated: a record claims {count} bytes, but {left} are left")
@@ -167,7 +167,7 @@ def units_per_metre(content: list[str]) -> float:
     return known
 
 
-def whole(line: str, start: int, width: int, what: str) -> int:
+def integer(line: str, start: int, width: int, what: str) -> int:
     """An integer, of which blanks mean 0."""
     return field(line[start:start + width].strip() or "0", 0, width, what)
 
@@ -250,11 +250,11 @@ class Function:
             raise BadScan(f"the ordinate is {other}; only velocities (11) can be read")
         if self.label is not None and self.speed is None:
             raise BadScan(f"the unit of the velocity is \"{numerator[47:67].strip()}\"; only m/s, cm/s, mm/s, um/s and nm/s can be read")
-        divisor, *exponents = (whole(denominator, start, width, "a number of the ordinate's denominator")
+        divisor, *exponents = (integer(denominator, start, width, "a number of the ordinate's denominator")
                                for start, width in ((0, 10), (10, 5), (15, 5), (20, 5)))
         if divisor > GENERAL_QUANTITY or any(exponents):
             raise BadScan("the ordinate is divided by another quantity (record 10); only velocities can be read")
-        length, force, temperature = (whole(numerator, start, 5, "an exponent of the ordinate") for start in (10, 15, 20))
+        length, force, temperature = (integer(numerator, start, 5, "an exponent of the ordinate") for start in (10, 15, 20))
         if (force, temperature) == (0, 0) and length in (0, 1):
             return
         dimension = f"length^{length} force^{force} temperature^{temperature} (record 9)"
@@ -264,7 +264,7 @@ class Function:
 
     def read_direction(self, line: str, vector: list[float] | None) -> None:
         """Record 6: the velocities are those along z, or, with a negative direction, against it."""
-        code = whole(line, 51, 4, "the response direction")
+        code = integer(line, 51, 4, "the response direction")
         if abs(code) > 6:
             raise BadScan(f"the response direction {code} (record 6) is unknown")
         if abs(code) > 3:
@@ -304,7 +304,7 @@ def binary_function(first: str, lines: Lines) -> Function:
     head = [line for _ in range(HEADER_LINES) if (line := lines.next()) is not None]
     if len(head) < HEADER_LINES:
         raise BadScan("the file is truncated: a data set of type 58 has fewer than 11 records")
-    data = lines.take(size)
+    data = lines.read(size)
 
     def values_of(count: int, kind: int) -> np.ndarray:
         dtype = np.dtype({1: "<", 2: ">"}[order] + ("f8" if kind == DOUBLE else "f4"))

@@ -151,7 +151,7 @@ def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], 
         place = ys.index(own[y]), xs.index(own[x])
         found[place] = case.value(column, math.nan)
         failed[place] = not case.is_complete
-        invalid[place] = np.isfinite(found[place]) and not warnings_of.holds(selection, case, column, NAME + column)
+        invalid[place] = np.isfinite(found[place]) and not warnings_of.is_valid_value(selection, case, column, NAME + column)
     return found, failed, invalid
 
 

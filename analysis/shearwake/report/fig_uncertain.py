@@ -174,7 +174,7 @@ def scatter(selection: Selection, folder: Path) -> Any:
     places = list(dict.fromkeys(sample.place(selection, c.settings) for c in cases))
     shown = layout.evenly(places, style.CURVES)
     failed = [c for c in cases if not c.is_complete]
-    invalid = [c for c in cases if c.is_complete and not warnings_of.holds(selection, c, column)]
+    invalid = [c for c in cases if c.is_complete and not warnings_of.is_valid_value(selection, c, column)]
     for axes, key in zip(made.flat, keys):
         for colour, where in zip(style.distinct(len(shown)), shown):
             some = [c for c in cases if sample.place(selection, c.settings) == where and not math.isnan(c.value(column, math.nan))

@@ -35,7 +35,7 @@ def choices(selection: Selection) -> Selection:
 
 def valid(selection: Selection, column: str) -> list[Case]:
     """The complete cases with a valid value in this column, without references."""
-    return [c for c in known(selection, column) if warnings_of.holds(selection, c, column)]
+    return [c for c in known(selection, column) if warnings_of.is_valid_value(selection, c, column)]
 
 
 def relative_error(selection: Selection, case: Case, column: str) -> tuple[Any, ...]:
@@ -46,7 +46,7 @@ def relative_error(selection: Selection, case: Case, column: str) -> tuple[Any, 
         return abs(one.value(column + "_error", math.nan) / value) if value else math.nan
     if not math.isnan(ratio(case)):
         return ratio(case), case
-    found = {c.id: ratio(c) for c in selection.cases if not math.isnan(ratio(c)) and warnings_of.holds(selection, c, column)}
+    found = {c.id: ratio(c) for c in selection.cases if not math.isnan(ratio(c)) and warnings_of.is_valid_value(selection, c, column)}
     if not found:
         return math.nan, None
     source = selection.by_id[max(found, key=lambda name: found[name])]

@@ -86,7 +86,7 @@ class Drawn:
         """The result of draw(selection, *arguments): figures with charts as JSON objects, or a text. If nothing has
         changed it is that of the previous report."""
         key, before = self.key(name, selection), self.old.get(name, {})
-        if before.get("key") == key and self.take(before["files"]):
+        if before.get("key") == key and self.reuse(before["files"]):
             self.new[name] = before
             self.reused += 1
         else:
@@ -98,7 +98,7 @@ class Drawn:
         result = self.new[name]["result"]
         return result if isinstance(result, str) else [Figure(**figure) for figure in result]
 
-    def take(self, files: list[str]) -> bool:
+    def reuse(self, files: list[str]) -> bool:
         """Copies the pictures of the previous report. Returns whether all of them exist."""
         if not all((self.folder / name).is_file() for name in files):
             return False

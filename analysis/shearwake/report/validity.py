@@ -17,16 +17,16 @@ CROSSES: dict[str, Any] = {"linestyle": "none", "marker": "x", "color": style.GR
 def split(selection: Selection, cases: list[Case], column: str, figure: str,
           values: list[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The values of a column as two arrays: those that are valid in a figure, and those that are not; NaN elsewhere."""
-    holds = np.array([warnings_of.holds(selection, c, column, figure) for c in cases], bool)
+    valid = np.array([warnings_of.is_valid_value(selection, c, column, figure) for c in cases], bool)
     values = np.asarray(values, dtype=float)
-    return np.where(holds, values, np.nan), np.where(holds, np.nan, values)
+    return np.where(valid, values, np.nan), np.where(valid, np.nan, values)
 
 
 def invalid_cases(selection: Selection, figure: str, *columns: str) -> list[Case]:
     """The cases with a value in one of the columns that is not valid; references only unless all columns are ratios."""
     of_ratios = all(map(selection.is_ratio, columns))
     shown = [*layout.ordinary(selection), *(r for r in layout.all_references(selection) if r.is_reference and not of_ratios)]
-    return [c for c in shown if any(np.isfinite(c.value(column, math.nan)) and not warnings_of.holds(selection, c, column, figure)
+    return [c for c in shown if any(np.isfinite(c.value(column, math.nan)) and not warnings_of.is_valid_value(selection, c, column, figure)
                                     for column in columns)]
 
 

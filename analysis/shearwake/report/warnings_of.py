@@ -73,7 +73,7 @@ def is_valid(case: Case, name: str = OF_READINGS) -> bool:
     return not errors(case, name)
 
 
-def holds(selection: Selection, case: Case, column: str, name: str = OF_READINGS) -> bool:
+def is_valid_value(selection: Selection, case: Case, column: str, name: str = OF_READINGS) -> bool:
     """Whether the value of a column is valid: that of the case and, for a ratio, that of its reference."""
     if not is_valid(case, name):
         return False
