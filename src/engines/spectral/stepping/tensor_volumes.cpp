@@ -208,7 +208,7 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
 
 void TensorVolumes::emit(const StepState& state, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
-    if (near_) near_->take(state.bodies->step_forces());
+    if (near_) near_->set_forces(state.bodies->step_forces());
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(state, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
