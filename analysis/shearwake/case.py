@@ -223,11 +223,11 @@ class Case:
         or is not the file of this case, OSError if it cannot be read, and NotRecorded without a file."""
         self.damage = ""
         path = self._file()
-        for name in ("_scalars", "attributes", "parameters", "groups", "series", "over_time"):
+        for name in ("_scalars", "attributes", "parameters", "groups", "series", "over_time", "focus"):
             self.__dict__.pop(name, None)  # read from a file that may have been replaced
         try:
             checksum.verify_case(path)
-            if stored.attribute(path, "case_id") != self.id:
+            if self.attributes["case_id"] != self.id:
                 raise ValueError("it contains another case")
             self.parameters
         except OSError as error:
@@ -302,6 +302,11 @@ class Case:
     def over_time(self) -> dict[str, np.ndarray]:
         """The quantities over time as arrays (time), measures at the first depth, read now. Raises NotRecorded."""
         return {name: values[0] if values.ndim == 2 else values for name, values in self.arrays().items() if name != "depth"}
+
+    @functools.cached_property
+    def focus(self) -> dict[str, np.ndarray]:
+        """The time, the position of the focus and, if recorded, the force, as in `over_time`. Raises NotRecorded."""
+        return stored.arrays(self._file(), "/", ("time", "focus_x", "focus_y", "force"))
 
     @property
     def surface(self) -> xr.DataArray:

@@ -20,7 +20,7 @@ ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block
 MOST_DEFLATE, MOST_CHUNKS = 1032, 200_000  # gzip compresses by at most this factor; the chunks are examined in about 1 s
 
 
-_examined: set[tuple[int, ...]] = set()  # device, inode, size and time of change of files without such links
+examined: set[tuple[int, ...]] = set()  # device, inode, size and time of change of files without such links
 
 
 class BadLink(OSError):
@@ -36,9 +36,9 @@ def open_self_contained(path: Path) -> h5py.File:
     file, status = h5py.File(path, "r"), os.stat(path)
     stamp = (status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
     try:
-        if stamp not in _examined:
+        if stamp not in examined:
             _refuse_links(file)
-            _examined.add(stamp)
+            examined.add(stamp)
     except (KeyError, ValueError, TypeError) as error:  # raised by h5py for damaged files
         file.close()
         raise OSError(f"it is damaged: {error}") from error

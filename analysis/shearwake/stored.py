@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,12 +57,6 @@ def attributes(path: Path) -> dict[str, Any]:
         return {name: plain(value) for name, value in file.attrs.items()}
 
 
-def attribute(path: Path, name: str) -> Any:
-    """One attribute of the root group. Raises OSError, Damaged and KeyError."""
-    with opened(path) as file:
-        return plain(file.attrs[name])
-
-
 def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
     """The scalars of the root group, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError and Damaged."""
     values, notes, units = {}, {}, {}
@@ -89,11 +83,12 @@ def snapshot(path: Path, index: int) -> tuple[float, np.ndarray, np.ndarray, np.
         return (float(group["time"][index]), group["x"][()], group["y"][()], group["u_z"][index, 0])
 
 
-def arrays(path: Path, group: str = "/") -> dict[str, np.ndarray]:
-    """All variables of a group with at least one dimension. Raises OSError, Damaged and KeyError."""
+def arrays(path: Path, group: str = "/", names: Sequence[str] = ()) -> dict[str, np.ndarray]:
+    """All variables of a group with at least one dimension, or those of these names that exist. Raises OSError, Damaged and KeyError."""
     with opened(path) as file:
         parent = file[group].id
-        opened_now = {name.decode(): h5py.h5o.open(parent, name) for name in parent}  # h5py's objects take twice as long to open
+        found = [name for wanted in names if (name := wanted.encode()) in parent] if names else parent
+        opened_now = {name.decode(): h5py.h5o.open(parent, name) for name in found}  # h5py's objects take twice as long to open
         return {name: h5py.Dataset(item)[()] for name, item in opened_now.items() if isinstance(item, h5py.h5d.DatasetID) and item.shape}
 
 

@@ -34,7 +34,7 @@ def runs_straight_on(case: Case) -> bool:
     """Whether a single focus moves once along a straight line, so that it draws no shape."""
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
-    path: np.ndarray = np.column_stack([case.over_time["focus_x"], case.over_time["focus_y"]])
+    path: np.ndarray = np.column_stack([case.focus["focus_x"], case.focus["focus_y"]])
     way = path[-1] - path[0]
     length = float(np.hypot(*way))
     if not length > 0:
@@ -47,34 +47,34 @@ def runs_straight_on(case: Case) -> bool:
 def passing_ms(case: Case, x_m: float, y_m: float) -> float | None:
     """The time at which the moving focus is nearest to a point if it passes it exactly once, else None."""
     radius = case.setting("measure", "focal_radius_m")
-    distance = np.hypot(case.over_time["focus_x"] - x_m, case.over_time["focus_y"] - y_m)
+    distance = np.hypot(case.focus["focus_x"] - x_m, case.focus["focus_y"] - y_m)
     covered = distance <= radius
     entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
-    return None if entries != 1 or covered.all() else 1e3 * case.over_time["time"][distance.argmin()]
+    return None if entries != 1 or covered.all() else 1e3 * case.focus["time"][distance.argmin()]
 
 
 def is_passed(case: Case, x_m: float, y_m: float) -> bool:
     """Whether the focal disc ever covers a point."""
-    distance = np.hypot(case.over_time["focus_x"] - x_m, case.over_time["focus_y"] - y_m)
+    distance = np.hypot(case.focus["focus_x"] - x_m, case.focus["focus_y"] - y_m)
     return bool((distance <= case.setting("measure", "focal_radius_m")).any())
 
 
 def last_pressed(case: Case) -> int:
     """Index of the last frame with a force, since a path that has ended exerts none."""
-    pressed: Any = np.flatnonzero(case.over_time["force"]) if "force" in case.over_time else ()
-    return int(pressed[-1]) if len(pressed) else len(case.over_time["time"]) - 1
+    pressed: Any = np.flatnonzero(case.focus["force"]) if "force" in case.focus else ()
+    return int(pressed[-1]) if len(pressed) else len(case.focus["time"]) - 1
 
 
 def is_over(case: Case, t_s: float) -> bool:
     """Whether the load has ended before this time."""
-    return int(np.argmin(np.abs(case.over_time["time"] - t_s))) > last_pressed(case) + 1
+    return int(np.argmin(np.abs(case.focus["time"] - t_s))) > last_pressed(case) + 1
 
 
 def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Position of the focus in mm, its unit direction of motion (None at rest) and its path up to time t_s.
     After the end of the load, the last values."""
-    time = case.over_time["time"]
-    path = 1e3 * np.column_stack([case.over_time["focus_x"], case.over_time["focus_y"]])
+    time = case.focus["time"]
+    path = 1e3 * np.column_stack([case.focus["focus_x"], case.focus["focus_y"]])
     now = min(int(np.argmin(np.abs(time - t_s))), last_pressed(case))
     before = max(0, min(now, len(time) - 1) - 1)
     step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]

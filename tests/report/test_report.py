@@ -265,8 +265,8 @@ class WordsTest(unittest.TestCase):
 class WakeTest(unittest.TestCase):
     def test_a_path_that_has_ended_stays_at_its_last_position(self):
         case = lone_case("none")
-        case.over_time = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
-                          "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM do not end the load
+        case.focus = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
+                      "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM do not end the load
         focus, direction, path = wake.focus_at(case, 5.0)
         self.assertEqual((focus[0], direction[0], len(path)), (2e3, 1.0, 3))
         self.assertFalse(wake.is_over(case, 1.0) or wake.is_over(case, 3.0))

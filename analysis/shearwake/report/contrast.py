@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from ..case import Case
 from . import labels, layout
-from .load import Selection
+from .load import Selection, remembered
 
 ABSENT = "without "
 
 
-@labels.remembered
+@remembered
 def absent(selection: Selection) -> tuple[str, str]:
     """The first swept key with a value labelled "without ...", and this label; two empty texts without such a key."""
     return next(((key, text) for (key, _), text in labels.labels(selection).items() if text.startswith(ABSENT)), ("", ""))
@@ -21,7 +21,7 @@ def present(selection: Selection) -> str:
     return absent(selection)[1].replace(ABSENT, "with ", 1)
 
 
-@labels.remembered
+@remembered
 def counterpart(selection: Selection, case: Case) -> Case | None:
     """The complete case without the body that otherwise equals a case; None for a case without the body. The settings of the body
     and of the keys that change with it may differ, for example a depth that was swept with the body only."""

@@ -40,7 +40,7 @@ def intensity(selection: load.Selection, folder: Path) -> list[Figure]:
     found = [f for f in with_map if f]
     if not found or all(wake.runs_straight_on(c) for c, _ in found):
         return []
-    shots = [f and fig_surface.Snapshot(f[0], f[0].over_time["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
+    shots = [f and fig_surface.Snapshot(f[0], f[0].focus["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
                                         1e6 * np.sqrt(f[1][2])) for f in with_map]
     end = max(s.u_um.max() for s in shots if s)
     if not end > 0:
@@ -89,7 +89,7 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
     shown = [f for f in found if f and np.any(np.isfinite(f[1][2]))]
     if not shown:
         return []
-    shots = [f and fig_surface.Snapshot(f[0], f[0].over_time["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1], f[1][2]) for f in found]
+    shots = [f and fig_surface.Snapshot(f[0], f[0].focus["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1], f[1][2]) for f in found]
     low, end = colour_limits([m[2] for _, m in shown])
     edges = np.array([fig_surface.extent(s) for s in shots if s])
     limits = (edges[:, 0].min(), edges[:, 1].max(), edges[:, 2].min(), edges[:, 3].max())

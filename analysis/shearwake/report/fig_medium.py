@@ -134,7 +134,7 @@ def scene(selection: Selection, case: Case) -> list[Slice] | None:
     bodies = medium.get("body", [])
     centre = 1e3 * np.array(bodies[0]["centre_m"][:2] if bodies else (0.0, 0.0))
     ends = [(-500.0 * domain["spacing_m"] * domain[n], 500.0 * domain["spacing_m"] * domain[n]) for n in ("nx", "ny")]
-    path = wake.focus_at(case, case.over_time["time"][-1])[2]
+    path = wake.focus_at(case, case.focus["time"][-1])[2]
     if grid is None:
         ends = [shown(axis, *ends[axis], path, bodies, depth_mm(medium)) for axis in (0, 1)]
     return slices(ends[0], ends[1], depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))

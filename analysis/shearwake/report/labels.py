@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Names of swept keys, and labels of their values."""
-import functools
 import re
 from typing import Any
 
 from ..case import Case
 from . import words
-from .load import Selection
+from .load import Selection, remembered
 
 BODY = re.compile(r"^(medium\.body\[(\d+)\])\.(c_s|c_p|density|viscosity)_")
 MATERIAL = ("c_s_m_s", "c_p_m_s", "density_kg_m3", "viscosity_Pa_s")
@@ -14,19 +13,6 @@ MATERIAL = ("c_s_m_s", "c_p_m_s", "density_kg_m3", "viscosity_Pa_s")
 
 def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def remembered(function: Any) -> Any:
-    """The function of a selection and hashable arguments, called once for the same ones, since each label asks for it. Callers
-    must not change the results."""
-    @functools.wraps(function)
-    def first_time(selection: Selection, *arguments: Any) -> Any:
-        known = selection.__dict__.setdefault("_remembered", {})
-        place = (function, *arguments)
-        if place not in known:
-            known[place] = function(selection, *arguments)
-        return known[place]
-    return first_time
 
 
 @remembered

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..case import Case
 from . import words
-from .labels import is_number, labels, ordinary, remembered, setting_text, swept_cases, values_of
-from .load import Selection, traces
+from .labels import is_number, labels, ordinary, setting_text, swept_cases, values_of
+from .load import Selection, remembered, traces
 
 
 @dataclass
@@ -45,6 +45,7 @@ def group_keys(selection: Selection) -> list[str]:
     return vary if len(set(seen)) < len(seen) else keys
 
 
+@remembered
 def groups(selection: Selection) -> list[Group]:
     keys = group_keys(selection)
     found: dict[str, Group] = {}

@@ -9,14 +9,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .. import inputs
 from ..case import Case
 from ..checksum import verify_case
 from ..errors import NotAnOutputFolder, NotRecorded
 from ..plan import first_line
 from ..sweep import Sweep, case_of_file
+from .in_two import in_two
 
 # What reading a case raises if it has no file, or if the file is damaged or lacks the data.
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, IndexError, TypeError, NotRecorded)
@@ -47,7 +50,21 @@ class Selection:
         return any(c.name == column and c.over_reference_of for c in self.sweep.columns)
 
 
+def remembered(function: Any) -> Any:
+    """The function of a selection or a case and hashable arguments, called once for the same ones and stored there, since each label
+    asks for it. Callers must not change the results."""
+    @functools.wraps(function)
+    def first_time(owner: Any, *arguments: Any) -> Any:
+        known = vars(owner).setdefault("_remembered", {})
+        place = (function.__module__, function.__name__, *arguments)
+        if place not in known:
+            known[place] = function(owner, *arguments)
+        return known[place]
+    return first_time
+
+
 SPECTRUM_Hz = 2000.0  # upper end of spectra
+PARTS = 32  # into which the cases are divided for two processes
 FINER = 8  # padding of a spectrum, for a smooth curve
 
 
@@ -85,7 +102,7 @@ class Traces:
         return self.points_m[self.measured] if self.points_m else (math.nan, math.nan)
 
 
-@functools.cache
+@remembered
 def traces(case: Case) -> Traces:
     """The traces of a case; none if it has not recorded any. Raises UNREADABLE if the file is damaged."""
     try:
@@ -114,6 +131,7 @@ def surface(case: Case, time: int = -1) -> tuple[float, np.ndarray, np.ndarray, 
         return None
 
 
+@remembered
 def surface_times(case: Case) -> np.ndarray:
     """The times of the recorded surfaces; empty if there are none."""
     try:
@@ -150,12 +168,24 @@ def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) 
     table = sweep.reduced
     if table is None:
         raise NotAnOutputFolder(f"{folder} has no table: shearwake reduce {folder}")
-    for n, case in enumerate(sweep.every_case):
-        report(f"reading case {n + 1} of {len(sweep.every_case)}")
-        if case.is_complete or table.rows.get(case.id, {}).get("status") == "complete":  # also without its file
-            try:
-                case.verify()
-                traces(case)
-            except UNREADABLE as error:
-                case.damage = first_line(error)
+    stored = [case for case in sweep.every_case
+              if case.is_complete or table.rows.get(case.id, {}).get("status") == "complete"]  # also without its file
+    parts = [stored[n::PARTS] for n in range(min(PARTS, len(stored)))]
+    found = in_two([functools.partial(contents, part) for part in parts],
+                   lambda n: report(f"reading part {n + 1} of {len(parts)} of the cases"))
+    for part, (of_cases, examined) in zip(parts, found):
+        inputs.examined |= examined
+        for case, of_case in zip(part, of_cases):
+            vars(case).update(of_case)
     return Selection(sweep, sweep.every_case, sweep.x)
+
+
+def contents(cases: list[Case]) -> tuple[list[dict[str, Any]], set[tuple[int, ...]]]:
+    """What was read of cases or is wrong with them, for the process that owns them, and the files whose links were examined."""
+    for case in cases:
+        try:
+            case.verify()
+            traces(case), surface_times(case), case.focus
+        except UNREADABLE as error:
+            case.damage = first_line(error)
+    return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases], inputs.examined

@@ -98,16 +98,16 @@ def case_data(selection: load.Selection, case: Case, limits: tuple[float, float,
     shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
     parts = [cut(s, limits, detail.widest_px) for s in shots]
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
-    path = wake.focus_at(case, case.over_time["time"][-1])[2]
+    path = wake.focus_at(case, case.focus["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
-    period = round(1e3 * float(case.over_time["time"][-1]), 6) if layout.repeats(case) else None
+    period = round(1e3 * float(case.focus["time"][-1]), 6) if layout.repeats(case) else None
     words = [] if case.is_reference or not modulation else [modulation]
     return {"label": ", ".join([*words, *filter(None, [warnings_of.label(selection, case, "player")])]), "period": period,
             "times": [round(1e3 * s.t_s, 6) for s in shots], "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
-            "offsets": [rounded(o) for o in wake.offsets_mm(case)],
-            "path": [rounded(p) for p in layout.evenly(list(path), 300)] if np.ptp(path, axis=0).max() > 0 else []}
+            "offsets": rounded(wake.offsets_mm(case)),
+            "path": rounded(layout.evenly(list(path), 300)) if np.ptp(path, axis=0).max() > 0 else []}
 
 
 def axes_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, Any]]:
@@ -154,8 +154,8 @@ def places_of(selection: load.Selection, cases: list[Case]) -> list[dict[str, An
     return found
 
 
-def rounded(place: np.ndarray) -> list[float]:
-    return [round(float(v), 3) for v in place]
+def rounded(places: Any) -> Any:
+    return np.round(places, 3).tolist()
 
 
 def common_view(cases: list[Case]) -> tuple[float, float, tuple[float, float, float, float]]:
