@@ -175,7 +175,7 @@ def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path,
         drawn = Drawn(folder, part)
         figures, moving, problems = draw_all(selection, some, part, drawn, progress)
         drawn.save()
-        (part / path.name).write_text(page(selection, figures, part, problems, moving), encoding="utf-8")
+        (part / path.name).write_text(page(selection, figures, problems, moving), encoding="utf-8")
     progress.end()
     return path, summary(selection), problems, selection
 

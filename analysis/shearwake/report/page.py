@@ -2,16 +2,12 @@
 """Writes one HTML page that contains all figures, loads nothing from elsewhere, and escapes all text."""
 from __future__ import annotations
 
-import base64
 import html
-import io
 import json
 from collections import Counter
 from datetime import datetime
 from pathlib import Path
 from typing import Any
-
-from PIL import Image
 
 from . import labels, layout, opening, optima, player, table, warnings_of
 from .figure import Figure
@@ -23,7 +19,6 @@ from .words import counted, number
 
 HERE = Path(__file__).resolve().parent
 CHANGED = " # -S; "  # begins the comment at a value of the command line (src/config/sweep/override.cpp)
-COLOURS = 96  # of the pictures within the page; the files next to it have all
 FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
          ("build", "build_type"), ("MPI", "mpi_version"), ("FFTW", "fftw_version"),
          ("HDF5", "hdf5_version"), ("host", "host"), ("ranks per case", "ranks")]
@@ -90,27 +85,18 @@ def badge(found: list[warnings_of.Kind], shown: int, stated: set[int]) -> str:
     return f'<p class="badge">{"Warning" if len(new) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
 
 
-def small_picture(path: Path, reduction: int = 1) -> str:
-    """The picture with few colours as base64 text of a lossless WebP, a fifth of the size of the file."""
-    file = io.BytesIO()
-    few = Image.open(path).convert("RGB").reduce(reduction).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-    few.convert("RGB").save(file, format="WEBP", lossless=True, method=2)
-    return base64.b64encode(file.getvalue()).decode("ascii")
-
-
 def json_script(data: list[dict[str, Any]]) -> str:
     """JSON within a page, in which no text can end the script."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/").replace("<!", "<\\u0021")
     return f'<script type="application/json">{text}</script>'
 
 
-def picture(figure: Figure, folder: Path, level: str, stated: set[int]) -> str:
+def picture(figure: Figure, level: str, stated: set[int]) -> str:
     """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
     are pictures of half the resolution."""
     name = escape(figure.name)
-    stored = small_picture(folder / (figure.name + ".png"), 2 if figure.charts else 1)
     still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
-             f'src="data:image/webp;base64,{stored}"></div>')
+             f'src="data:image/webp;base64,{figure.still}"></div>')
     shown = still
     if figure.maps:
         shown = (f'<div class="maps" id="maps-{name}">{still}{json_script(figure.maps)}<output>Point at a picture to read '
@@ -191,22 +177,21 @@ def anchor(title: str) -> str:
     return "topic-" + "-".join(title.lower().split())
 
 
-def parts(selection: Selection, figures: list[Figure], folder: Path, problems: list[Any],
-          moving: str) -> list[tuple[str, str, str, list[Any]]]:
+def parts(selection: Selection, figures: list[Figure], problems: list[Any], moving: str) -> list[tuple[str, str, str, list[Any]]]:
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made: list[Any] = []
     stated: set[int] = set()  # warnings
     receptors_first = bool(layout.receptor_classes(selection)) and not valid(selection, "eta_period_1")
     first = headlines(figures, receptors_first)
     drawn = [f for f in first if f.name == "optimise_mean"]  # the wake at one instant hardly shows which shape is drawn
-    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in drawn]
+    made += [(f.name, f.title, picture(f, "h2", stated), []) for f in drawn]
     if moving:
         shown = [c.id for c in player.cases_of(selection)]
         notice = badge(warnings_of.of_figure(selection, "player", shown), len(shown), stated)
         plane = layout.plane_name(player.cases_of(selection))
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
-    made += [(f.name, f.title, picture(f, folder, "h2", stated), []) for f in first if f not in drawn]
+    made += [(f.name, f.title, picture(f, "h2", stated), []) for f in first if f not in drawn]
     if optima.is_study(selection):
         made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
@@ -215,7 +200,7 @@ def parts(selection: Selection, figures: list[Figure], folder: Path, problems: l
     if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))
     for title, members in topics(figures, receptors_first):
-        inner = "".join(picture(f, folder, "h3", stated) for f in members)
+        inner = "".join(picture(f, "h3", stated) for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
     made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(selection, figures)}', []))
@@ -247,10 +232,10 @@ def head(selection: Selection) -> str:
             + f'<p class="lead">{escape(first)}</p>{items}<p class="counts">{escape(others)} {escape(counts(selection))}</p>')
 
 
-def page(selection: Selection, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
+def page(selection: Selection, figures: list[Figure], problems: list[str], moving: str = "") -> str:
     lone = "" if selection.x or not layout.ordinary(selection) else (
         "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
-    made = parts(selection, figures, folder, problems, moving)
+    made = parts(selection, figures, problems, moving)
     return "\n".join([
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',

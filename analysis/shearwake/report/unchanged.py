@@ -19,8 +19,8 @@ import numpy as np
 
 from . import layout, medium_files
 from .chart import Chart, chart_data
-from .figure import Figure
-from .load import Selection
+from .figure import Figure, small_picture
+from .load import Selection, remembered
 
 NAME = "figures.json"
 MEDIUM_FILES = ("medium.map", "solver.pstd.study")
@@ -43,6 +43,7 @@ def stamp(path: Any) -> list[int | str] | None:
         return None
 
 
+@remembered
 def facts(selection: Selection) -> list[Any]:
     """Everything that figures read from a selection, apart from the contents of the case files."""
     sweep = selection.sweep
@@ -91,7 +92,10 @@ class Drawn:
             self.reused += 1
         else:
             result = draw(selection, *arguments)
-            files = sorted(path.name for figure in ([] if isinstance(result, str) else result) for suffix in (".png", ".pdf")
+            made = [] if isinstance(result, str) else result
+            for figure in made:
+                figure.still = small_picture(self.part / f"{figure.name}.png", 2 if figure.charts else 1)
+            files = sorted(path.name for figure in made for suffix in (".png", ".pdf")
                            if (path := self.part / (figure.name + suffix)).exists())
             self.new[name] = {"key": key, "files": files,
                               "result": json.loads(json.dumps(result, default=plain))}
