@@ -181,7 +181,7 @@ std::optional<Prior> prior_of(const sampling::Distribution& distribution) {
     };
     const auto log_normal = [&](const sampling::LogNormal& shape) {
         if (distribution.root_of != 0.0) return normal();
-        return Result{{std::log(shape.median), std::log(shape.geometric_sd), true}};
+        return Result(Prior{std::log(shape.median), std::log(shape.geometric_sd), true});
     };
     return std::visit(overloaded{[](const sampling::Uniform&) -> Result { return {}; },
                                  [&](const sampling::Normal&) { return normal(); }, log_normal,
