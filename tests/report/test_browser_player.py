@@ -76,9 +76,12 @@ class PlayerTest(test_browser.Pages):
         page.run(f"{choose}([0, 0])")
         page.run(f"{choose}([1, 1])")
         self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("1/")'))
+        hidden = 'document.querySelectorAll(".player-panel select")[1].parentElement.hidden'
+        self.assertFalse(page.run(hidden))
         page.run(f"{choose}([0, 1])")  # the reference
         self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("4/")'))
         self.assertEqual(page.run('document.querySelector(".player-panel .chosen").textContent'), "plain STM")
+        self.assertTrue(page.run(hidden))  # all cases have this reference
         before = page.run('document.querySelector(".high").textContent')
         page.run("""(() => { const choice = document.querySelector(".scaling");
             choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")

@@ -75,8 +75,12 @@ class Panel {
   }
   show() {
     const own = this.player.data.cases[this.own];
-    this.selects.forEach((select, n) => { if (own.at) select.value = own.at[this.shownAxes[n]]; });
     this.index = this.load?.value === "1" && own.reference !== undefined ? own.reference : this.own;
+    const common = this.index !== this.own && this.player.data.cases.every(c => !c.at || c.reference === this.index);
+    this.selects.forEach((select, n) => {
+      if (own.at) select.value = own.at[this.shownAxes[n]];
+      select.parentElement.hidden = common;  // the reference of all cases has no such values
+    });
   }
   get shown() { return this.player.data.cases[this.index]; }
   frame() {  // the last picture up to the time of the player; a load that repeats starts again after its period
