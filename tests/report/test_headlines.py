@@ -81,7 +81,7 @@ class HeadlineTest(unittest.TestCase):
                                         "1.5 times at 6 mm (0.6 instead of 0.4)."), text)
         self.assertIn("The focal rms is 0.5 times that without bone.", text)
         self.assertEqual([versus.replace("\N{NO-BREAK SPACE}", " ") for _, _, versus in opening.numbers(selection)][:2],
-                         ["depth of body 1 = 6 mm; 40 % without bone", "0.5 times that without bone"])
+                         ["40 % without bone, at depth of body 1 = 6 mm", "0.5 times that without bone"])
 
     def test_a_body_that_lowers_the_efficiency_is_the_answer_although_a_case_without_it_is_highest(self):
         selection = self.bone([(0.2, 0.4), (0.4, 0.4)])

@@ -222,6 +222,8 @@ def contents(made: list[tuple[str, str, str, list[Any]]]) -> str:
 def head(selection: Selection) -> str:
     """The question, the answer, three numbers, and the rest of the summary."""
     asked, (first, others) = opening.question(selection), opening.answer(summary(selection))
+    if "plain STM" in first:
+        others = f"Plain STM (spatiotemporal modulation): the focus moves along its path at constant speed and strength. {others}"
     items = ""
     for value, meaning, versus in opening.numbers(selection):
         items += (f"<div><dt>{escape(meaning)}</dt><dd><b>{escape(value)}</b></dd>"
