@@ -2,6 +2,7 @@
 #include "engines/registry/check.hpp"
 
 #include "base/units.hpp"
+#include "problem/load/acoustics/hologram.hpp"
 #include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
@@ -70,6 +71,15 @@ constexpr double least_density_kg_m3 = 50.0, greatest_density_kg_m3 = 4000.0;
 /// A person is not thicker than this. Below this ratio of speeds, Poisson's ratio is below .05.
 constexpr double greatest_thickness_m = 1.0, least_speed_ratio = 1.45;
 
+/// Bodies may be implants of steel.
+constexpr double greatest_density_of_body_kg_m3 = 10000.0;
+/// A body that lies above the skin by a larger share of its height is probably misplaced.
+constexpr double outside_share = 0.25;
+/// A scan with fewer samples, or with more noise (skin moves with some mm/s), shows nothing.
+constexpr double least_samples = 4.0, greatest_noise_m_s = 0.1;
+/// Loads that are weaker than this until the end of the run begin after it.
+constexpr double least_strength = 0.1;
+
 /// The largest distance of a point of a path from its start.
 double reach_of_path_m(const Curve& path) {
     constexpr int points = 64;
@@ -131,6 +141,122 @@ void check_coordinates(const Case& c, Notes& notes) {
         if (const auto* hold = std::get_if<Hold>(&mover))
             check_points("load.modulation.position_mm", {hold->at_m});
     check_points("load.modulation.foci_mm", c.scene().load.modulation.foci_m);
+    for (const Body& body : c.scene().medium.bodies)
+        check_points("medium.body", {{body.centre_m.x, body.centre_m.y}});
+    for (const double depth_m : c.measure.depths_m)
+        if (depth_m > 0.0 && depth_m < tiny_share * tiny_share * c.domain.spacing_m)
+            notes.add(Severity::warning, "measure.depths_mm",
+                      "{:.3g} mm is at the surface, compared with the spacing of {:.3g} mm; depths "
+                      "are in mm",
+                      milli(depth_m), milli(c.domain.spacing_m));
+}
+
+/// The layer at a depth; the last one below all.
+const Layer& layer_at(const Medium& medium, double depth_m) {
+    std::size_t i = 0;
+    while (i + 1 < medium.layers.size() && depths(medium, i).bottom_m <= depth_m)
+        ++i;
+    return medium.layers[i];
+}
+
+/// Bodies whose density, viscosity or depth was probably given in g/cm^3, mPa s or m.
+void check_bodies(const Case& c, Notes& notes) {
+    const Medium& medium = c.scene().medium;
+    for (std::size_t i = 0; i < medium.bodies.size(); ++i) {
+        const Body& body = medium.bodies[i];
+        const Layer& around = layer_at(medium, body.centre_m.z);
+        const double density_kg_m3 = body.density_kg_m3.value_or(around.density_kg_m3);
+        if (body.density_kg_m3 &&
+            (density_kg_m3 < least_density_kg_m3 || density_kg_m3 > greatest_density_of_body_kg_m3))
+            notes.add(Severity::warning, "medium.body",
+                      "body {} has a density of {:.3g} kg/m^3, but that of tissue is about 1000 "
+                      "kg/m^3",
+                      i + 1, density_kg_m3);
+        const double c_s_m_s = body.c_s_m_s.value_or(around.c_s_m_s),
+                     viscosity_Pa_s = body.viscosity_Pa_s.value_or(0.0),
+                     damping_Hz = density_kg_m3 * c_s_m_s * c_s_m_s / (two_pi * viscosity_Pa_s);
+        if (viscosity_Pa_s > large_viscosity_Pa_s && damping_Hz < least_damping_Hz)
+            notes.add(Severity::warning, "medium.body",
+                      "the viscosity of body {}, {:.3g} Pa s, exceeds its shear modulus above "
+                      "{:.2g} Hz; tissue has .1 to 20 Pa s",
+                      i + 1, viscosity_Pa_s, damping_Hz);
+        const Bounds box = bounds(body);
+        const double height_m = box.high_m.z - box.low_m.z;
+        if (std::isfinite(height_m) && -box.low_m.z > outside_share * height_m)
+            notes.add(Severity::warning, "medium.body",
+                      "{:.0f} % of the height of body {} lie above the skin and have no effect; "
+                      "its centre is at a depth of {:.3g} mm, lengths are in mm",
+                      -100.0 * box.low_m.z / height_m, i + 1, milli(body.centre_m.z));
+    }
+}
+
+/// Measured regions without the focus, or narrower than the focal disc.
+void check_region(const Case& c, Notes& notes) {
+    const std::vector<Vec2>& region_m = c.measure.region_m;
+    if (region_m.empty()) return;
+    const auto [left, right] = std::ranges::minmax(region_m, {}, &Vec2::x);
+    const auto [low, high] = std::ranges::minmax(region_m, {}, &Vec2::y);
+    const double width_m = std::min(right.x - left.x, high.y - low.y),
+                 disc_m = 2.0 * c.measure.focal_radius_m;
+    if (width_m < disc_m)
+        notes.add(Severity::warning, "measure.region_mm",
+                  "the region is {:.3g} mm wide, but the focal disc {:.3g} mm: the efficiency is "
+                  "the share of the disc in the region and cannot tell how much energy leaves it",
+                  milli(width_m), milli(disc_m));
+    const Modulation& modulation = c.scene().load.modulation;
+    const Vec2 at_m = position(modulation.trajectory, c.measure.at_s);
+    const auto is_measured = [&](Vec2 focus_m) { return is_inside(region_m, at_m + focus_m); };
+    if (modulation.foci_m.empty() ? !is_measured({})
+                                  : std::ranges::none_of(modulation.foci_m, is_measured))
+        notes.add(Severity::warning, "measure.region_mm",
+                  "at {:.4g} ms the focus is at [{:.3g}, {:.3g}] mm, outside of the region: the "
+                  "efficiency there is 0",
+                  milli(c.measure.at_s), milli(at_m.x), milli(at_m.y));
+}
+
+/// Samples after the run, too few of them, too much noise, and scans of a point: other units.
+void check_vibrometer(const Case& c, Notes& notes) {
+    if (!c.vibrometer) return;
+    const VibrometerOptions& scan = *c.vibrometer;
+    const double end_s = c.time.duration_s();
+    const double rate_Hz = scan.rate_Hz > 0.0 ? scan.rate_Hz : 1.0 / c.time.interval_s;
+    if (c.time.regime == Regime::transient && scan.trigger_delay_s >= end_s)
+        notes.add(Severity::warning, "vibrometer.trigger_delay_ms",
+                  "the first sample is at {:.4g} ms, but the run ends at {:.4g} ms: the scan has "
+                  "no samples; trigger_delay_ms is in ms",
+                  milli(scan.trigger_delay_s), milli(end_s));
+    else if (rate_Hz * end_s < least_samples)
+        notes.add(Severity::warning, "vibrometer.sampling_rate_kHz",
+                  "{:.3g} samples per second are {:.2g} samples in {:.4g} ms; sampling_rate_kHz is "
+                  "in kHz",
+                  rate_Hz, rate_Hz * end_s, milli(end_s));
+    const double noise_m_s = scan.noise_m_s_rtHz * std::sqrt(0.5 * rate_Hz);
+    if (noise_m_s > greatest_noise_m_s)
+        notes.add(Severity::warning, "vibrometer.noise_um_s_rtHz",
+                  "the noise has an rms of {:.2g} m/s, more than any motion of skin; vibrometers "
+                  "have .01 to 10 um/s per square root of Hz",
+                  noise_m_s);
+    double reach_m = 0.0;
+    for (const Vec2 point_m : scan.points_m)
+        reach_m = std::max(reach_m, norm(point_m - scan.points_m.front()));
+    if (reach_m > 0.0 && reach_m < tiny_share * c.domain.spacing_m)
+        notes.add(Severity::warning, "vibrometer",
+                  "the points of the scan lie within {:.3g} mm, but the spacing is {:.3g} mm; "
+                  "lengths are in mm",
+                  milli(reach_m), milli(c.domain.spacing_m));
+}
+
+/// The largest strength that a gain has until a time.
+double largest_gain(const Gain& gain_of_load, double end_s) {
+    return std::visit(
+        overloaded{[](const SineGain&) { return 1.0; },
+                   [&](const RampGain& ramp) {
+                       return std::max(ramp.from, gain(Envelope{{ramp}}, end_s));
+                   },
+                   [](const SquareGain&) { return 1.0; },
+                   [&](const WindowGain& window) { return window.from_s < end_s ? 1.0 : 0.0; },
+                   [](const SampledGain&) { return 1.0; }},
+        gain_of_load);
 }
 
 /// Lengths far below the focus, and times below an output interval: typed in m or s.
@@ -189,9 +315,16 @@ void check_units(const Case& c, Notes& notes) {
         };
         std::visit(overloaded{[](const Hold&) {}, check_swing, check_travel}, mover);
     }
-    for (const Gain& gain : scene.load.modulation.envelope.gains)
-        if (const auto* ramp = std::get_if<RampGain>(&gain))
+    for (const Gain& part : scene.load.modulation.envelope.gains) {
+        if (const auto* ramp = std::get_if<RampGain>(&part))
             check_time("load.modulation.ramp_ms", ramp->duration_s);
+        if (const double largest = largest_gain(part, end_s);
+            is_transient && largest < least_strength)
+            notes.add(Severity::warning, "load.modulation",
+                      "until the run ends at {:.4g} ms, a ramp or window lets the load reach only "
+                      "{:.2g} % of its strength; times are in ms",
+                      milli(end_s), 100.0 * largest);
+    }
     const double settled_s = c.measure.settled_after_s;
     check_time("measure.settled_after_ms", settled_s);
     if (is_transient && settled_s >= interval_s && fastest_m_s * settled_s < tiny_share * width_m)
@@ -232,6 +365,9 @@ std::vector<Remark> check_plausibility(const Case& c) {
     check_layers(c, notes);
     check_coordinates(c, notes);
     check_units(c, notes);
+    check_bodies(c, notes);
+    check_region(c, notes);
+    check_vibrometer(c, notes);
     check_pointer(c, notes);
     return notes.remarks;
 }
