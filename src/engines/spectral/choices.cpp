@@ -97,7 +97,7 @@ std::string elastic_note(const Case& c, std::size_t i) {
 } // namespace
 
 std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
-                                              const ProbedErrors& errors) {
+                                              const std::optional<ProbedErrors>& errors) {
     double longest_m = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         longest_m = std::max(longest_m, mesh.length_m(e));
@@ -109,13 +109,17 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
     if (mesh.bottom)
         notes.push_back(fmt::format(
             "the half-space consists of {:.3g} mm of the medium and an absorber of {:.3g} mm, "
-            "designed for shear wavelengths up to {:.3g} mm (estimated error {:.2g})",
+            "designed for shear wavelengths up to {:.3g} mm{}",
             1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m, 1e3 * mesh.bottom->longest_m,
-            errors.absorber));
-    notes.push_back(fmt::format("step{} cause an estimated error of {:.2g} in the surface field "
-                                "(relative L2), and of up to {:.2g} of its maximum near the focus",
-                                mesh.bottom ? ", elements and absorber" : " and elements",
-                                errors.norm, errors.maximum));
+            errors ? fmt::format(" (estimated error {:.2g})", errors->absorber) : ""));
+    if (!errors)
+        notes.emplace_back("the error of steps and elements is estimated when the case runs");
+    else
+        notes.push_back(
+            fmt::format("step{} cause an estimated error of {:.2g} in the surface field "
+                        "(relative L2), and of up to {:.2g} of its maximum near the focus",
+                        mesh.bottom ? ", elements and absorber" : " and elements", errors->norm,
+                        errors->maximum));
     return notes;
 }
 

@@ -5,15 +5,16 @@
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace shearwake::spectral {
 
-/// Notes on the discretisation in time and depth, with the estimated errors, one line each. Not
-/// collective.
+/// Notes on the discretisation in time and depth, with the errors if they have been estimated, one
+/// line each. Not collective.
 std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
-                                              const ProbedErrors& errors);
+                                              const std::optional<ProbedErrors>& errors);
 
 /// A warning if the estimated error exceeds the accuracy of the options. Not collective.
 std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors);

@@ -60,7 +60,12 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const SpectralPlan& plan = plan_of(given);
     const auto& [c, time, mesh, rigid] = plan;
     const auto& options = std::get<SpectralOptions>(c.solver);
-    auto notes = discretisation_notes(time, mesh, probed_errors(c, options, time.step_s));
+    constexpr double most_probed = 1e4; // steps times elements: about 0.3 s
+    const double probed =
+        static_cast<double>(steps_to_probe(c, time.step_s)) * static_cast<double>(mesh.elements());
+    std::optional<ProbedErrors> errors;
+    if (probed <= most_probed) errors = probed_errors(c, options, time.step_s);
+    auto notes = discretisation_notes(time, mesh, errors);
     for (const auto& more :
          {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());

@@ -21,6 +21,8 @@ constexpr std::ptrdiff_t probed_columns = 2 * lane_count, probed_rows = 2;
 /// Longest part of a run that is advanced, in output intervals. Longer runs are extrapolated, so
 /// that the effort does not grow with the number of frames.
 constexpr double most_intervals = 2500.0;
+/// Largest number of steps times elements for an error of the step alone: about 0.5 s.
+constexpr double most_work = 2e4;
 
 Case with_few_wave_vectors(Case c, std::ptrdiff_t rows) {
     c.domain = {probed_columns, 2 * rows,
@@ -87,7 +89,7 @@ struct Deviation {
 /// remains constant where losses end the memory of the field, and grows at most in proportion to
 /// the time, as the phase error of a wave without losses.
 double extrapolated(const Deviation& half, const Deviation& whole, double ratio) {
-    if (ratio <= 1.0 || !(half.relative() > 0.0)) return whole.relative();
+    if (ratio <= 1.0 + 1e-9 || !(half.relative() > 0.0)) return whole.relative();
     const double power = std::clamp(std::log2(whole.relative() / half.relative()), 0.0, 1.0);
     return whole.relative() * std::pow(ratio, power);
 }
@@ -237,14 +239,18 @@ struct Series {
 
 } // namespace
 
+long steps_to_probe(const Case& c, double step_s) {
+    return std::lround(std::min(c.time.duration_s(), most_intervals * c.time.interval_s) / step_s);
+}
+
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
     const Case few = with_few_wave_vectors(c, probed_rows);
     const WaveVectors vectors = few_vectors(few.domain);
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
     const Waves waves{vectors, {}, without_mean(counts_of(vectors))};
-    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
-    const long steps = std::lround(probed_s / step_s);
+    const long all = steps_to_probe(c, step_s);
+    long steps = std::min(all, std::lround(most_work / static_cast<double>(mesh.elements())));
     Deviation sums, half_sums;
     for (long n = 0; n < steps; ++n) {
         whole.advance();
@@ -253,8 +259,10 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
         sums.difference += size_of(whole, &half, waves, {}).square;
         sums.all += size_of(half, nullptr, waves, {}).square;
         if (n + 1 == steps / 2) half_sums = sums;
+        if (n + 1 == steps && sums.all == 0.0) steps = all; // the load begins later
     }
-    return extrapolated(half_sums, sums, c.time.duration_s() / probed_s);
+    return extrapolated(half_sums, sums,
+                        c.time.duration_s() / (static_cast<double>(steps) * step_s));
 }
 
 ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double step_s) {
@@ -277,8 +285,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
         above{few, each.origin_m, without_low(each.counts, low, few)},
         lowest{low, origin_m(c.domain), counts_of(low)};
 
-    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
-    const std::ptrdiff_t steps = std::lround(probed_s / step_s),
+    const std::ptrdiff_t steps = steps_to_probe(c, step_s),
                          per_frame = std::lround(c.time.interval_s / step_s);
     const double apart_m = 0.5 * fwhm_m(c.scene().load.footprint);
     Series by_step, by_absorber, high_field, low_field;
@@ -304,7 +311,8 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
         }
     }
     const Deviation all{by_step.square, high_field.square};
-    const double later = extrapolated(half_way, all, c.time.duration_s() / probed_s) /
+    const double later = extrapolated(half_way, all,
+                                      c.time.duration_s() / (static_cast<double>(steps) * step_s)) /
                          std::sqrt(all.difference / all.all); // contains the 4/3
     const double per_sample = sampled.domain.extent_x_m() * sampled.domain.extent_y_m() /
                               (c.domain.extent_x_m() * c.domain.extent_y_m());
