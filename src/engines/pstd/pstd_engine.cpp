@@ -44,16 +44,6 @@ FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGr
 }
 
 /// The step that `run` uses, with the limits of the grid. Not collective.
-StepChoice step_of(const Case& c, const PstdOptions& options) {
-    return choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options)));
-}
-
-/// Steps per frame. A specified step needs no limits of the grid.
-std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
-    return options.time_step_s ? choose_step(c, options, {}).per_frame
-                               : step_of(c, options).per_frame;
-}
-
 /// Whether some body, or the map, has a property of its own.
 template <class Of>
 bool varies(const Medium& medium, Of Body::*of_body, std::vector<double> MaterialMap::*of_map) {
@@ -129,11 +119,21 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
 
 } // namespace
 
+const StepChoice& PstdEngine::step_of(const Case& c) const {
+    const auto& options = std::get<PstdOptions>(c.solver);
+    if (!step_ || step_->first != c)
+        step_.emplace(c,
+                      choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options))));
+    return step_->second;
+}
+
 engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return study_resources(c, ranks);
     const CaseGrid grid = case_grid(c, options);
-    const PstdPlan plan = plan_of(c, options, grid, steps_per_frame(c, options), ranks);
+    // A specified step needs no limits of the grid.
+    const StepChoice step = options.time_step_s ? choose_step(c, options, {}) : step_of(c);
+    const PstdPlan plan = plan_of(c, options, grid, step.per_frame, ranks);
     engines::Resources all{.arrays = arrays_of(plan, ranks),
                            .work = engines::parts_of(case_work(c, grid, plan)),
                            .useful_ranks =
@@ -146,7 +146,7 @@ engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return {};
-    return engines::notes_of(pstd::choices(c, options, step_of(c, options)));
+    return engines::notes_of(pstd::choices(c, options, step_of(c)));
 }
 
 bool PstdEngine::probes_step(const Case& c) const {
@@ -155,7 +155,7 @@ bool PstdEngine::probes_step(const Case& c) const {
 }
 
 double PstdEngine::probed_step_s(const Case& c) const {
-    return step_of(c, std::get<PstdOptions>(c.solver)).step_s;
+    return step_of(c).step_s;
 }
 
 Case PstdEngine::with_step(const Case& c, double step_s) const {

@@ -2,6 +2,10 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/pstd/scene/case_step.hpp"
+
+#include <optional>
+#include <utility>
 
 namespace shearwake::pstd {
 
@@ -26,6 +30,10 @@ public:
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
+
+private:
+    const StepChoice& step_of(const Case& c) const;
+    mutable std::optional<std::pair<Case, StepChoice>> step_; // of the last case
 };
 
 } // namespace shearwake::pstd

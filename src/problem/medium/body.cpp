@@ -82,8 +82,8 @@ struct Face {
     }
 };
 
-/// A convex shape at the origin: the fraction of a sub-sample, whether a point is inside by
-/// `margin_m`, and the extent.
+/// A convex shape at the origin: the fraction of a sub-sample, whether a point is inside or outside
+/// by `margin_m`, and the extent.
 class EllipsoidAt {
 public:
     EllipsoidAt(const Ellipsoid& shape, double edge_m)
@@ -101,6 +101,9 @@ public:
     }
     bool is_inside(Vec3 p, double margin_m) const {
         return level(axes_.to_body(p)) <= 1.0 - margin_m / least_;
+    }
+    bool is_outside(Vec3 p, double margin_m) const {
+        return level(axes_.to_body(p)) > 1.0 + margin_m / least_;
     }
     /// k0 - 1 is at most the distance divided by the smallest semi-axis, which bounds the extent of
     /// the edge.
@@ -147,6 +150,10 @@ public:
         return std::hypot(dot(p, across_), dot(p, up_)) <= shape_.radius_m - margin_m &&
                (endless_ || std::abs(dot(p, along_)) <= 0.5 * shape_.length_m - margin_m);
     }
+    bool is_outside(Vec3 p, double margin_m) const {
+        return std::hypot(dot(p, across_), dot(p, up_)) > shape_.radius_m + margin_m ||
+               (!endless_ && std::abs(dot(p, along_)) > 0.5 * shape_.length_m + margin_m);
+    }
     /// Whether a step along x, y or z changes nothing.
     std::array<bool, 3> is_uniform() const {
         return {endless_ && along_.y == 0.0 && along_.z == 0.0,
@@ -185,6 +192,12 @@ public:
         return std::abs(own.x) <= 0.5 * size_.x - margin_m &&
                std::abs(own.y) <= 0.5 * size_.y - margin_m &&
                std::abs(own.z) <= 0.5 * size_.z - margin_m;
+    }
+    bool is_outside(Vec3 p, double margin_m) const {
+        const Vec3 own = axes_.to_body(p);
+        return std::abs(own.x) > 0.5 * size_.x + margin_m ||
+               std::abs(own.y) > 0.5 * size_.y + margin_m ||
+               std::abs(own.z) > 0.5 * size_.z + margin_m;
     }
     Vec3 reach_m() const {
         const double edge_m = face_.edge_m;
@@ -313,6 +326,8 @@ double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
         if (is_beyond(offset.x, size_m.x, reach.x) || is_beyond(offset.y, size_m.y, reach.y) ||
             is_beyond(offset.z, size_m.z, reach.z))
             return 0.0;
+        // Half a diagonal, and half of that of a sub-sample, which is at most a quarter.
+        if (shape.is_outside(offset, 0.5 * (1.25 * norm(size_m) + body.edge_m))) return 0.0;
         if (holds_corners(shape, offset, size_m, 0.5 * body.edge_m)) return 1.0;
         const bool is_smooth =
             body.edge_m > 0.0 && body.edge_m >= std::max({size_m.x, size_m.y, size_m.z});
