@@ -99,7 +99,8 @@ struct Choice {
 struct Estimates {
     std::vector<PlannedCost> cases;
     std::vector<Choice> choices;
-    std::size_t probed = 0; // cases whose time step is known before they run
+    std::size_t probed = 0;    // cases whose time step is known before they run
+    std::size_t estimated = 0; // cases whose memory and time are not those of a neighbour
     schedule::TeamLayout layout;
     int ranks = 1;
     int busy = 1; // teams that have a case
@@ -115,15 +116,16 @@ struct Estimates {
     double core_hours() const { return layout.seconds * ranks / 3600.0; }
 };
 
-/// CPU time for choosing time steps, and for the errors that they cause. At least one case is
-/// computed.
+/// CPU time for choosing time steps, for the errors that they cause, and for the resources of
+/// cases. At least one case is computed.
 constexpr double most_choosing_s = 0.25;
 
 /// The choices of the engines: each distinct line once, in the order of the cases.
-void add_choices(Estimates& e, const cost::CaseCosts& costs) {
+void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseCosts& costs,
+                 Estimates& e) {
     const std::clock_t began = std::clock();
-    for (const PlannedCost& cost : e.cases) {
-        const Case& c = cost.planned->physics;
+    for (const PlannedCase* planned : cases) {
+        const Case& c = planned->physics;
         if (!costs.is_probed(c)) continue;
         const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
         if (e.probed > 0 && used_s > most_choosing_s) return;
@@ -144,9 +146,8 @@ void add_choices(Estimates& e, const cost::CaseCosts& costs) {
     }
 }
 
-Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
-                       const schedule::TeamLayout& layout, int ranks, cost::CaseCosts& costs) {
-    Estimates e;
+void add_estimates(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
+                   int ranks, cost::CaseCosts& costs, Estimates& e) {
     e.layout = layout;
     e.ranks = ranks;
     e.busy = static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
@@ -163,8 +164,6 @@ Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
         }
         e.demand.disk_B += e.cases.back().disk_B;
     }
-    add_choices(e, costs);
-    return e;
 }
 
 void print_case(const PlannedCost& cost) {
@@ -240,6 +239,9 @@ void print_totals(const Estimates& e) {
                                     duration_of(e.layout.seconds))
                       : "",
         e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+    if (e.estimated < e.cases.size())
+        fmt::print("memory and time are estimated from {} of {} cases, spread evenly\n",
+                   e.estimated, e.cases.size());
 }
 
 /// States what the estimates cover if results add further points.
@@ -304,6 +306,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"name", job.plan.name},
                                             {"diagnostics", config::json_of(job.diagnostics)},
                                             {"cases", cases},
+                                            {"estimated_cases", e.estimated},
                                             {"choices", choices},
                                             {"adaptive", adaptive},
                                             {"ranks", e.ranks},
@@ -344,6 +347,9 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
     cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {}, most_choosing_s);
+    Estimates estimates;
+    add_choices(cases, costs, estimates); // engines remember the steps of a few cases
+    estimates.estimated = costs.limit_resources(cases, most_choosing_s);
     if (arguments.probe) {
         const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
                                                    available_B, costs);
@@ -352,9 +358,9 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
             {.report = [](const std::string& text) { fmt::print(stderr, "{}\n", text); }});
     }
     if (!world.is_root()) return ExitCode::done;
-    Estimates estimates = estimates_of(
+    add_estimates(
         cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
-        ranks, costs);
+        ranks, costs, estimates);
     if (!elsewhere)
         estimates.error =
             schedule::excess(estimates.demand, available_B,

@@ -7,7 +7,6 @@
 #include "storage/files.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <fmt/format.h>
@@ -22,6 +21,21 @@ constexpr std::size_t most_probes = 12;
 
 double log_distance(double a, double b) {
     return std::abs(std::log((a + 1.0) / (b + 1.0)));
+}
+
+/// The seconds of CPU time since `began`: the same cases are estimated on a busy machine.
+double used_s(std::clock_t began) {
+    return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+}
+
+/// The numbers below `count`, of which the first ones are always spread evenly.
+std::vector<std::size_t> spread_order(std::size_t count) {
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, {}, [](std::size_t i) {
+        return std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
+    });
+    return order;
 }
 
 /// Dissimilarity of two cases: the larger, the worse the time step of one case estimates that of
@@ -75,22 +89,34 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
         if (is_open(planned->physics)) open.push_back(planned);
     }
     const std::size_t wanted = std::min(most_probes, open.size());
-    std::vector<std::size_t> order(wanted);
-    std::iota(order.begin(), order.end(), 0);
-    // Spreads those that are probed before the limit over the plan.
-    if (std::isfinite(most_s))
-        std::ranges::sort(order, {}, [](std::size_t i) {
-            return std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
-        });
-    const std::clock_t began = std::clock(); // CPU time: the same cases on a busy machine
-    for (const std::size_t i : order) {
-        const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-        if (!probes_.empty() && used_s > most_s) return;
+    const std::clock_t began = std::clock();
+    for (const std::size_t i : spread_order(wanted)) {
+        if (!probes_.empty() && used_s(began) > most_s) break;
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
         if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
         probes_.push_back({&c, engine_of(c).probed_step_s(c)});
     }
+}
+
+std::size_t CaseCosts::limit_resources(const std::vector<const PlannedCase*>& cases,
+                                       double most_s) {
+    const std::clock_t began = std::clock();
+    std::vector<bool> is_computed(cases.size(), false);
+    for (const std::size_t i : spread_order(cases.size())) {
+        if (i > 0 && used_s(began) > most_s) break; // the first case is the first of the order
+        of(cases[i]->physics);
+        is_computed[i] = true;
+    }
+    const Case* before = nullptr;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const Case& c = cases[i]->physics;
+        if (is_computed[i])
+            before = &c;
+        else
+            neighbour_[&c] = before;
+    }
+    return cases.size() - neighbour_.size();
 }
 
 engines::Engine& CaseCosts::engine_of(const Case& c) const {
@@ -114,7 +140,9 @@ Case CaseCosts::with_step(const Case& c) const {
     return engine_of(c).with_step(c, nearest.step_s);
 }
 
-const engines::Resources& CaseCosts::of(const Case& c, int ranks) {
+const engines::Resources& CaseCosts::of(const Case& given, int ranks) {
+    const auto other = neighbour_.find(&given);
+    const Case& c = other == neighbour_.end() ? given : *other->second;
     const auto known = known_.find({&c, ranks});
     if (known != known_.end()) return known->second;
     return known_[{&c, ranks}] = pipeline::plan_case(with_step(c), ranks, engine_of(c)).needs;
@@ -126,7 +154,6 @@ namespace shearwake::schedule {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 
 /// The existing folder in which `path` is, or will be.
 fs::path existing_parent(const fs::path& path) {
@@ -140,17 +167,18 @@ fs::path existing_parent(const fs::path& path) {
 } // namespace
 
 Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
-    const auto end = std::chrono::steady_clock::now() + 1s;
+    constexpr double most_s = 0.25;
+    const std::clock_t began = std::clock();
     Demand demand;
-    for (const PlannedCase* planned : cases) {
-        const Case& given = planned->physics;
+    for (const std::size_t i : cost::spread_order(cases.size())) {
+        if (i > 0 && cost::used_s(began) > most_s) break;
+        const Case& given = cases[i]->physics;
         const auto engine = engines::make_engine(given.solver);
         const Case c =
             engine->probes_step(given) ? engine->with_step(given, given.time.interval_s) : given;
         const engines::Resources needs = pipeline::plan_case(c, ranks, *engine).needs;
         demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B());
         demand.disk_B += needs.written_B;
-        if (std::chrono::steady_clock::now() > end) break;
     }
     return demand;
 }

@@ -44,6 +44,9 @@ public:
               const BeforeProbe& before_probe = {},
               double most_s = std::numeric_limits<double>::infinity());
 
+    /// Computes the resources of cases spread evenly over the plan for `most_s` seconds of CPU
+    /// time; every other case has those of the one before it. Returns their number.
+    std::size_t limit_resources(const std::vector<const PlannedCase*>& cases, double most_s);
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
     const engines::Resources& of(const Case& c, int ranks = 1);
     /// Seconds of the case on a team of `ranks` ranks.
@@ -73,6 +76,7 @@ private:
     // By index of the solver.
     mutable std::map<std::size_t, std::unique_ptr<engines::Engine>> engines_;
     std::map<std::pair<const Case*, int>, engines::Resources> known_; // by case and ranks
+    std::map<const Case*, const Case*> neighbour_; // that has the resources of a case
 };
 
 /// Hooks of measure_rates().
@@ -103,7 +107,8 @@ struct Demand {
 };
 
 /// The demand of the cases if all ranks share each case. Time steps are not probed. Of a large
-/// plan, only the cases that can be estimated within a second are counted. Not collective.
+/// plan, only some cases spread over it are counted, as many as can be estimated in 0.25 s of CPU
+/// time. Not collective.
 Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks);
 
 /// What a user can do if another machine runs the job, or who accepts the risk; the end of the

@@ -112,7 +112,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
         layout.seconds = time.on(busy);
         layout.busy = layout.seconds > 0.0 ? time.work_s / busy / layout.seconds : 1.0;
         const auto unfit = std::ranges::count_if(sample.places, [&](std::size_t place) {
-            return costs.memory_per_rank_B(cases[place]->physics, size) > memory_per_rank_B;
+            return std::isfinite(memory_per_rank_B) &&
+                   costs.memory_per_rank_B(cases[place]->physics, size) > memory_per_rank_B;
         });
         // Of layouts with similar times, small teams are preferred.
         const bool better = unfit == best_unfit && layout.seconds < 0.99 * best.seconds;
