@@ -93,7 +93,7 @@ class Serve(ProgramTest):
     def test_the_sweep_of_a_job_is_ignored(self):
         with Server() as server:
             plain, _ = server.compute(one())
-            swept, _ = server.compute(one(more='[sweep]\n"load.peak_Pa" = { linspace = [1, 100, 100000] }\n'))
+            swept, _ = server.compute(one(more='[sweep]\n"load.peak_Pa" = { linspace = [1, 100, 10000] }\n'))
             self.assertEqual(swept["case"], plain["case"])
 
     def test_a_request_ends_after_the_time_limit(self):

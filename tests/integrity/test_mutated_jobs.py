@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Jobs with random changes: check and plan accept them or report errors, in limited time and memory."""
+import json
 import random
 import shutil
 import unittest
@@ -55,11 +56,32 @@ class MutatedJobs(ProgramTest):
         """The pattern of an array takes more time than all else that validates a case."""
         text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
         text = text[:text.index("[sweep]")] + '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 1500] }\n'
-        self.write_job(changed(('shape = "gaussian", fwhm_mm = 10.2', 'shape = "array", preset = "array-16x16", distance_mm = 200.0'),
-                               text=text))
-        said, code = self.accepted_or_refused("check")
-        self.assertEqual(code, 0, said)
-        self.says(said, "1500 cases")
+        text = changed(('shape = "gaussian", fwhm_mm = 10.2', 'shape = "array", preset = "array-16x16", distance_mm = 200.0'), text=text)
+        distances = '"load.footprint.distance_mm" = {{ linspace = [150.0, 250.0, {}] }}'
+        for more, code, words in (("", 0, "1500 cases"), (distances.format(6), 0, "9000 cases"),
+                                  (distances.format(2000), 3, "different arrays of the job")):
+            swept = text.replace("1500] }", "2] }" if code else "1500] }") + more + "\n"
+            self.write_job(swept)
+            with self.subTest(more=more):
+                said, ended = self.accepted_or_refused("check")
+                self.assertEqual(ended, code, said)
+                self.says(said, words)
+
+    def test_the_resources_of_a_large_plan_are_those_of_cases_spread_over_it(self):
+        """The files of a case grow linearly with its duration, so their mean is that of the shortest and the longest case."""
+        text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
+        text = changed(("output_interval_us = 250.0", "output_interval_us = 10.0"), text=text[:text.index("[sweep]")])
+        mean_B = {}
+        for count in (2, 5001):
+            self.write_job(text + f'[sweep]\n"time.duration_ms" = {{ linspace = [60.0, 160.0, {count}] }}\n')
+            said, code = self.accepted_or_refused("plan")
+            self.assertEqual(code, 0, said)
+            document = json.loads(self.shearwake("plan", "job.toml", "--elsewhere", "--json").stdout)
+            mean_B[count], estimated = document["disk_B"] / count, document["estimated_cases"]
+        self.assertLess(estimated, 5001)
+        self.says(said, "of 5001 cases, spread evenly")
+        # Gaps between the computed cases are at most 2.7 times their mean (multiples of the golden ratio).
+        self.assertAlmostEqual(mean_B[5001] / mean_B[2], 1.0, delta=2.7 / estimated)
 
     def test_steady_states_with_hardly_any_loss_are_computed_or_errors_of_the_job(self):
         text = (ROOT / "jobs" / "reardon-square.toml").read_text(encoding="utf-8")
@@ -78,7 +100,10 @@ class MutatedJobs(ProgramTest):
                          text=steady)
         gaussian = 'footprint = { shape = "gaussian", fwhm_mm = 8.5 }'
         array = 'footprint = { shape = "array", elements = [16, 16], pitch_mm = 10.0, radius_mm = 4.5, distance_mm = 200.0'
+        foci = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
         for name, text, words in (
+                ("cases", changed(("[sweep]", '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 9000] }'), text=foci),
+                 "sweep results in 72000 cases; at most 10000 are supported"),
                 ("target far outside", changed(("[24, -16]", "[900, -16]"), ("pixel_mm = 4.0", "pixel_mm = 0.5"), text=lens),
                  "6075 x 6075 points, but at most 1000 x 1000"),
                 ("iterations", changed(("pixel_mm = 4.0", "pixel_mm = 4.0\niterations = 10000"), text=lens),

@@ -5,6 +5,7 @@
 #include "config/document/reader.hpp"
 #include "problem/case/study_data.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
+#include "problem/load/footprint.hpp"
 #include "problem/medium/material_map.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace shearwake::config {
 
@@ -27,13 +29,15 @@ using MapLoader = std::function<std::shared_ptr<const MaterialMap>(const std::st
 /// Returns the text of a file that a path names; throws UsageError on all ranks.
 using TextLoader = std::function<std::string(const std::string& file)>;
 
-/// Loaders of the files that a job names, and the lenses that it has designed. Without a loader,
-/// such files are rejected.
+/// Loaders of the files that a job names, the lenses that it has designed, and its arrays. Without
+/// a loader, such files are rejected.
 struct FileLoaders {
     MapLoader load_map;
     TextLoader load_text;
     StudyLoader load_study;
     std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
+    std::shared_ptr<std::vector<ArrayFootprint>> arrays =
+        std::make_shared<std::vector<ArrayFootprint>>();
 };
 
 /// What `load` returns for the file that the key names. Nothing if the key is absent, or if the

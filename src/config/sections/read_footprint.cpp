@@ -162,6 +162,9 @@ constexpr double reach_in_widths = 4.0;
 constexpr double most_pattern_side = 600.0, most_products = 3e8;
 /// Largest number of samples of the table of a piston along a side: 128 MB.
 constexpr double most_table_samples = 4000.0;
+/// Largest work for all arrays of a job, in such products: about 1 s. The width of a pattern
+/// takes 1e4 products per element, and each of the different samples of the table 150.
+constexpr double most_work = 1e9, width_products = 1e4, table_products = 150.0;
 
 const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {
@@ -213,24 +216,50 @@ void read_missing(Reader& reader, ArrayFootprint& array) {
         reader.error("missing", "contains every element; at least one must remain");
 }
 
+/// Samples along a side of the pattern and of the table.
+struct PatternSize {
+    explicit PatternSize(const ArrayFootprint& array) {
+        const double spacing_m = array.sound_speed_m_s / array.frequency_Hz / samples_a_wavelength;
+        side = 2.0 * fading_end_m(array.reach_m) / spacing_m;
+        table = side + static_cast<double>(std::max(array.columns, array.rows)) * array.pitch_m /
+                           spacing_m;
+        elements = static_cast<double>(array.columns * array.rows);
+    }
+    double work() const {
+        return (side * side + width_products) * elements + table_products / 8.0 * table * table;
+    }
+    double side, table, elements;
+};
+
+/// Adds an array to those of the job, which must not require too much work together.
+void add_array(Reader& reader, const ArrayFootprint& array, std::vector<ArrayFootprint>& known) {
+    if (std::find(known.begin(), known.end(), array) != known.end()) return;
+    double work = PatternSize(array).work();
+    for (const ArrayFootprint& one : known)
+        work += PatternSize(one).work();
+    if (work <= most_work)
+        known.push_back(array);
+    else
+        reader.error("shape", fmt::format("= \"array\": {} different arrays of the job require "
+                                          "{:.3g} products of samples and elements, but at most "
+                                          "{:.3g} are supported; divide it into several jobs",
+                                          known.size() + 1, work, most_work));
+}
+
 void check_array(Reader& reader, const ArrayFootprint& array) {
-    const double spacing_m = array.sound_speed_m_s / array.frequency_Hz / samples_a_wavelength;
-    const double side = 2.0 * fading_end_m(array.reach_m) / spacing_m;
+    const auto [side, table, elements] = PatternSize(array);
     if (side > most_pattern_side)
         reader.error("reach_mm",
                      fmt::format("requires {:.4g} x {:.4g} samples of the pattern, but at most "
                                  "{:.0f} x {:.0f} are supported; reduce it or the frequency",
                                  side, side, most_pattern_side, most_pattern_side));
-    const double products = side * side * static_cast<double>(array.columns * array.rows);
+    const double products = side * side * elements;
     if (products > most_products)
         reader.error(
             "elements",
             fmt::format("and reach_mm require {:.2g} products of samples and elements, but "
                         "at most {:.2g} are supported; reduce them",
                         products, most_products));
-    const double longest_m =
-        static_cast<double>(std::max(array.columns, array.rows)) * array.pitch_m;
-    const double table = side + longest_m / spacing_m;
     if (table > most_table_samples)
         reader.error("elements",
                      fmt::format("and pitch_mm require a table of {:.4g} x {:.4g} samples, but at "
@@ -238,7 +267,7 @@ void check_array(Reader& reader, const ArrayFootprint& array) {
                                  table, table, most_table_samples, most_table_samples));
 }
 
-FootprintAndPeak read_array(Reader& reader) {
+FootprintAndPeak read_array(Reader& reader, const FileLoaders& files) {
     const std::size_t before = reader.diagnostics().errors();
     ArrayFootprint array;
     const auto name = reader.find_choice("preset", array_preset_names());
@@ -258,6 +287,7 @@ FootprintAndPeak read_array(Reader& reader) {
     if (reader.diagnostics().errors() != before) return read;
     array.reach_m = reach_m ? *reach_m : reach_in_widths * fwhm_m(array);
     check_array(reader, array);
+    add_array(reader, array, *files.arrays);
     if (reader.diagnostics().errors() != before) return read;
     read.footprint = array;
     if (strength_Pa_m) read.peak_Pa = peak_Pa(array, *strength_Pa_m, density_kg_m3);
@@ -282,7 +312,7 @@ FootprintAndPeak read_footprint(Reader reader, const FileLoaders& files) {
     if (!reader.has("shape")) reader.missing("shape");
     const auto shape = reader.find_choice("shape", alternative_names<Footprint>());
     if (!shape && reader.has("shape")) return {.footprint = GaussianFootprint{}};
-    if (shape == ArrayFootprint::name) return read_array(reader);
+    if (shape == ArrayFootprint::name) return read_array(reader, files);
     if (shape == LensFootprint::name) return read_lens(reader, files);
     GaussianFootprint footprint;
     read_fields(reader, footprint);

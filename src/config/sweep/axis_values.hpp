@@ -12,7 +12,7 @@
 namespace shearwake::config {
 
 /// Limit of the number of cases and of the values on an axis; more are considered a typing error.
-constexpr std::size_t most_cases = 100000;
+constexpr std::size_t most_cases = 10000;
 
 /// { linspace = [...] }, { logspace = [...] } or { range = [...] }.
 bool is_generator(const Node& node);

@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view modulation_prefix = "load.modulation.";
 
 /// After this number of invalid cases, further cases are not read.
-constexpr std::size_t most_bad_cases = 1000;
+constexpr std::size_t most_bad_cases = 100;
 /// Samples of a distribution are invalid for the same reason.
 constexpr std::size_t most_bad_samples = 2;
 

@@ -194,7 +194,8 @@ void check_size(Sweep& sweep, DiagnosticList& diagnostics) {
     }
     if (cases > static_cast<double>(most_cases))
         diagnostics.error(sweep.at,
-                          fmt::format("sweep results in {:.0f} cases; at most {} are supported",
+                          fmt::format("sweep results in {:.0f} cases; at most {} are supported: "
+                                      "divide it into several jobs",
                                       cases, most_cases));
     if (sweep.exclusions.size() > most_exclusions)
         diagnostics.error(sweep.at,

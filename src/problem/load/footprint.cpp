@@ -107,6 +107,8 @@ struct KnownArray {
         return spectrum->bandwidth_rad_m(fraction);
     }
 
+    std::size_t numbers() const { return 1000 + (patch ? patch->values.size() : 0); }
+
     ArrayFootprint array;
     std::optional<Patch> patch;
     std::optional<double> width_m;
@@ -116,11 +118,15 @@ struct KnownArray {
 /// The last arrays of this thread. They are computed in some ms each, more than all else that
 /// validates a case.
 KnownArray& known(const ArrayFootprint& array) {
-    constexpr std::size_t most = 16;
+    constexpr std::size_t most_numbers = 4'000'000; // 32 MB
     thread_local std::deque<KnownArray> all;
-    for (KnownArray& one : all)
+    std::size_t numbers = 0;
+    for (KnownArray& one : all) {
         if (one.array == array) return one;
-    if (all.size() == most) all.pop_front();
+        numbers += one.numbers();
+    }
+    for (; numbers > most_numbers; all.pop_front())
+        numbers -= all.front().numbers();
     return all.emplace_back(array);
 }
 

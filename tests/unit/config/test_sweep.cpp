@@ -180,10 +180,10 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
         {"\"load.peak_Pa\" = { range = [1, 2, \"a\"] }",
          "job.toml:28:28: error: load.peak_Pa: range requires three numbers, [start, stop, step]"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1] }",
-         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 100000 as its "
+         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 10000 as its "
          "third number"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1e12] }",
-         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 100000 as its "
+         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 10000 as its "
          "third number"},
         {"\"load.peak_Pa\" = { logspace = [0, 2, 3] }",
          "job.toml:28:31: error: load.peak_Pa: logspace requires both ends to be above 0"},
@@ -192,7 +192,8 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
          "number to its second"},
         {"\"load.peak_Pa\" = { range = [1, 400, 1] }\n\"domain.spacing_mm\" = { range = [1, 400, "
          "1] }",
-         "job.toml:27:1: error: sweep results in 160000 cases; at most 100000 are supported"},
+         "job.toml:27:1: error: sweep results in 160000 cases; at most 10000 are supported: "
+         "divide it into several jobs"},
         {"\"load.peak_Pa\" = [1, 2]\nexclude = [ { load.peek_Pa = 3 } ]",
          "job.toml:29:20: error: sweep.exclude: load.peek_Pa is not swept; did you mean "
          "load.peak_Pa?"},
