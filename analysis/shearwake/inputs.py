@@ -7,6 +7,7 @@ import itertools
 import math
 import os
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,17 @@ def open_self_contained(path: Path) -> h5py.File:
     return file
 
 
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[h5py.File]:
+    """A file of a user, open for reading. Raises KeyError if something that is read is missing, and OSError if the file cannot
+    be read or has other contents in its place, for which h5py and numpy raise many types."""
+    try:
+        with open_self_contained(path) as file:
+            yield file
+    except (RuntimeError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise OSError(f"{path} is damaged: {error}") from error
+
+
 def require_regular(path: Path) -> None:
     """Raises FileNotFoundError, and OSError for anything but a regular file: pipes and devices may block or be endless."""
     if not Path(path).exists():
@@ -87,11 +99,16 @@ def _refuse_links(file: h5py.File) -> None:
     _refuse_claims("the file contains values", claimed, stored, 3 * ALLOWED_B)
 
 
+def _shown(name: bytes) -> str:
+    """A name of a file as text that a terminal does not interpret."""
+    return "".join(c if c.isprintable() else "?" for c in name.decode("utf-8", "replace"))
+
+
 def _refuse_link(file: h5py.File, name: bytes, kind: int, total: list[int]) -> None:
     """Adds the bytes that a dataset claims and stores to the total."""
-    where = "/" + name.decode("utf-8", "replace")
+    where = "/" + _shown(name)
     if kind > h5py.h5l.TYPE_SOFT:
-        other = file.id.links.get_val(name)[0].decode("utf-8", "replace") + ", " if kind == h5py.h5l.TYPE_EXTERNAL else ""
+        other = _shown(file.id.links.get_val(name)[0]) + ", " if kind == h5py.h5l.TYPE_EXTERNAL else ""
         raise BadLink(f"the link {where} leads to another file, {other}which is not read")
     item = h5py.h5o.open(file.id, name) if kind == h5py.h5l.TYPE_HARD else None
     if isinstance(item, h5py.h5d.DatasetID):
@@ -164,7 +181,7 @@ class GridStudy:
 
 def read_map(path: Path) -> MaterialMap:
     """The shear-wave speed of a map. Raises OSError, and KeyError if the map does not contain it."""
-    with open_self_contained(path) as file:
+    with opened(path) as file:
         axes = [file[name][()].ravel() for name in AXES]
         return MaterialMap(axes[0], axes[1], axes[2], in_order(file["c_s_m_s"], tuple(len(axis) for axis in axes)))
 
@@ -183,7 +200,7 @@ def in_order(data: h5py.Dataset, shape: tuple[int, ...]) -> np.ndarray:
 
 def study_grid(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """The numbers of points and the spacings in m of a study along x, y and z. Raises OSError and KeyError."""
-    with open_self_contained(path) as file:
+    with opened(path) as file:
         return file["grid/points"][()].astype(int), file["grid/spacing_m"][()]
 
 
@@ -191,7 +208,7 @@ def read_study(path: Path) -> GridStudy:
     """The grid and the nodes of a study. Raises OSError and KeyError."""
     none = np.empty((0, 3), dtype=int)
     points, spacing_m = study_grid(path)
-    with open_self_contained(path) as file:
+    with opened(path) as file:
         sources = [file[name]["nodes"][()].astype(int) for name in file if name.startswith("source_") and "nodes" in file[name]]
         sensors = file["sensor/nodes"][()].astype(int) if "sensor/nodes" in file else none
         return GridStudy(points, spacing_m, file["medium/c_s_m_s"][()], np.concatenate([none, *sources]), sensors)

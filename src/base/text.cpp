@@ -89,7 +89,8 @@ bool is_file_name(std::string_view name) {
            name.size() <= longest_file_name && std::all_of(name.begin(), name.end(), is_safe);
 }
 
-std::string coloured(const std::string& text, std::FILE* stream) {
+std::string coloured(const std::string& given, std::FILE* stream) {
+    const std::string text = printable(given);
     const char* none = std::getenv("NO_COLOR");
     if (::isatty(::fileno(stream)) == 0 || (none != nullptr && *none != '\0')) return text;
     static const std::regex word("(^|\n|: )(error|warning):");

@@ -32,9 +32,9 @@ std::string quoted_list(std::span<const std::string> items, std::string_view con
 bool is_file_name(std::string_view name);
 inline constexpr std::size_t longest_file_name = 100;
 
-/// `text` with the words "error:" and "warning:" in colour where they begin a line or follow a
-/// place, if `stream` is a terminal and the environment variable NO_COLOR is empty.
-std::string coloured(const std::string& text, std::FILE* stream);
+/// The printable() text with the words "error:" and "warning:" in colour where they begin a line or
+/// follow a place, if `stream` is a terminal and the environment variable NO_COLOR is empty.
+std::string coloured(const std::string& given, std::FILE* stream);
 
 /// A duration for users: "42 s", "5 min 07 s" or "3 h 20 min".
 std::string duration_text(double seconds);

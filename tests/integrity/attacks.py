@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The number of attacks in the short and in the long form of the tests, and commands with limits."""
+"""The number of attacks in the short and in the long form of the tests, attacks on HDF5 files, and commands with limits."""
 import os
 import signal
 import subprocess
 import threading
+
+import h5py
+import numpy
 
 from program import environment
 
@@ -35,3 +38,48 @@ def accepted_or_refused(test, call, codes, most_s, about):
     test.assertLess(used.ru_utime + used.ru_stime, most_s, about)
     test.assertLess(1024.0 * used.ru_maxrss, MOST_B, about)
     return said, code
+
+
+ELSEWHERE = {"external link", "link over a link", "external storage", "virtual dataset"}  # the values are in other files
+
+
+def attacks_on_hdf5(folder):
+    """Changes of an HDF5 file that replace one of its datasets, by name: functions of the file, the name, and the shape. The files
+    that some refer to are in the folder."""
+    other = folder / "secret.h5"
+    with h5py.File(other, "w") as file:
+        file["d"] = numpy.full(5, 12345.6875)
+    os.mkfifo(folder / "pipe.h5")  # opening it would block
+
+    def linked(file, name, shape):
+        file["away"], file[name] = h5py.ExternalLink("pipe.h5", "/"), h5py.SoftLink("/away/d")
+
+    def virtual(file, name, shape):
+        layout = h5py.VirtualLayout((5,), "f8")
+        layout[...] = h5py.VirtualSource(str(other), "d", (5,))
+        file.create_virtual_dataset(name, layout)
+
+    def loop(file, name, shape):
+        file[name], file["there"] = h5py.SoftLink("/there"), h5py.SoftLink(f"/{name}")
+
+    def own_parent(file, name, shape):
+        group = file.create_group(name)
+        group["itself"] = group
+
+    def made(shape=None, dtype="f8", **more):
+        return lambda file, name, own: file.create_dataset(name, own if shape is None else shape, dtype, **more)
+
+    return {
+        "external link": lambda file, name, shape: file.__setitem__(name, h5py.ExternalLink(other, "/d")),
+        "link over a link": linked, "virtual dataset": virtual,
+        "external storage": made(external=[(other, 0, h5py.h5s.UNLIMITED)]),
+        "loop of links": loop, "group in itself": own_parent,
+        "huge chunk": made((10,), chunks=(400_000_000,), maxshape=(None,), compression="gzip"),
+        "huge claim": made((4_000_000_000,), chunks=(100_000,), compression="gzip"),
+        "huge extent": made((1 << 60,), chunks=(1000,)), "committed type": lambda file, name, shape: file.__setitem__(name, numpy.dtype("f8")),
+        "references": made(dtype=h5py.ref_dtype), "records": made(dtype=[("a", "f8"), ("b", "i4")]),
+        "lists": made(dtype=h5py.vlen_dtype("f8")), "texts": made(dtype=h5py.string_dtype()), "opaque": made(dtype="V7"),
+        "no values": made((0,)), "no space": lambda file, name, shape: file.__setitem__(name, h5py.Empty("f8")),
+        "many dimensions": made((1,) * 32), "a number": made(()), "nothing": lambda file, name, shape: None,
+        "name of control characters": lambda file, name, shape: file.__setitem__("\x1b[31m\n", h5py.ExternalLink(other, "/d")),
+    }

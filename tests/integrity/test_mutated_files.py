@@ -2,13 +2,14 @@
 """Files of users with random changes: each reader of the program accepts them or reports an error, in limited time and memory."""
 import os
 import random
+import shutil
 import sys
 import unittest
 
 import h5py
 import numpy as np
 
-from attacks import accepted_or_refused, times
+from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, times
 from program import ROOT, ProgramTest, changed, command
 
 CORPUS = ROOT / "tests" / "fuzz" / "corpus"
@@ -76,6 +77,66 @@ class MutatedFiles(ProgramTest):
         for kind, content in examples(self.folder).items():
             name = f"{kind}{KINDS[kind]}"
             self.attack(name, content, [sys.executable, "-c", f"import sys; {folders}\n{program}", name])
+
+
+class HostileFiles(ProgramTest):
+    """Each attack on a dataset of an HDF5 file, in each reader."""
+
+    def attack(self, name, datasets, *calls):
+        good, attacks = (self.folder / name).read_bytes(), attacks_on_hdf5(self.folder)
+        for dataset in datasets:
+            for kind, change in random.Random(name + dataset).sample(sorted(attacks.items()), times(6, len(attacks))):
+                (self.folder / name).write_bytes(good)
+                with h5py.File(self.folder / name, "r+") as file:
+                    shape = file[dataset].shape
+                    if kind != "name of control characters":
+                        del file[dataset]
+                    change(file, dataset, shape)
+                for call in calls:
+                    with self.subTest(dataset=dataset, kind=kind, call=call[-2:]):
+                        said, code = accepted_or_refused(self, call, (0, 1, 2, 3, 6), MOST_s, kind)  # 1: of k-Wave
+                        self.assertNotIn("\x1b", said)
+                        self.assertNotIn("12345", said)
+                        if kind in ELSEWHERE:
+                            self.assertNotEqual(code, 0)
+                            self.says(said, "another file")
+
+    @staticmethod
+    def python(program, *names):
+        """Runs a program that ends with exit code 3 if the package refuses a file."""
+        return [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ROOT / 'analysis')!r})\nfrom shearwake import inputs\n"
+                f"try: {program}\nexcept (OSError, KeyError) as error: print(ascii(str(error))); sys.exit(3)", *names]
+
+    def test_maps(self):
+        self.write_job(changed(SPECTRAL, MAP))
+        shutil.copy(CORPUS / "map" / "small.h5", self.folder / "input.h5")
+        self.attack("input.h5", ("c_s_m_s", "x_m"), command("check", "job.toml", "--elsewhere"),
+                    self.python("inputs.read_map(sys.argv[1])", "input.h5"))
+
+    def test_motions(self):
+        shutil.copy(CORPUS / "motion" / "traces.h5", self.folder / "motion.h5")
+        self.attack("motion.h5", ("u_z", "time"), command("respond", "motion.h5", *RECEPTORS))
+
+    def test_files_of_kwave(self):
+        shutil.copy(ROOT / "tests" / "data" / "kwave" / "homogeneous_input.h5", self.folder / "input.h5")
+        self.attack("input.h5", ("Nt", "mu"), command("kwave", "-i", "input.h5", "-o", "out.h5"))
+
+    def test_studies(self):
+        from kwave import import_kwave, save
+        from small_study import study
+        structures = study()
+        structures["sensor"]["record"] = ["p", "uz"]
+        save(self.folder / "input.mat", structures)
+        self.assertEqual(import_kwave(self.folder, "input.mat", "--out", "study")[0], 0)
+        self.attack("study.h5", ("medium/c_s_m_s", "grid/points"), command("check", "study.toml", "--elsewhere"),
+                    self.python("inputs.read_study(sys.argv[1])", "study.h5"))
+
+    def test_scans(self):
+        sys.path[:0] = [str(ROOT / "tests" / "fuzz"), str(ROOT / "analysis")]
+        from fuzz_scan import examples
+        self.write_job(changed(SPECTRAL))
+        (self.folder / "scan.mat").write_bytes(examples(self.folder)["mat"])
+        self.attack("scan.mat", ("velocity",), command("measure", "scan.mat", "--options", "job.toml", "--no-report"))
 
 
 LIST = ('[sweep]', '[sweep]\nlist = "input.csv"')

@@ -100,7 +100,7 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
         fmt::print("{}\n", coloured("error: " + error, stdout));
         return ExitCode::bad_job;
     }
-    fmt::print("{}: {} case{}, {} warning{}, no errors\n", arguments.job.string(),
+    fmt::print("{}: {} case{}, {} warning{}, no errors\n", printable(arguments.job.string()),
                job->plan.cases.size(), job->plan.cases.size() == 1 ? "" : "s", of_job,
                of_job == 1 ? "" : "s");
     return ExitCode::done;
