@@ -201,7 +201,7 @@ void check_region(const Case& c, Notes& notes) {
     if (width_m < disc_m)
         notes.add(Severity::warning, "measure.region_mm",
                   "the region is {:.3g} mm wide, but the focal disc {:.3g} mm: the efficiency is "
-                  "the share of the disc in the region and cannot tell how much energy leaves it",
+                  "the share of the disc in the region, whatever energy leaves the region",
                   milli(width_m), milli(disc_m));
     const Modulation& modulation = c.scene().load.modulation;
     const Vec2 at_m = position(modulation.trajectory, c.measure.at_s);
