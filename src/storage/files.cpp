@@ -89,6 +89,10 @@ Persistence persistence_of(int error) {
     return passing ? Persistence::passing : Persistence::lasting;
 }
 
+bool is_csv(const std::filesystem::path& path) {
+    return path.extension() == ".csv" || path.extension() == ".CSV";
+}
+
 std::uintmax_t regular_size_B(const fs::path& path) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0) refuse("cannot read", path, errno);

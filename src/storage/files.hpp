@@ -30,6 +30,9 @@ inline constexpr std::uintmax_t largest_user_text_B = std::uintmax_t{1} << 26;
 /// for another kind of file, or a longer one.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most_B = largest_text_B);
 
+/// Whether the name of a file ends with .csv or .CSV. Not collective.
+bool is_csv(const std::filesystem::path& path);
+
 /// The size of a regular file; throws UsageError (environment) for another kind of file.
 std::uintmax_t regular_size_B(const std::filesystem::path& path);
 

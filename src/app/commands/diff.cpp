@@ -20,8 +20,7 @@ struct DiffArguments {
 constexpr std::uintmax_t largest_table_B = 100'000'000;
 
 std::filesystem::path table_of(const std::filesystem::path& path) {
-    return reduce::table_in(path.extension() == ".csv" ? path
-                                                       : schedule::folder_of_results(path).root);
+    return reduce::table_in(storage::is_csv(path) ? path : schedule::folder_of_results(path).root);
 }
 
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world) {

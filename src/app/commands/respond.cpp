@@ -145,7 +145,7 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
     const auto& lines = motion.compression_Pa.empty() ? motion.pins.u_m : motion.compression_Pa;
     const std::size_t samples = lines.empty() ? 0 : lines.front().size();
     // Rest may have been prepended.
-    if (!carrier && arguments.motion.extension() != ".csv" && lines.size() > 1 &&
+    if (!carrier && !storage::is_csv(arguments.motion) && lines.size() > 1 &&
         (samples == lines.size() || samples == lines.size() + 1))
         text += "; the first index of the array is taken as that of the point, the second as that "
                 "of the time";

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <hdf5.h>
+#include <limits>
 #include <optional>
 
 namespace shearwake::storage {
@@ -194,7 +195,10 @@ PointMotion of_case_file(hid_t file, const std::string& prefix) {
     for (std::size_t p = 0; p < x.values.size(); ++p)
         motion.at_m.push_back({x.values[p], y.values[p]});
     check_places(motion);
-    motion.rate_Hz = rate_Hz_of(times.values);
+    // The times may have been stored in single precision.
+    constexpr double rounding_1 = 0.5 * std::numeric_limits<float>::epsilon();
+    motion.rate_Hz = rate_Hz_of(
+        times.values, times.values.empty() ? 0.0 : rounding_1 * std::abs(times.values.back()));
     for (std::vector<double>& line : motion.u_m) {
         if (line.size() != times.values.size())
             throw UsageError("u_z and time must have the same number of times");
@@ -281,12 +285,12 @@ PointStress stress_of_csv(std::string_view csv) {
 }
 
 PointMotion read_motion(const std::filesystem::path& path, const std::string& group) {
-    if (path.extension() == ".csv") return read_csv_file(path, motion_of_csv);
+    if (is_csv(path)) return read_csv_file(path, motion_of_csv);
     return read_user_file(path, [&](hid_t file) { return motion_of(file, group); });
 }
 
 PointStress read_stress(const std::filesystem::path& path, const std::string& group) {
-    if (path.extension() == ".csv") return read_csv_file(path, stress_of_csv);
+    if (is_csv(path)) return read_csv_file(path, stress_of_csv);
     return read_user_file(path, [&](hid_t file) { return stress_of(file, group); });
 }
 

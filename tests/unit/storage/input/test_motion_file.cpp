@@ -138,6 +138,24 @@ TEST_CASE("a motion is read from the traces of a case file, preceded by rest", "
                       Catch::Contains("the group pins contains neither"));
 }
 
+TEST_CASE("times in single precision and names in capitals are read", "[motion]") {
+    const test::TemporaryFolder folder;
+    std::vector<double> times_ms;
+    for (int n = 1; n <= 51200; ++n)
+        times_ms.push_back(static_cast<float>(n * 1e3 / 51200.0));
+    {
+        const h5::Id file = h5::open_file(folder / "case.h5", h5::Access::create);
+        write(file, "u_z", {1, 51200}, std::vector<double>(51200, 1e-6));
+        write(file, "time", {51200}, times_ms);
+        write(file, "x", {1}, {0.0});
+        write(file, "y", {1}, {0.0});
+        h5::put_attribute(h5::open_dataset(file.raw(), "time").raw(), "units", std::string("ms"));
+    }
+    CHECK(storage::read_motion(folder / "case.h5", "").rate_Hz == 51200.0);
+    storage::write_file(folder / "MOTION.CSV", "t_ms,u_um\n0,0\n1,1\n2,0\n");
+    CHECK(storage::read_motion(folder / "MOTION.CSV", "").rate_Hz == 1000.0);
+}
+
 TEST_CASE("a motion is read from traces in millimetres with their rate and radius", "[motion]") {
     const test::TemporaryFolder folder;
     const auto path = folder / "traces.h5";
