@@ -329,6 +329,13 @@ class Case:
         return stored.receptor_classes(self._file())
 
     @property
+    def counted_s(self) -> float:
+        """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""
+        periods = self.value("receptor_periods_1", math.nan)
+        once_s = self.setting("time", "frames", default=math.nan) * self.setting("time", "interval_s", default=math.nan)
+        return once_s if math.isnan(periods) else periods * once_s
+
+    @property
     def afferents(self) -> pd.DataFrame:
         """One row per afferent: class (SA1, RA, PC), positions and depth in m, number of spikes, and mean rate in Hz."""
         import pandas as pd
@@ -339,7 +346,7 @@ class Case:
         rows["class"] = self.receptor_classes()
         for name in ("row", "spike_count"):
             rows[name] = found[name].astype(int)
-        rows["rate_Hz"] = rows["spike_count"] / (self.setting("time", "frames") * self.setting("time", "interval_s"))
+        rows["rate_Hz"] = rows["spike_count"] / self.counted_s
         return pd.DataFrame(rows, index=pd.RangeIndex(count, name="afferent"))
 
     def spikes(self) -> pd.DataFrame:

@@ -47,13 +47,6 @@ class Afferents:
         return list(dict.fromkeys(self.kind[np.argsort(self.number, kind="stable")].tolist()))
 
 
-def duration_ms(case: Case) -> float:
-    """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""
-    periods = case.value("receptor_periods_1", math.nan)
-    once_ms = 1e3 * case.setting("time", "frames", default=math.nan) * case.setting("time", "interval_s", default=math.nan)
-    return once_ms if math.isnan(periods) else periods * once_ms
-
-
 def feels_stress(case: Case) -> bool:
     """Whether the stress at the receptors is the input. Pins then exert no motion and only mark places."""
     return case.setting("afferents", "input", default="") == "stress"
@@ -69,7 +62,7 @@ def hand_axes(axes: Axes, afferents: Afferents) -> None:
 
 
 def rates_Hz(case: Case, afferents: Afferents) -> np.ndarray:
-    return 1e3 * afferents.count / duration_ms(case)
+    return afferents.count / case.counted_s
 
 
 def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str, highest: float) -> Figure:
@@ -122,7 +115,7 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
         return None
-    whole = duration_ms(case)
+    whole = 1e3 * case.counted_s
     spans = [40.0, whole] if whole > 200.0 else [whole]
     figure, made = plt.subplots(len(kinds), len(spans), squeeze=False, layout="constrained",
                                 figsize=(style.WIDTH_in, 0.7 + 2.1 * len(kinds)))
@@ -180,7 +173,7 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
         axes.set_title(f"({millimetres(x)}, {millimetres(y)}) mm", loc="left", pad=2, fontsize=9)
         axes.set_yticks([0.0, tick_at(top)])
     made[-1, 0].set_xlabel("time (ms)")
-    made[-1, 0].set_xlim(0.0, min(duration_ms(case), 200.0))
+    made[-1, 0].set_xlim(0.0, min(1e3 * case.counted_s, 200.0))
     figure.supylabel("indentation (µm); spikes below", fontsize=9.5)
     if used:
         made[0, 0].legend(handles=[plt.Line2D([], [], marker="|", linestyle="none", label=kind,
@@ -198,7 +191,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     made = []
     cases = [c for c in layout.ordinary(selection) if c.is_complete and "afferents" in c.parameters]
     shown = [(n, c, a) for n, c in enumerate(layout.evenly(cases, MOST_CASES), start=1)
-             if len((a := Afferents(c)).count) and not math.isnan(duration_ms(c))]
+             if len((a := Afferents(c)).count) and not math.isnan(c.counted_s)]
     highest = max((rates_Hz(c, a).max() for _, c, a in shown), default=0.0) or 1.0
     for n, case, afferents in shown:
         for figure in (hand_figure(selection, case, afferents, folder, f"hand_{n}", highest),
