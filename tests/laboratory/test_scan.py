@@ -167,6 +167,82 @@ class Names(ScanTest):
         for remark in ("velocity unit: m/s", "community gel, 60 mm", "unit 5 of the laboratory", "range: 100 mm/s"):
             self.assertTrue(any("without effect" in note for note in read_scan(self.file(f"# {remark}\n{lines}", ".csv")).notes))
 
+    def hdf5(self, attributes, group="/", **more):
+        """The scan in an HDF5 file with attributes {(dataset or "/", name): value}, in a group; `more` is at the top."""
+        import h5py
+
+        path = self.folder / "attributes.h5"
+        with h5py.File(path, "w") as file:
+            place = file.require_group(group)
+            for key, value in self.arrays().items():
+                place[key] = value
+            for key, value in more.items():
+                file[key] = value
+            for (where, name), value in attributes.items():
+                file[where].attrs[name] = value
+        return path
+
+    def test_attributes_of_hdf5_files_are_settings_or_refused(self):
+        for group in ("/", "/vibrometer"):
+            for where in {"/", group}:
+                with self.subTest(group=group, where=where):
+                    read = read_scan(self.hdf5({(where, "direction_z"): -1.0, (where, "trigger_delay_ms"): 2.0, (where, "title"): "gel",
+                                                (where, "velocity_unit"): "m/s"}, group))
+                    np.testing.assert_array_equal(read.velocity_m_s, -some_scan().velocity_m_s)
+                    self.assertEqual((read.trigger_delay_s, read.states_direction), (2e-3, True))
+                    for name, value in (("units", "mm/s"), ("velocityUnit", "mm/s"), ("triggerDelay", 2.0), ("velocity_scale", 1e-3),
+                                        ("sign", -1.0), ("polarity", "negative")):
+                        with self.assertRaisesRegex(BadScan, name):
+                            read_scan(self.hdf5({(where, name): value}, group))
+        for name, value in (("dimension", "mm/s"), ("scale_factor", 1e-3), ("add_offset", 0.1), ("direction", "-Z"), ("direction_z", -1.0),
+                            ("_FillValue", float(some_scan().velocity_m_s[0, 3]))):
+            with self.subTest(name=name), self.assertRaisesRegex(BadScan, name):
+                read_scan(self.hdf5({("velocity", name): value}))
+        for name, value in (("scale_factor", 1.0), ("add_offset", 0.0), ("_FillValue", np.nan), ("_FillValue", -9999.0), ("long_name", "v")):
+            with self.subTest(name=name, value=value):
+                np.testing.assert_array_equal(read_scan(self.hdf5({("velocity", name): value})).velocity_m_s, some_scan().velocity_m_s)
+
+    def test_settings_next_to_the_struct_are_read_and_contradictions_refused(self):
+        import scipy.io
+
+        path = self.folder / "struct.mat"
+        for inner, outer, delay_s in (({}, {"trigger_delay_ms": 2.0}, 2e-3), ({"trigger_delay_ms": 2.0}, {"trigger_delay_ms": 2.0}, 2e-3),
+                                      ({"trigger_delay_ms": 2.0}, {"trigger_delay_ms": 3.0}, None),
+                                      ({"trigger_delay_ms": 2.0}, {"trigger_delay_s": 2e-3}, None), ({}, {"velocity_unit": "mm/s"}, None)):
+            scipy.io.savemat(path, {"vibrometer": {**self.arrays(), **inner}, **outer, "comment": 5.0})
+            five_and_seven = (path, self.hdf5({("/vibrometer", name): value for name, value in inner.items()}, "/vibrometer", **outer))
+            for one in five_and_seven:
+                with self.subTest(path=one.name, inner=inner, outer=outer):
+                    if delay_s is None:
+                        with self.assertRaisesRegex(BadScan, next(iter(outer))):
+                            read_scan(one)
+                    else:
+                        self.assertAlmostEqual(read_scan(one).trigger_delay_s, delay_s, places=12)
+
+    def test_two_names_of_one_quantity_are_refused(self):
+        import scipy.io
+
+        for name, other in (("v", "velocity"), ("t", "time")):
+            scipy.io.savemat(self.folder / "two.mat", {**self.arrays(), name: self.arrays()[other]})
+            for path in (self.folder / "two.mat", self.hdf5({}, **{name: self.arrays()[other]})):
+                with self.subTest(path=path.name), self.assertRaisesRegex(BadScan, f"both {other} and {name}"):
+                    read_scan(path)
+
+    def test_units_in_structs_in_any_order_of_words_and_in_remarks_are_refused(self):
+        import scipy.io
+
+        for more in ({"units": {"velocity": "mm/s", "x": "m"}}, {"unit_velocity": "mm/s"}, {"velocityUnits": "mm/s"}):
+            scipy.io.savemat(self.folder / "units.mat", {**self.arrays(), **more})
+            with self.subTest(more=more), self.assertRaisesRegex(BadScan, "is \"mm/s\", but values are read in"):
+                read_scan(self.folder / "units.mat")
+        with self.assertRaisesRegex(BadScan, "units/velocity is \"mm/s\""):
+            read_scan(self.hdf5({}, **{"units/velocity": "mm/s"}))
+        lines = self.written("csv").read_text()
+        for remark in ("velocity in mm/s", "Velocities: \u00b5m/s", "all x in mm, y in mm", "scale = 0.001"):
+            self.refused(f"# {remark}\n{lines}", "remove it", ".csv")
+        for remark in ("velocity in m/s", "time: 14 h", "x: 60 mm of gel", "scale: full"):
+            self.assertTrue(any("without effect" in note for note in read_scan(self.file(f"# {remark}\n{lines}", ".csv")).notes), remark)
+
     def test_coordinates_in_mm_times_in_ms_and_velocities_along_the_surface_are_refused(self):
         scan = some_scan()
         for changes, reason in (({"x_m": 1e3 * scan.x_m}, "coordinates must be in metres"),

@@ -9,26 +9,42 @@ import numpy as np
 
 from ..inputs import BadLink, open_self_contained
 from .scan import MOST_VALUES, BadScan, Scan
-from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, settings
-from .units import LENGTHS, TIMES, UNLABELLED, check_unit, plain_unit, speed_of
+from .scan_settings import DELAYS, MEANINGFUL, NOT_A_SCAN, SETTINGS, has_meaning, settings
+from .units import LENGTHS, TIMES, UNLABELLED, check_unit, is_unit_name, plain_unit, speed_of, text_of, words_of
 
-Getter = Callable[[str], Any]
+Getter = Callable[[str], Any]  # returns None for names that do not exist
+Place = tuple[Iterable[str], Getter]
 
 
 def named(get: Getter, names: tuple[str, ...], what: str) -> Any:
-    for name in names:
-        value = get(name)
-        if value is not None:
-            return value
-    raise BadScan(f"{NOT_A_SCAN}it has no {what} ({', '.join(names)})")
+    found = {name: value for name in names if (value := get(name)) is not None}
+    if len(found) > 1:
+        raise BadScan(f"it contains both {' and '.join(found)}; only one of them can be the {what}")
+    if not found:
+        raise BadScan(f"{NOT_A_SCAN}it has no {what} ({', '.join(names)})")
+    return next(iter(found.values()))
 
 
 KNOWN = ("time", "t", "x", "y", "velocity", "v", "quality", "point", *DELAYS, *SETTINGS)
 
 
-def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: bool = False, order: str = "") -> Scan:
-    """A scan from named arrays with the indices (point, time) or (time, point); get(name) returns an array or None. `order`: how
-    indices are counted, as the end of a note."""
+def stated_in(places: list[Place]) -> dict[str, Any]:
+    """The settings and units that the places of a file state, and what else changes the meaning of values."""
+    found: dict[str, Any] = {}
+    for names, get in places:
+        for name in filter(has_meaning, names):
+            value = get(name)
+            if name in found and np.ravel(found[name]).tolist() != np.ravel(value).tolist():
+                raise BadScan(f"it states {name} twice, as {text_of(found[name])[:20]} and {text_of(value)[:20]}")
+            found[name] = value
+    return found
+
+
+def from_names(places: list[Place], notes: list, order_is_known: bool = False, order: str = "") -> Scan:
+    """A scan from named arrays with the indices (point, time) or (time, point). The first place contains the arrays, all may
+    contain settings and units. `order`: how indices are counted, as the end of a note."""
+    names, get = places[0]
+
     def numbers(value: Any, what: str) -> np.ndarray:
         try:
             array = np.asarray(value)
@@ -60,15 +76,13 @@ def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: b
             raise BadScan(f"{name} must be one finite number")
         return value.item()
 
-    given = {name: get(name) for name in names if name in DELAYS or name in SETTINGS}
-    others = {name: None for name in names if name not in given}
-    for name in others:
-        if name.lower().endswith(("unit", "units")) and (stated := np.asarray(get(name))).size == 1:
-            check_unit(name, stated.item())
-    if unread := [name for name in others if name not in KNOWN and not name.startswith("__")]:
+    stated = stated_in(places)
+    for name, text in stated.items():
+        check_unit(name, text)
+    if unread := [name for name in names if name not in KNOWN and not name.startswith("__")]:
         notes.append(f"without effect: {', '.join(unread)[:120]}")
     return Scan(time, x, y, np.ascontiguousarray(velocity), None if quality is None else numbers(quality, "quality").ravel(),
-                **settings({**given, **others}, one, notes))
+                **settings(stated, one, notes))
 
 
 def stated_factor(data: Any, name: str, notes: list) -> float:
@@ -86,6 +100,23 @@ def stated_factor(data: Any, name: str, notes: list) -> float:
     if factor != 1.0:
         notes.append(f"{name} in {text} (attribute units)")
     return factor
+
+
+NEUTRAL = {"scale_factor": 1.0, "add_offset": 0.0}  # of the CF conventions
+STRUCTURE = ("DIMENSION_LIST", "DIMENSION_LABELS", "unit", "units")
+
+
+def check_attributes(data: Any, name: str, values: np.ndarray) -> None:
+    """Rejects attributes of a dataset that change the meaning of its values."""
+    for key in data.attrs:
+        if key in ("_FillValue", "missing_value"):
+            if np.any(values == data.attrs[key]):
+                raise BadScan(f"{name} contains its {key}, {text_of(data.attrs[key])}; store NaN for points without signal")
+        elif key in NEUTRAL:
+            if not np.all(data.attrs[key] == NEUTRAL[key]):
+                raise BadScan(f"the attribute {key} of {name} is {text_of(data.attrs[key])}; apply it to the values, and remove it")
+        elif key.lower() not in STRUCTURE and key not in STRUCTURE and words_of(key) & {*MEANINGFUL, "unit", "units", "positive"}:
+            raise BadScan(f"the attribute {key} of {name} would be ignored; apply it to the values, and remove it")
 
 
 def scales_of(data: Any) -> list[str]:
@@ -108,23 +139,34 @@ def read_hdf5(path: Path) -> Scan:
             if as_matlab:
                 notes.append("vectors are stored as matrices, as by MATLAB: the indices are taken in reverse order")
 
-            def get(name: str) -> Any:
-                data = group.get(name, getlink=False) if name in group else None
+            def get(name: str, where: Any = group) -> Any:
+                data = where.get(name, getlink=False) if name in where else None
                 if not isinstance(data, h5py.Dataset):
                     return None
                 if data.size is None or data.size > MOST_VALUES:
                     raise BadScan(f"{name} has {data.size} values, but at most {MOST_VALUES} are supported")
                 values = data[()]
-                if data.dtype.kind in "fiu" and (factor := stated_factor(data, name, notes)) != 1.0:
-                    values = factor * values
+                if data.dtype.kind in "fiu":
+                    if text_of(data.attrs.get("MATLAB_class", "")) == "char":
+                        return "".join(map(chr, values.ravel()))
+                    check_attributes(data, name, values)
+                    if (factor := stated_factor(data, name, notes)) != 1.0:
+                        values = factor * values
                 # MATLAB, which writes this attribute, stores the indices in reverse.
                 if "MATLAB_class" in data.attrs or as_matlab:
                     return values.T
                 return values.T if scales_of(data)[:1] in (["time"], ["t"]) else values
 
+            def members(where: Any) -> list[str]:
+                return [one for name in where for one in ([f"{name}/{part}" for part in where[name]] if is_unit_name(name)
+                                                          and isinstance(where.get(name), h5py.Group) else [name])]
+
+            places: list[Place] = [(members(group), get), (group.attrs, group.attrs.get)]
+            if group != file:
+                places += [(members(file), lambda name: get(name, file)), (file.attrs, file.attrs.get)]
             velocity = next((group[name] for name in ("velocity", "v") if isinstance(group.get(name), h5py.Dataset)), None)
             in_matlab = as_matlab or (velocity is not None and "MATLAB_class" in velocity.attrs)
-            return from_names(group, get, notes, velocity is not None and len(scales_of(velocity)) == 2,
+            return from_names(places, notes, velocity is not None and len(scales_of(velocity)) == 2,
                               ", as MATLAB counts indices" if in_matlab else ", as h5py and h5dump count indices; MATLAB and h5write "
                               "reverse them: if they wrote the file, store velocity'")
     except BadLink as error:
@@ -144,10 +186,22 @@ def read_mat5(path: Path) -> Scan:
     except Exception as error:  # noqa: BLE001 - scipy raises many types for damaged files
         raise BadScan(f"it cannot be read as a MATLAB file: {(str(error).splitlines() or [repr(error)])[0]}") \
             from error
-    struct = content.get("vibrometer")
-    if struct is not None and getattr(struct, "dtype", None) is not None and struct.dtype.names and struct.size == 1:
-        return from_names(struct.dtype.names, lambda name: struct[name].item() if name in struct.dtype.names else None, [])
-    return from_names(content, content.get, [])
+    content = {name: values for name, values in content.items() if not name.startswith("__")}
+    places = [content]
+    if inner := fields_of(content.get("vibrometer")):
+        places = [inner, {name: values for name, values in content.items() if name != "vibrometer"}]
+    for place in places:
+        for name in [name for name in place if is_unit_name(name)]:
+            if parts := fields_of(place[name]):
+                del place[name]
+                place.update({f"{name}.{part}": text for part, text in parts.items()})
+    return from_names([(place, place.get) for place in places], [])
+
+
+def fields_of(struct: Any) -> dict[str, Any]:
+    """The fields of a struct of MATLAB; empty for other values."""
+    names = getattr(getattr(struct, "dtype", None), "names", None)
+    return {name: struct[name].item() for name in names} if names and struct.size == 1 else {}
 
 
 def write_hdf5(path: Path, scan: Scan) -> None:

@@ -11,6 +11,7 @@ import csv
 import io
 import itertools
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
@@ -23,7 +24,7 @@ from .scan import MOST_POINTS, BadScan, Scan, plain_step_s, rounding_of
 from .scan_arrays import read_hdf5, read_mat5, write_hdf5
 from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, settings
 from .scan_uff import read_uff, uff_bytes
-from .units import check_unit
+from .units import check_unit, is_foreign, plain_unit
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
 LONGEST_M = 2.0  # between points on skin or on a gel
@@ -90,6 +91,8 @@ MOST_ROUNDING = 0.2  # of the spacing of printed times
 CSV_HEADER = ["x_m", "y_m", "quality"]
 # A CSV file within these limits is read in about 10 s and 300 MB.
 MOST_CSV_VALUES, MOST_CSV_LINES, LONGEST_CSV_LINE, MOST_REMARKS = 8_000_000, 2_000_000, 32_000_000, 1000
+# A quantity and its unit: "velocities in mm/s", "x [mm]".
+IN_UNIT = r"\b(velocit(?:y|ies)|speeds?|displacements?|coordinates|positions|x|y|times?)\s*(?:\bin\b|[:=(\[])([^,;]*)"
 LARGER = "; larger scans are read from HDF5 and MATLAB files"
 
 
@@ -163,6 +166,10 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
     name = name.strip()
     check_unit(name if is_pair else text, value if is_pair else text.rpartition(" ")[2])
+    for quantity, unit in re.findall(IN_UNIT, text.lower()):
+        if is_foreign(plain_unit(unit)):
+            raise BadScan(f"the remark \"{text[:60]}\" states the unit of {quantity}, but values are read in m, s and m/s; convert them and "
+                          "remove it")
     if not is_pair and text:
         name, _, value = text.replace("\t", " ").partition(" ")
         if name not in (*DELAYS, *SETTINGS):

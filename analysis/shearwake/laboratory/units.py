@@ -39,13 +39,32 @@ def speed_of(label: str) -> float | None:
     return LENGTHS.get(length) if TIMES.get(time) == 1.0 else None
 
 
+def words_of(name: str) -> set[str]:
+    """The words of a name in lower case: velocityUnit and velocity_unit have two."""
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)}
+
+
+def is_unit_name(name: str) -> bool:
+    return bool(words_of(name) & {"unit", "units"}) or name.lower().endswith(("unit", "units"))
+
+
+def is_foreign(unit: str) -> bool:
+    """Whether a plain unit is one of length, time or speed, but not one of SI."""
+    return (unit.partition("/")[0] in (*LENGTHS, *IMPERIAL, "km") or unit in TIMES) and unit not in ("m", "s", "m/s")
+
+
+def text_of(value: Any) -> str:
+    if getattr(value, "size", 0) == 1 and hasattr(value, "item"):
+        value = value.item()
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
 def check_unit(name: str, value: Any) -> None:
     """Rejects a stated unit of length, time or speed that is not one of SI: it would be ignored."""
-    if not re.search(r"(?<![a-z])units?(?![a-z])", name.lower()):
+    if not is_unit_name(name):
         return
-    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    text = text_of(value)
     words = [plain_unit(word) for word in re.split(r"[,;:\s()]+", text)]
     for unit in (plain_unit(text), *(word for word in words if word != "in" or len(words) == 1)):  # "velocity in m/s"
-        length = unit.partition("/")[0]
-        if (length in (*LENGTHS, *IMPERIAL, "km") or unit in TIMES) and unit not in ("m", "s", "m/s"):
+        if is_foreign(unit):
             raise BadScan(f"{name} is \"{text.strip()[:20]}\", but values are read in m, s and m/s; convert them and remove it")
