@@ -14,7 +14,7 @@ import pytest
 from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
                      without_reference)
 
-from shearwake.nightly import __main__ as nightly
+from shearwake.nightly import __main__ as nightly, table
 from shearwake.nightly.history import UNFINISHED, History
 
 TINY = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [400, 500]'), ("frames = true", ""))
@@ -28,6 +28,12 @@ def readings():
     os.kill(os.getpid(), 9)
 history.finish(night, "equal", [("tiny", "equal", "")], readings(), [])
 """
+
+
+def test_a_baseline_with_a_byte_order_mark_has_the_same_readings(tmp_path):
+    baseline = ROOT / "tests" / "baselines" / "quickstart.csv"
+    (tmp_path / "edited.csv").write_bytes(b"\xef\xbb\xbf" + baseline.read_bytes())
+    assert table.readings(tmp_path / "edited.csv") == table.readings(baseline)
 
 
 class Nightly(ProgramTest):
