@@ -54,7 +54,7 @@ class Scan:
     direction: tuple = (0.0, 0.0, 1.0)  # of positive velocities, with z into the skin; read_scan makes its z positive
     notes: list = field(default_factory=list)  # how a file was read
     states_direction: bool = False  # the file contains the direction
-    rate_rounding: float = 0.0  # the largest relative error of the rate by rounding of the printed times
+    rate_rounding: float = 0.0  # the largest relative error of the rate by rounding of the printed or stored times
 
     def __post_init__(self) -> None:
         if self.quality is None:

@@ -56,7 +56,8 @@ def from_names(places: list[Place], notes: list, order_is_known: bool = False, o
         except (TypeError, ValueError) as error:
             raise BadScan(f"{what} is not an array of real numbers") from error
 
-    time = numbers(named(get, ("time", "t"), "time"), "time").ravel()
+    stored_time = np.ravel(named(get, ("time", "t"), "time"))
+    time = numbers(stored_time, "time")
     x = numbers(named(get, ("x",), "x"), "x")
     y = numbers(named(get, ("y",), "y"), "y")
     if x.ndim > 1 and min(x.shape) > 1:
@@ -81,8 +82,12 @@ def from_names(places: list[Place], notes: list, order_is_known: bool = False, o
         check_unit(name, text)
     if unread := [name for name in names if name not in KNOWN and not name.startswith("__")]:
         notes.append(f"without effect: {', '.join(unread)[:120]}")
+    rounding = 0.0
+    if stored_time.dtype.itemsize < 8 and stored_time.dtype.kind == "f" and len(time) > 1 and time[-1] > time[0]:
+        # One unit in the last place: half of one by storage, and half of one if times in ms were multiplied by a factor.
+        rounding = 2.0 * float(np.spacing(np.max(np.abs(stored_time)))) / (time[-1] - time[0])
     return Scan(time, x, y, np.ascontiguousarray(velocity), None if quality is None else numbers(quality, "quality").ravel(),
-                **settings(stated, one, notes))
+                rate_rounding=rounding, **settings(stated, one, notes))
 
 
 def stated_factor(data: Any, name: str, notes: list) -> float:

@@ -28,11 +28,12 @@ from .units import check_unit, is_foreign, plain_unit
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
 LONGEST_M = 2.0  # between points on skin or on a gel
+MOST_ROUNDING = 0.2  # of the spacing of rounded times
 LOWEST_Hz = 150.0  # vibrations that are felt have some 100 Hz; scans of more than 150 kHz whose times are in ms are not found
 
 
-def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
-    """The same scan, or BadScan if its arrays do not belong together. `rounding_s`: the largest error of the printed times."""
+def checked(scan: Scan) -> Scan:
+    """The same scan, or BadScan if its arrays do not belong together."""
     velocity = scan.velocity_m_s
     if velocity.ndim != 2 or velocity.shape != (len(scan.x_m), len(scan.time_s)):
         raise BadScan(f"it has {len(scan.x_m)} points and {len(scan.time_s)} times, but velocities of the shape "
@@ -48,7 +49,10 @@ def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
         raise BadScan("the velocity contains an infinite value; use NaN for points without signal")
     if not np.all(np.isfinite((*scan.direction, scan.trigger_delay_s))) or not any(scan.direction):
         raise BadScan("the direction and the trigger delay must be finite numbers, and the direction must not be 0")
+    if np.any((scan.quality < 0.0) | (scan.quality > 1.0)):  # NaN: no signal
+        raise BadScan("quality contains a value outside of 0 (no signal) to 1; divide per cent by 100")
     step = np.diff(scan.time_s)
+    rounding_s = min(0.5 * scan.rate_rounding * (scan.time_s[-1] - scan.time_s[0]), MOST_ROUNDING * float(np.mean(step)))
     if not np.all(step > 0.0) or np.max(np.abs(step - np.mean(step))) > 1e-3 * np.mean(step) + 2.0 * rounding_s:
         raise BadScan("the times are not uniformly spaced in ascending order")
     if np.max(np.abs(np.concatenate((scan.x_m, scan.y_m)))) > 10.0:
@@ -67,6 +71,16 @@ def checked(scan: Scan, rounding_s: float = 0.0) -> Scan:
     return scan.along_z()
 
 
+def at_plain_rate(scan: Scan) -> Scan:
+    """With the rate of the fewest digits that agrees with the rounded times."""
+    step_s = 1.0 / scan.rate_Hz
+    plain_s = plain_step_s(step_s, scan.rate_rounding * step_s)
+    if abs(plain_s - step_s) > 1e-9 * step_s:
+        scan.time_s = scan.time_s[0] + plain_s * np.arange(len(scan.time_s))
+        scan.notes.append(f"the sampling rate {1.0 / plain_s:.9g} Hz agrees with the rounded times")
+    return scan
+
+
 def read_scan(path: str | Path) -> Scan:
     """The scan in a file. Raises BadScan or OSError."""
     path = Path(path)
@@ -79,15 +93,14 @@ def read_scan(path: str | Path) -> Scan:
     with path.open("rb") as file:
         start = file.read(128).removeprefix(codecs.BOM_UTF8)
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
-        return checked(in_child(read_hdf5, path))
+        return at_plain_rate(checked(in_child(read_hdf5, path)))
     if start.startswith(b"MATLAB 5.0"):
-        return checked(in_child(read_mat5, path, "scipy.io"))
+        return at_plain_rate(checked(in_child(read_mat5, path, "scipy.io")))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
         return checked(in_child(read_uff, path, "csv"))
     return in_child(read_csv, path, "csv")
 
 
-MOST_ROUNDING = 0.2  # of the spacing of printed times
 CSV_HEADER = ["x_m", "y_m", "quality"]
 # A CSV file within these limits is read in about 10 s and 300 MB.
 MOST_CSV_VALUES, MOST_CSV_LINES, LONGEST_CSV_LINE, MOST_REMARKS = 8_000_000, 2_000_000, 32_000_000, 1000
@@ -150,15 +163,9 @@ def read_csv(path: Path) -> Scan:
     numbers = np.frombuffer(values).reshape(-1, len(header))
     scan = Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
                 **settings(remarks, lambda value, _: value, notes))
-    rounding_s = rounding_of(header[3:])
-    scan = checked(scan, min(rounding_s, MOST_ROUNDING * float(np.mean(np.diff(times)))) if len(times) > 1 else 0.0)
-    step_s = (times[-1] - times[0]) / (len(times) - 1)
-    scan.rate_rounding = 2.0 * rounding_s / (times[-1] - times[0])
-    plain_s = plain_step_s(step_s, scan.rate_rounding * step_s)
-    if abs(plain_s - step_s) > 1e-9 * step_s:
-        scan.time_s = times[0] + plain_s * np.arange(len(times))
-        scan.notes.append(f"the sampling rate {1.0 / plain_s:.9g} Hz agrees with the rounded times")
-    return scan
+    if len(times) > 1 and times[-1] > times[0]:
+        scan.rate_rounding = 2.0 * rounding_of(header[3:]) / (times[-1] - times[0])
+    return at_plain_rate(checked(scan))
 
 
 def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:

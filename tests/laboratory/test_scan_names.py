@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Names, settings, units and plausibility of scans in the files of laboratories."""
+import unittest
+from dataclasses import replace
+from unittest import mock
+
+import numpy as np
+from scans import KINDS, ScanTest, some_scan
+
+from shearwake.laboratory.scan import BadScan
+from shearwake.laboratory.scan_files import read_scan, write_scan
+from shearwake.laboratory.units import check_unit
+
+
+class Names(ScanTest):
+    """Settings and units that a file states are used, or refused."""
+
+    def arrays(self):
+        scan = some_scan()
+        return {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s}
+
+    def test_a_delay_is_read_in_its_unit_and_a_misspelt_one_is_refused(self):
+        lines = [line for line in self.written("csv").read_text().splitlines(True) if "delay" not in line]
+        for remark, delay_s in (("trigger_delay_s: 0.005", 5e-3), ("trigger_delay_ms = 5", 5e-3), ("trigger_delay_us = +250", 2.5e-4),
+                                ("measured in 2024: gel", 0.0), ("temperature_C = 21", 0.0)):
+            with self.subTest(remark=remark):
+                scan = read_scan(self.file(f"# {remark}\n" + "".join(lines), ".csv"))
+                self.assertAlmostEqual(scan.trigger_delay_s, delay_s, places=12)
+                self.assertEqual(any("without effect" in note for note in scan.notes), delay_s == 0.0)
+        for remark in ("triger_delay_s = 0.005", "trigger_delay_min = 5", "delay_ms = 5", "direction = -1", "directionz: -1",
+                       "trigger_delay_s = 5 ms", "trigger_delay_s = 1\n# trigger_delay_ms = 2", "trigger_delay_ms 5", "direction_z\t-1"):
+            with self.subTest(remark=remark):
+                self.refused(f"# {remark}\n" + "".join(lines), "trigger_delay" if "delay" in remark else "direction_z", ".csv")
+
+    def test_a_byte_order_mark_is_passed_over(self):
+        for kind in ("csv", "uff"):
+            with self.subTest(kind=kind):
+                scan = read_scan(self.file(b"\xef\xbb\xbf" + self.written(kind).read_bytes(), KINDS[kind]))
+                np.testing.assert_allclose(scan.x_m, some_scan().x_m, rtol=1e-12)
+                self.assertFalse(any("assumed" in note for note in scan.notes), scan.notes)  # data set 164 comes first
+
+    def test_semicolons_separate_fields_and_decimal_commas_are_refused(self):
+        text = self.written("csv").read_text()
+        for converted in (text.replace(",", ";"), "\ufeff" + text.replace(",", ";").replace("\n", "\r\n")):
+            scan = read_scan(self.file(converted, ".csv"))
+            np.testing.assert_array_equal(scan.velocity_m_s, read_scan(self.written("csv")).velocity_m_s)
+        lines = text[text.index("x_m"):]
+        for comma in (lines.replace(",", ";").replace(".", ","), lines.replace(".", ",")):
+            self.refused(comma, "write decimal numbers with a point", ".csv")
+
+    def test_names_and_units_in_matlab_and_hdf5_files(self):
+        import h5py
+        import scipy.io
+
+        five, seven = self.folder / "five.mat", self.folder / "seven.h5"
+        for name, words in (("trigger_delay_ms", ""), ("triggerdelay", "did you mean trigger_delay"), ("direction", "direction_z")):
+            scipy.io.savemat(five, {**self.arrays(), name: 5.0})
+            with h5py.File(seven, "w") as file:
+                for key, values in {**self.arrays(), name: 5.0}.items():
+                    file[key] = values
+            for path in (five, seven):
+                with self.subTest(name=name, path=path.name):
+                    if words:
+                        with self.assertRaisesRegex(BadScan, words):
+                            read_scan(path)
+                    else:
+                        self.assertAlmostEqual(read_scan(path).trigger_delay_s, 5e-3)
+        for scale, length, speed, time in ((1e3, "mm", "mm/s", "ms"), (1e6, "\u00b5m", "um/s", "us"), (1.0, "metres", "SI", "s")):
+            with h5py.File(seven, "w") as file:
+                for (key, values), unit in zip(self.arrays().items(), (time, length, length, speed)):
+                    file[key] = scale * values
+                    file[key].attrs["units"] = unit
+            read = read_scan(seven)
+            with self.subTest(length=length):
+                np.testing.assert_allclose(read.velocity_m_s, some_scan().velocity_m_s, rtol=1e-12)
+                np.testing.assert_allclose(read.x_m, some_scan().x_m, rtol=1e-12)
+                np.testing.assert_allclose(read.rate_Hz, 51200.0, rtol=1e-12)
+
+    def test_spellings_of_units_are_read_and_other_units_are_refused(self):
+        import h5py
+
+        def scan(unit, name="velocity", attribute="units"):
+            with h5py.File(self.folder / "units.h5", "w") as file:
+                for key, values in {**self.arrays(), "trigger_delay_ms": 5.0}.items():
+                    file[key] = values
+                file[name].attrs[attribute] = unit
+            return read_scan(self.folder / "units.h5")
+
+        for unit, factor in (("mm s-1", 1e-3), ("mm s^-1", 1e-3), ("mm\u00b7s\u207b\u00b9", 1e-3), ("Millimetres per second", 1e-3),
+                             ("micrometer/sec", 1e-6), ("microns/s", 1e-6), ("[m/s]", 1.0), ("meters/second", 1.0), ("", 1.0)):
+            for attribute in ("units", "Unit"):
+                with self.subTest(unit=unit, attribute=attribute):
+                    np.testing.assert_allclose(scan(unit, attribute=attribute).velocity_m_s, factor * some_scan().velocity_m_s, rtol=1e-12)
+        for name, unit in (("velocity", "in/s"), ("velocity", "V"), ("velocity", "mm"), ("x", "inch"), ("time", "min"),
+                           ("trigger_delay_ms", "s")):
+            with self.subTest(name=name, unit=unit), self.assertRaisesRegex(BadScan, f"the unit of {name} is \"{unit}\""):
+                scan(unit, name)
+        self.assertAlmostEqual(scan("ms", "trigger_delay_ms").trigger_delay_s, 5e-3)
+        self.assertAlmostEqual(scan("milliseconds", "time").rate_Hz, 51.2e6, places=3)
+
+    def test_variables_without_effect_are_noted(self):
+        import scipy.io
+
+        path = self.folder / "more.mat"
+        scipy.io.savemat(path, {**self.arrays(), "velocity_unit": "m/s", "dir_z": -1.0})
+        self.assertIn("without effect: velocity_unit, dir_z", read_scan(path).notes)
+
+    def test_stated_units_are_those_of_si_or_refused(self):
+        for text in ("m, s, m/s", "SI (m, m/s, s)", "PSV-400/A", "Metres per second", "velocity in m/s", b"m s^-1", 1.0):
+            check_unit("units", text)
+        for text in ("inch", "in", "in/s", "km", "ft", "mm, s, mm/s", "m, ms", "millimetres per second", b"\xc2\xb5m/s"):
+            with self.subTest(text=text), self.assertRaises(BadScan):
+                check_unit("x_units", text)
+        check_unit("without", "mm")  # not a unit
+
+    def test_a_unit_that_would_be_ignored_is_refused(self):
+        import h5py
+        import scipy.io
+
+        for name, unit in (("velocity_unit", "mm/s"), ("Units", "mm"), ("unit", "\u00b5m/s")):
+            with self.subTest(name=name):
+                path = self.folder / "units.mat"
+                scipy.io.savemat(path, {**self.arrays(), name: unit})
+                with self.assertRaisesRegex(BadScan, f"{name} is \"{unit}\", but values are read in m, s and m/s"):
+                    read_scan(path)
+                with h5py.File(self.folder / "units.h5", "w") as file:
+                    for key, value in {**self.arrays(), name: unit}.items():
+                        file[key] = value
+                with self.assertRaisesRegex(BadScan, "but values are read in m, s and m/s"):
+                    read_scan(self.folder / "units.h5")
+        lines = self.written("csv").read_text()
+        for remark in ("velocity unit: mm/s", "units = cm", "velocity_units mm/s"):
+            self.refused(f"# {remark}\n{lines}", "values are read in m, s and m/s", ".csv")
+        for remark in ("velocity unit: m/s", "community gel, 60 mm", "unit 5 of the laboratory", "range: 100 mm/s"):
+            self.assertTrue(any("without effect" in note for note in read_scan(self.file(f"# {remark}\n{lines}", ".csv")).notes))
+
+    def hdf5(self, attributes, group="/", **more):
+        """The scan in an HDF5 file with attributes {(dataset or "/", name): value}, in a group; `more` is at the top."""
+        import h5py
+
+        path = self.folder / "attributes.h5"
+        with h5py.File(path, "w") as file:
+            place = file.require_group(group)
+            for key, value in self.arrays().items():
+                place[key] = value
+            for key, value in more.items():
+                file[key] = value
+            for (where, name), value in attributes.items():
+                file[where].attrs[name] = value
+        return path
+
+    def test_attributes_of_hdf5_files_are_settings_or_refused(self):
+        for group in ("/", "/vibrometer"):
+            for where in {"/", group}:
+                with self.subTest(group=group, where=where):
+                    read = read_scan(self.hdf5({(where, "direction_z"): -1.0, (where, "trigger_delay_ms"): 2.0, (where, "title"): "gel",
+                                                (where, "velocity_unit"): "m/s"}, group))
+                    np.testing.assert_array_equal(read.velocity_m_s, -some_scan().velocity_m_s)
+                    self.assertEqual((read.trigger_delay_s, read.states_direction), (2e-3, True))
+                    for name, value in (("units", "mm/s"), ("velocityUnit", "mm/s"), ("triggerDelay", 2.0), ("velocity_scale", 1e-3),
+                                        ("sign", -1.0), ("polarity", "negative")):
+                        with self.assertRaisesRegex(BadScan, name):
+                            read_scan(self.hdf5({(where, name): value}, group))
+        for name, value in (("dimension", "mm/s"), ("scale_factor", 1e-3), ("add_offset", 0.1), ("direction", "-Z"), ("direction_z", -1.0),
+                            ("_FillValue", float(some_scan().velocity_m_s[0, 3]))):
+            with self.subTest(name=name), self.assertRaisesRegex(BadScan, name):
+                read_scan(self.hdf5({("velocity", name): value}))
+        for name, value in (("scale_factor", 1.0), ("add_offset", 0.0), ("_FillValue", np.nan), ("_FillValue", -9999.0), ("long_name", "v")):
+            with self.subTest(name=name, value=value):
+                np.testing.assert_array_equal(read_scan(self.hdf5({("velocity", name): value})).velocity_m_s, some_scan().velocity_m_s)
+
+    def test_settings_next_to_the_struct_are_read_and_contradictions_refused(self):
+        import scipy.io
+
+        path = self.folder / "struct.mat"
+        for inner, outer, delay_s in (({}, {"trigger_delay_ms": 2.0}, 2e-3), ({"trigger_delay_ms": 2.0}, {"trigger_delay_ms": 2.0}, 2e-3),
+                                      ({"trigger_delay_ms": 2.0}, {"trigger_delay_ms": 3.0}, None),
+                                      ({"trigger_delay_ms": 2.0}, {"trigger_delay_s": 2e-3}, None), ({}, {"velocity_unit": "mm/s"}, None)):
+            scipy.io.savemat(path, {"vibrometer": {**self.arrays(), **inner}, **outer, "comment": 5.0})
+            five_and_seven = (path, self.hdf5({("/vibrometer", name): value for name, value in inner.items()}, "/vibrometer", **outer))
+            for one in five_and_seven:
+                with self.subTest(path=one.name, inner=inner, outer=outer):
+                    if delay_s is None:
+                        with self.assertRaisesRegex(BadScan, next(iter(outer))):
+                            read_scan(one)
+                    else:
+                        self.assertAlmostEqual(read_scan(one).trigger_delay_s, delay_s, places=12)
+
+    def test_two_names_of_one_quantity_are_refused(self):
+        import scipy.io
+
+        for name, other in (("v", "velocity"), ("t", "time")):
+            scipy.io.savemat(self.folder / "two.mat", {**self.arrays(), name: self.arrays()[other]})
+            for path in (self.folder / "two.mat", self.hdf5({}, **{name: self.arrays()[other]})):
+                with self.subTest(path=path.name), self.assertRaisesRegex(BadScan, f"both {other} and {name}"):
+                    read_scan(path)
+
+    def test_units_in_structs_in_any_order_of_words_and_in_remarks_are_refused(self):
+        import scipy.io
+
+        for more in ({"units": {"velocity": "mm/s", "x": "m"}}, {"unit_velocity": "mm/s"}, {"velocityUnits": "mm/s"}):
+            scipy.io.savemat(self.folder / "units.mat", {**self.arrays(), **more})
+            with self.subTest(more=more), self.assertRaisesRegex(BadScan, "is \"mm/s\", but values are read in"):
+                read_scan(self.folder / "units.mat")
+        with self.assertRaisesRegex(BadScan, "units/velocity is \"mm/s\""):
+            read_scan(self.hdf5({}, **{"units/velocity": "mm/s"}))
+        lines = self.written("csv").read_text()
+        for remark in ("velocity in mm/s", "Velocities: \u00b5m/s", "all x in mm, y in mm", "scale = 0.001"):
+            self.refused(f"# {remark}\n{lines}", "remove it", ".csv")
+        for remark in ("velocity in m/s", "time: 14 h", "x: 60 mm of gel", "scale: full"):
+            self.assertTrue(any("without effect" in note for note in read_scan(self.file(f"# {remark}\n{lines}", ".csv")).notes), remark)
+
+    def test_times_in_single_precision_have_the_rate_that_their_rounding_allows(self):
+        import scipy.io
+
+        time = np.arange(51200) / 51200.0  # the last ones differ by 0.3 % of a step after rounding to single precision
+        arrays = {**self.arrays(), "velocity": np.zeros((5, len(time)))}
+        for factor, unit in ((1.0, "s"), (1e3, "ms")):
+            arrays["time"] = (factor * time).astype(np.float32)
+            with self.subTest(unit=unit), mock.patch.object(self, "arrays", return_value=arrays):
+                self.assertEqual(read_scan(self.hdf5({("time", "units"): unit})).rate_Hz, 51200.0)
+                if unit == "s":
+                    scipy.io.savemat(self.folder / "single.mat", arrays)
+                    self.assertEqual(read_scan(self.folder / "single.mat").rate_Hz, 51200.0)
+        arrays["time"] = time.astype(np.float32)
+        arrays["time"][25000:] += np.float32(4e-5)  # two samples are missing
+        with mock.patch.object(self, "arrays", return_value=arrays), self.assertRaisesRegex(BadScan, "not uniformly spaced"):
+            read_scan(self.hdf5({}))
+
+    def test_a_quality_in_per_cent_is_refused(self):
+        for largest, words in ((100.0, "divide per cent by 100"), (1.0, "")):
+            path = self.folder / "quality.csv"
+            write_scan(path, replace(some_scan(), quality=np.array([0.0, np.nan, 0.5, 1.0, largest])), "csv")
+            if words:
+                with self.assertRaisesRegex(BadScan, words):
+                    read_scan(path)
+            else:
+                self.assertEqual(np.nanmax(read_scan(path).quality), 1.0)
+
+    def test_coordinates_in_mm_times_in_ms_and_velocities_along_the_surface_are_refused(self):
+        scan = some_scan()
+        for changes, reason in (({"x_m": 1e3 * scan.x_m}, "coordinates must be in metres"),
+                                ({"time_s": 1e3 * scan.time_s}, "times must be in seconds"),
+                                ({"direction": (1.0, 0.0, 0.0)}, "nearly parallel to the surface")):
+            with self.subTest(reason=reason):
+                path = self.folder / "wrong.csv"
+                write_scan(path, replace(scan, **changes), "csv")
+                with self.assertRaisesRegex(BadScan, reason):
+                    read_scan(path)
+
+
+if __name__ == "__main__":
+    unittest.main()
