@@ -42,6 +42,30 @@ class Direction(ScanTest):
         self.assertIn("into the skin, since the file states no direction", "; ".join(Alignment(scan, job).notes))
         self.assertAlmostEqual(np.linalg.norm(Alignment(scan, {}).direction), 1.0)
 
+    def test_the_notes_state_defaults_of_the_job_and_how_to_use_what_the_file_states(self):
+        scan = replace(some_scan(), states_direction=True)
+        job = {"vibrometer": {"trigger_delay_s": 0.0, "offset_m": [0.0, 0.0], "direction": [0.0, 0.0, 1.0]}}
+        notes = "; ".join(Alignment(scan, job).notes)
+        self.assertIn("0 ms (the default if the job states none), is used instead of that of the file, 1.3 ms", notes)
+        self.assertIn("set vibrometer.trigger_delay_ms = 1.3", notes)
+        tilt, azimuth = np.degrees([np.arctan2(np.hypot(0.1, 0.2), 0.97), np.arctan2(0.2, 0.1)])
+        self.assertIn(f"set vibrometer.tilt_deg = {tilt:.4g} and azimuth_deg = {azimuth:.4g}", notes)
+        job["vibrometer"].update(trigger_delay_s=1e-3, direction=[0.6, 0.0, 0.8])
+        self.assertNotIn("default", "; ".join(Alignment(scan, job).notes))
+
+    def test_the_line_of_sight_is_not_attributed_to_a_file_that_states_its_negative(self):
+        path = self.folder / "against.csv"
+        write_scan(path, replace(some_scan(), direction=(0.0, 0.0, -1.0)), "csv")
+        notes = "; ".join(Alignment(read_scan(path), {}).notes)
+        self.assertIn("(direction_z = -1); they and the line of sight are negated", notes)
+        self.assertIn("line of sight: (0, 0, 1), z into the skin", notes)
+
+    def test_implausible_velocities_are_noted_with_the_units(self):
+        scan = some_scan()  # velocities of about 1e-4 m/s
+        for factor, noted in ((1e3, False), (1e5, True)):
+            notes = "; ".join(Alignment(replace(scan, velocity_m_s=factor * scan.velocity_m_s), {}).notes)
+            self.assertEqual("m/s is implausible for skin: values are read in m, s and m/s" in notes, noted)
+
 
 class Order(ScanTest):
     """The indices of point and time, also in scans with as many points as times."""

@@ -71,6 +71,11 @@ class Measured(unittest.TestCase):
         self.assertLess(self.error(found[0]), 1e-6)  # of the spline, fourth order
         self.assertEqual(about["covered_from_m"], [GRID[0], GRID[0]])
 
+    def test_implausible_displacements_are_noted(self):
+        for factor, noted in ((1000.0, False), (2000.0, True)):  # 4 and 8 mm, as of velocities in um/s or mm/s that are taken as m/s
+            _, about = self.frames(*self.lattice(5.0), change=lambda values: np.multiply(values, factor, out=values))
+            self.assertEqual("displacement of 0.008 m is implausible" in "; ".join(about["notes"]), noted, about["notes"])
+
     def test_coarser_scans_have_larger_errors(self):
         errors = [self.error(self.frames(*self.lattice(mm))[0][0]) for mm in (3.0, 5.0, 9.0)]
         self.assertEqual(errors, sorted(errors))

@@ -22,6 +22,7 @@ from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, is_line,
 
 USAGE, ENVIRONMENT = 2, 6
 LEFT_OUT = 0.1
+MOST_m_s, MOST_m = 1.0, 5e-3  # radiation forces of a few mN move skin by less than a tenth of these
 SAME_DIRECTION = 1e-3  # directions are printed with four digits
 
 
@@ -31,7 +32,9 @@ class Alignment:
 
     def __init__(self, scan: Scan, request: dict) -> None:
         given = request.get("vibrometer")
-        self.notes = [*scan.notes, extent_text(scan)]
+        with np.errstate(invalid="ignore"):
+            largest_m_s = float(np.nanmax(np.abs(scan.velocity_m_s), initial=0.0))
+        self.notes = [*scan.notes, extent_text(scan), *plausibility("velocity", largest_m_s, MOST_m_s, "m/s")]
         self.delay_s, self.offset_m = scan.trigger_delay_s, (0.0, 0.0)
         length = math.hypot(*scan.direction)
         self.direction = tuple(value / length for value in scan.direction)
@@ -40,15 +43,22 @@ class Alignment:
         outwards = "; z of the file points out of the skin (--outwards)" if request.get("outwards") else ""
         self.notes.append(("positive velocities are taken as pointing into the skin, since the file states no direction"
                            if not scan.states_direction and not outwards else
-                           f"line of sight of the file: {vector(self.direction)}, z into the skin") + outwards)
+                           f"line of sight: {vector(self.direction)}, z into the skin") + outwards)
         if given:
             self.delay_s, self.offset_m = given["trigger_delay_s"], given["offset_m"]
+            default = " (the default if the job states none)"
             if scan.states_direction and math.dist(self.direction, given["direction"]) > SAME_DIRECTION:
-                self.notes.append(f"the line of sight of the job, {vector(given['direction'])}, is used instead of that of the file")
+                x, y, z = self.direction
+                of_job = vector(given["direction"]) + (default if given["direction"][2] == 1.0 else "")
+                self.notes.append(f"the line of sight of [vibrometer], {of_job}, is used instead of that of the file; for that of the "
+                                  f"file set vibrometer.tilt_deg = {math.degrees(math.atan2(math.hypot(x, y), z)):.4g} and "
+                                  f"azimuth_deg = {math.degrees(math.atan2(y, x)):.4g}")
             self.direction = given["direction"]
             if abs(scan.trigger_delay_s - self.delay_s) > 1e-9 and scan.trigger_delay_s != 0.0:
-                self.notes.append(f"the trigger delay of the job, {1e3 * self.delay_s:.6g} ms, is used instead of that of the "
-                                  f"file, {1e3 * scan.trigger_delay_s:.6g} ms")
+                of_job = f"{1e3 * self.delay_s:.6g} ms" + (default if self.delay_s == 0.0 else "")
+                file_ms = f"{1e3 * scan.trigger_delay_s:.6g}"
+                self.notes.append(f"the trigger delay of [vibrometer], {of_job}, is used instead of that of the file, {file_ms} ms; for "
+                                  f"that of the file set vibrometer.trigger_delay_ms = {file_ms}")
 
     def text(self) -> str:
         return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "
@@ -61,6 +71,13 @@ def extent_text(scan: Scan) -> str:
         largest = 1e3 * np.nanmax(np.abs(scan.velocity_m_s), initial=0.0)
     return (f"{len(scan.x_m)} points, x {x0:.4g} to {x1:.4g} mm, y {y0:.4g} to {y1:.4g} mm; {len(scan.time_s)} samples at "
             f"{scan.rate_Hz:.8g} Hz, up to {largest:.4g} mm/s")
+
+
+def plausibility(what: str, largest: float, most: float, unit: str) -> list[str]:
+    """A note if a velocity in m/s or a displacement in m is larger than ultrasound causes in skin."""
+    return [] if largest <= most else [
+        f"a {what} of {largest:.4g} {unit} is implausible for skin: values are read in m, s and m/s, unless the attribute units (HDF5) "
+        "or the label of the ordinate (UFF) states another unit"]
 
 
 def vector(direction: Iterable[float]) -> str:
@@ -98,9 +115,11 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
         smooth = filtered(values, scan.rate_Hz, request["high_pass_Hz"], repeats)
         return to_u_z * displacement_m(smooth, start_s, scan.rate_Hz, frames_s, repeats)
 
+    measured = motion(velocity)
+
     def repetition(n: int) -> Iterator[np.ndarray]:
         if n == 0:
-            yield from full.frames(motion(velocity))
+            yield from full.frames(measured)
             return
         rng = np.random.default_rng([request["seed"], n])
         kept = np.sort(rng.permutation(len(velocity))[:max(4, round((1.0 - LEFT_OUT) * len(velocity)))])
@@ -111,7 +130,7 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
         yield from part.frames(motion(noisy[kept]))
 
     nodes = full.nodes[full.covered]
-    about = {"notes": [*alignment.notes,
+    about = {"notes": [*alignment.notes, *plausibility("displacement", float(np.max(np.abs(measured))), MOST_m, "m"),
                        f"{np.count_nonzero(good)} of {len(good)} points, {full.point_spacing * 1e3:.4g} mm apart, cover "
                        f"{100.0 * np.mean(full.covered):.1f} % of the domain; gaps are "
                        + ("masked" if masks else "interpolated"),

@@ -67,7 +67,8 @@ def checked(scan: Scan) -> Scan:
     if abs(scan.direction[2]) < 0.1 * np.linalg.norm(scan.direction):
         raise BadScan("the line of sight is nearly parallel to the surface, so it contains no displacement along z")
     if scan.direction[2] < 0.0:
-        scan.notes.append(f"positive velocities point out of the skin (direction_z = {scan.direction[2]:.6g}); they are negated")
+        scan.notes.append(f"positive velocities point out of the skin (direction_z = {scan.direction[2]:.6g}); they and the line of "
+                          "sight are negated")
     return scan.along_z()
 
 
