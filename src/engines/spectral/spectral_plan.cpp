@@ -110,18 +110,19 @@ Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPl
 }
 
 /// The planes of the transform and of the output.
-Arrays arrays_of_output(const Case& c, const DepthMesh& mesh, int ranks) {
+Arrays arrays_of_output(const Case& c, const DepthMesh& mesh, const VariationPlan& v, int ranks) {
     const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
     const double modes_y = static_cast<double>(c.domain.ny / 2 + 1), nodes = mesh.degree + 1.0;
     const double plane_B =
         2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * most_rows(ny, ranks));
     const double displacement_B = most_rows(ny, ranks) * up(nx / 2.0, lane_count) * 3.0 *
                                   static_cast<double>(mesh.levels() - 1) * parts * sizeof(Block);
-    const double perceived = ReceptorStress::planes(c, mesh);
+    const double perceived = ReceptorStress::planes(c, mesh),
+                 strains = v.surfaces > 0.0 ? strain_components : 0.0;
     return {{"planes of the transform", (ranks > 1 ? 3.0 : 2.0) * plane_B},
             {"volumes of strain and stress",
              records_tensors(c.record) ? displacement_B + (24.0 + nodes) * plane_B : 0.0},
-            {"stress at receptors", perceived > 0.0 ? (2.0 + 2.0 * perceived) * plane_B : 0.0}};
+            {"stress at receptors", perceived > 0.0 ? (2.0 + perceived + strains) * plane_B : 0.0}};
 }
 
 } // namespace
@@ -217,7 +218,7 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
         sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
     engines::Resources all;
     all.arrays = arrays_of_stepper(layers, mesh, v, sponge, ranks);
-    for (const engines::Array& array : arrays_of_output(layers, mesh, ranks))
+    for (const engines::Array& array : arrays_of_output(layers, mesh, v, ranks))
         all.arrays.push_back(array);
     all.arrays.push_back({"material map", map_bytes(c.scene().medium)});
     if (layers != c) {

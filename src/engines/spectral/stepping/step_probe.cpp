@@ -21,8 +21,8 @@ constexpr std::ptrdiff_t probed_columns = 2 * lane_count, probed_rows = 2;
 /// Longest part of a run that is advanced, in output intervals. Longer runs are extrapolated, so
 /// that the effort does not grow with the number of frames.
 constexpr double most_intervals = 2500.0;
-/// Largest number of steps times elements for an error of the step alone: about 0.5 s.
-constexpr double most_work = 2e4;
+/// Largest number of steps times elements for an error of the step alone: about 2 s.
+constexpr double most_work = 1e5;
 
 Case with_few_wave_vectors(Case c, std::ptrdiff_t rows) {
     c.domain = {probed_columns, 2 * rows,
