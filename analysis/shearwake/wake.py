@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,6 +80,12 @@ def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.
     step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]
     length = float(np.hypot(*step))
     return path[now], step / length if length > 1e-9 else None, path[: now + 1]
+
+
+def strongest_focus_mm(case: Case, t_s: float, displacement: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """The position of the focus; of several simultaneous foci that with the largest displacement(x_mm, y_mm)."""
+    foci = focus_at(case, t_s)[0] + offsets_mm(case)
+    return foci[np.argmax(np.nan_to_num(np.abs(displacement(foci[:, 0], foci[:, 1])), nan=-1.0))]
 
 
 def fronts(focus: np.ndarray, direction: np.ndarray, angle_deg: float, length: float) -> Iterator[np.ndarray]:

@@ -74,6 +74,20 @@ class FolderTest(unittest.TestCase):
             expected = 3.0 * np.exp(-(1e-3 * np.asarray(line.x))**2 / wide_m2)
             np.testing.assert_allclose(line.y, expected, atol=0.1)
 
+    def test_profiles_pass_through_the_strongest_of_several_foci(self):
+        folder = sweep(self.root)
+        for path in (self.root / "cases").glob("*.h5"):
+            with h5py.File(path, "r+") as file:  # the middle of two foci is at rest at (18, 0) mm, the displacement at (28, 0) mm
+                text = file.attrs["case"].decode().replace("kind =", "foci_x_m = [-0.02, 0.01]\nfoci_y_m = [0.0, 0.0]\nkind =")
+                file.attrs["case"] = np.bytes_(text.encode())
+                file["focus_x"][...] = 0.018
+        figure, = self.draw(folder, fig_profiles)
+        for panel in figure.charts:
+            line = panel.lines[0]
+            # The last snapshot has its peak at 7 m/s * 4 ms; the tolerance as above.
+            np.testing.assert_allclose(line.y, 3.0 * np.exp(-(1e-3 * np.asarray(line.x))**2 / 8e-6), atol=0.1)
+        self.assertIn("Of several simultaneous foci the one with the largest displacement is taken: (28, 0) mm.", figure.caption)
+
     def test_every_trace_point_has_its_displacement_and_spectrum(self):
         folder = sweep(self.root)
         for number in range(1, 5):
@@ -211,6 +225,16 @@ class FolderTest(unittest.TestCase):
             group["u_z"] = 1e-6 * np.ones((1, 5, 13, 17))
         figure, = self.draw_to_scale(folder, fig_volume)
         self.assertIn("u_z", figure.caption)
+        self.assertNotIn("simultaneous", figure.caption)
+
+    def test_volumes_are_cut_through_the_strongest_of_several_foci(self):
+        x = y = np.arange(-6.0, 7.0)
+        u = np.ones((5, 13, 13))
+        u[2, 3, 1] = -2.0  # at y = -3, x = -5
+        case = mock.Mock(focus={"time": np.zeros(1), "focus_x": np.array([1e-3]), "focus_y": np.zeros(1)})
+        offsets = {"foci_x_m": [3e-3, -6e-3], "foci_y_m": [4e-3, -3e-3]}
+        case.setting = lambda *keys, default: offsets[keys[-1]]
+        self.assertEqual(fig_volume.planes(case, (0.0, "u_z", x, y, np.arange(5.0), u))[0], 3)
 
     def draw_to_scale(self, folder, module):
         """The figures of a module; checks that a millimetre has the same length along both axes and that no title

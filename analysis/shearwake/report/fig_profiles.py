@@ -14,7 +14,7 @@ from ..case import Case
 from . import fig_surface, fig_time, layout, load, style, warnings_of
 from .chart import Chart, Line
 from .figure import Figure
-from .words import number
+from .words import number, strongest_text
 
 
 def sample(shot: fig_surface.Snapshot, x_mm: np.ndarray, y_mm: np.ndarray) -> np.ndarray:
@@ -42,10 +42,14 @@ def last_shot(case: Case) -> fig_surface.Snapshot | None:
     return shot if np.isfinite(u).any() and min(u.shape) > 1 else None
 
 
+def focus_mm(shot: fig_surface.Snapshot) -> np.ndarray:
+    return wake.strongest_focus_mm(shot.case, shot.t_s, lambda x, y: sample(shot, x, y))
+
+
 def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.ndarray]:
     """Distances from the focus in mm and u in um on a line through the focus. A focus at rest has no direction of
     motion: its lines are parallel to x and y."""
-    focus, direction, _ = wake.focus_at(shot.case, shot.t_s)
+    focus, direction = focus_mm(shot), wake.focus_at(shot.case, shot.t_s)[1]
     way = np.array([1.0, 0.0]) if direction is None else np.asarray(direction)
     if not along:
         way = np.array([-way[1], way[0]])
@@ -95,7 +99,8 @@ def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     charts = draw(shots, colours, labels, titles, folder / "profiles.png")
     times = sorted({number(1e3 * s.t_s) for s in shots}, key=float)
     text = (f"Displacement of {layout.plane_name(drawn)} on two lines through the focus at t = {times[0]}"
-            f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts.")
+            f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts."
+            + strongest_text(focus_mm(s) for s in shots if len(wake.offsets_mm(s.case)) > 1))
     if any(c.is_reference for c in drawn):
         text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
     title = "Profiles through the focus"

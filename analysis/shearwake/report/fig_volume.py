@@ -13,7 +13,7 @@ from ..case import Case
 from . import hover, layout, style, to_scale, warnings_of
 from .figure import Figure
 from .load import UNREADABLE, Selection
-from .words import number
+from .words import number, strongest_text
 
 CASES = 4
 BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volume
@@ -45,10 +45,21 @@ def on_even_rows(values: Any, vertical: Any) -> Any:
     return values[np.abs(vertical[:, None] - even[None, :]).argmin(axis=0)]
 
 
+def focus_mm(case: Case, volume: Any) -> Any:
+    t_s, _, x, y, _, u = volume
+
+    def largest(x_mm: Any, y_mm: Any) -> Any:
+        """The largest displacement at any depth in the columns of the grid that are nearest to points."""
+        i, j = (np.abs(axis[:, None] - points).argmin(axis=0) for axis, points in ((x, x_mm), (y, y_mm)))
+        return np.abs(u[:, j, i]).max(axis=0)
+
+    return wake.strongest_focus_mm(case, t_s, largest)
+
+
 def planes(case: Case, volume: Any) -> Any:
     """The indices (j, k) of the planes of the two slices."""
-    t_s, _, _, y, z, _ = volume
-    focus = wake.focus_at(case, t_s)[0]
+    y, z = volume[3:5]
+    focus = focus_mm(case, volume)
     return int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
 
 
@@ -93,6 +104,6 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
     style.save(figure, folder / "volume.png")
     text = (f"The component {component} of the displacement in the last recorded volume: a vertical slice through the focus, and "
             f"a horizontal slice. The colour scale ends at ±{number(end, 2)} µm, the 99.5th percentile; larger values are "
-            "clipped.")
+            "clipped." + strongest_text(focus_mm(*one) for one in found if len(wake.offsets_mm(one[0])) > 1))
     return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
                    maps=hover.maps_of(figure), cases=[case.id for case, _ in found])]

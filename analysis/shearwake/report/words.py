@@ -149,3 +149,9 @@ def some_of(count: int, every: int, noun: str) -> str:
 def listed(words: Iterable[str]) -> str:
     words = list(words)
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+
+
+def strongest_text(several: Iterable[Iterable[float]]) -> str:
+    """The end of a caption about the foci that were chosen among simultaneous ones; empty for none."""
+    places = dict.fromkeys(f"({number(x)}, {number(y)})" for x, y in several)
+    return f" Of several simultaneous foci the one with the largest displacement is taken: {', '.join(places)} mm." if places else ""
