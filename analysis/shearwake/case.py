@@ -57,7 +57,8 @@ class Case:
 
     `id` is the hash of its physical parameters, `settings` the values of the swept keys, and `path` its file, which exists
     once the case is complete. Lengths in files are in m, times in s and stresses in Pa; the scalars of the table have the
-    unit that their name states. `damage` states what verify() found to be wrong with the file, and is empty otherwise.
+    unit that their name states. `damage` states what verify() found to be wrong with the file, and is empty otherwise. The first
+    reading of its file warns with NotValid if another program has changed it through HDF5; only verify() finds all changes.
     """
 
     def __init__(self, path: Path, entry: dict[str, Any], sweep: Sweep | None = None) -> None:
@@ -68,6 +69,7 @@ class Case:
         self.reference_id: str = entry["reference_id"]
         self.sweep = sweep
         self.damage = ""
+        self._is_checked = False
         self._parameters_text: str = entry.get("case", "")
 
     def __repr__(self) -> str:
@@ -97,7 +99,7 @@ class Case:
 
     @property
     def status(self) -> str:
-        """`complete`, or `damaged` if verify() found damage; otherwise what `reduce` stated, for example `failed`, or
+        """`complete`, or `damaged` if verify() found damage, which is not looked for before; otherwise what `reduce` stated, for example `failed`, or
         `missing` if it is not computed."""
         if self.damage:
             return "damaged"
@@ -192,7 +194,19 @@ class Case:
         """The path of the file. Raises NotRecorded if the case is not complete."""
         if not self.has_file:
             raise NotRecorded(f"case {self.id} has no file: {self.reason}")
+        self._warn_if_changed()
         return self.path
+
+    def _warn_if_changed(self) -> None:
+        """Warns once if another program has changed the file through HDF5."""
+        if not self._is_checked:
+            self._is_checked = True
+            with contextlib.suppress(OSError):  # raised again when the file is read
+                try:
+                    if not checksum.has_line(self.path):
+                        checksum.verify_case(self.path)
+                except checksum.Damaged as error:
+                    warnings.warn(f"{self.path} is damaged: {error}", NotValid, stacklevel=4)
 
     @functools.cached_property
     def attributes(self) -> dict[str, Any]:
@@ -221,7 +235,7 @@ class Case:
     def verify(self) -> None:
         """Reads the entire file, and records in `damage` what is wrong with it. Raises Damaged if it does not match its checksum
         or is not the file of this case, OSError if it cannot be read, and NotRecorded without a file."""
-        self.damage = ""
+        self.damage, self._is_checked = "", True
         path = self._file()
         for name in ("_scalars", "attributes", "parameters", "groups", "series", "over_time", "focus"):
             self.__dict__.pop(name, None)  # read from a file that may have been replaced

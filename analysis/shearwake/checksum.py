@@ -57,6 +57,17 @@ def verify_case(path: str | os.PathLike[str]) -> None:
         raise Damaged(f"its bytes do not match its checksum{f': {OPENED}' if is_opened else ''}")
 
 
+def has_line(path: str | os.PathLike[str]) -> bool:
+    """Whether a case file ends in the line of a checksum for its size, which takes microseconds to read. Programs that change the file
+    through HDF5 remove the line; other changes are found by verify_case() only. Raises OSError."""
+    require_regular(Path(path))
+    with open(path, "rb") as file:
+        size = file.seek(0, 2)
+        file.seek(max(0, size - LINE_LENGTH))
+        found = LINE.fullmatch(file.read())
+    return found is not None and size - LINE_LENGTH - int(found[2]) in (0, 1)  # 1: a line break before the line
+
+
 def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:
     """The last line of a case file according to the journals of its output folder; None if they do not contain it."""
     case, found = Path(path).absolute(), None

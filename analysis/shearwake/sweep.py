@@ -79,7 +79,7 @@ class Sweep:
         for name in ("_files", "reduced"):
             self.__dict__.pop(name, None)
         for case in self.every_case:
-            case.damage = ""
+            case.damage, case._is_checked = "", False
 
     def select(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> list[Case]:
         """The cases with these values of swept keys, given in full in a mapping or as keywords by their last part:
@@ -111,7 +111,8 @@ class Sweep:
         the readings are not valid; NA: not complete), `valid_ratios` (the same for ratios to the reference, in sweeps that have
         references), and the columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
 
-        The numbers are those of `shearwake reduce`; without its table they are read from the case files."""
+        The numbers are those of `shearwake reduce`, without opening a case file; whether files have changed since then is found by
+        verify(). Without the table of `reduce` they are read from the case files."""
         import pandas as pd
         names = [column.name for column in self.columns]
         valid = ["valid", *(["valid_ratios"] if self.references else [])]
