@@ -118,7 +118,7 @@ Arrays arrays_of_output(const Case& c, const DepthMesh& mesh, const VariationPla
     const double displacement_B = most_rows(ny, ranks) * up(nx / 2.0, lane_count) * 3.0 *
                                   static_cast<double>(mesh.levels() - 1) * parts * sizeof(Block);
     const double perceived = ReceptorStress::planes(c, mesh),
-                 strains = v.surfaces > 0.0 ? strain_components : 0.0;
+                 strains = v.surfaces > 0.0 ? double{strain_components} : 0.0;
     return {{"planes of the transform", (ranks > 1 ? 3.0 : 2.0) * plane_B},
             {"volumes of strain and stress",
              records_tensors(c.record) ? displacement_B + (24.0 + nodes) * plane_B : 0.0},
