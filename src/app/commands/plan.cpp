@@ -118,7 +118,7 @@ struct Estimates {
 
 /// CPU time for choosing time steps and for the errors that they cause, and for the resources of
 /// cases. At least one case is computed.
-constexpr double most_choosing_s = 0.25, most_resources_s = 0.5;
+constexpr double most_choosing_s = 0.25;
 
 /// The choices of the engines: each distinct line once, in the order of the cases.
 void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseCosts& costs,
@@ -349,7 +349,7 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {}, most_choosing_s);
     Estimates estimates;
     add_choices(cases, costs, estimates); // engines remember the steps of a few cases
-    estimates.estimated = costs.limit_resources(cases, most_resources_s);
+    estimates.estimated = costs.limit_resources(cases, most_choosing_s);
     if (arguments.probe) {
         const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
                                                    available_B, costs);

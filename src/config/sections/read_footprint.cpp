@@ -162,9 +162,9 @@ constexpr double reach_in_widths = 4.0;
 constexpr double most_pattern_side = 600.0, most_products = 3e8;
 /// Largest number of samples of the table of a piston along a side: 128 MB.
 constexpr double most_table_samples = 4000.0;
-/// Largest work for all arrays of a job, in such products: about 4 s. The width of a pattern
+/// Largest work for all arrays of a job, in such products: about 1 s. The width of a pattern
 /// takes 1e4 products per element, and each of the different samples of the table 150.
-constexpr double most_work = 4e9, width_products = 1e4, table_products = 150.0;
+constexpr double most_work = 1e9, width_products = 1e4, table_products = 150.0;
 
 const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {
