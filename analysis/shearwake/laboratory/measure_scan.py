@@ -75,7 +75,7 @@ def extent_text(scan: Scan) -> str:
 
 def plausibility(what: str, largest: float, most: float, unit: str) -> list[str]:
     """A note if a velocity in m/s or a displacement in m is larger than ultrasound causes in skin."""
-    return [] if largest <= most else [
+    return [] if not largest > most else [
         f"a {what} of {largest:.4g} {unit} is implausible for skin: values are read in m, s and m/s, unless the attribute units (HDF5) "
         "or the label of the ordinate (UFF) states another unit"]
 

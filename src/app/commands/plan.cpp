@@ -348,7 +348,8 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
     cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {}, most_choosing_s);
     Estimates estimates;
-    add_choices(cases, costs, estimates); // engines remember the steps of a few cases
+    // Engines remember the steps of a few cases.
+    if (world.is_root()) add_choices(cases, costs, estimates);
     estimates.estimated = costs.limit_resources(cases, most_choosing_s);
     if (arguments.probe) {
         const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,

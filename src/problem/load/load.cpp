@@ -191,8 +191,8 @@ std::string why_not(const Load& load) {
             if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
                 return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
     if (std::ranges::any_of(load.modulation.envelope.gains, acts_once))
-        return "rises or falls once (a ramp, a window, or samples without repeat = true), which a "
-               "load that repeats for ever cannot; remove it";
+        return "rises or falls once (a ramp, a window, or samples that are not repeated), which a "
+               "load that repeats for ever cannot; remove it, or set repeat = true";
     return {};
 }
 

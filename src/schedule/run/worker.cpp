@@ -319,19 +319,16 @@ void Worker::report(const std::string& text) {
 /// STOP file. Roots call this between the steps of a case, so it reads the memory of rank 0 only
 /// every 50 ms.
 bool Worker::stop_asked() {
-    const bool is_signalled = stop_requested();
-    if (!signal_reported_ && (is_signalled || list_.deadline.left_s() <= 0.0)) {
-        signal_reported_ = true;
-        counters_.fetch_add(signalled, 1);
-    }
     const auto now = std::chrono::steady_clock::now();
-    if (world_.is_root() && !signal_reported_ && now - last_stop_file_ > 500ms) {
+    bool is_asked = stop_requested() || list_.deadline.left_s() <= 0.0;
+    if (world_.is_root() && now - last_stop_file_ > 500ms) {
         last_stop_file_ = now;
         std::error_code unknown;
-        if (std::filesystem::exists(list_.folder.stop_file(), unknown)) {
-            signal_reported_ = true;
-            counters_.fetch_add(signalled, 1);
-        }
+        is_asked = is_asked || std::filesystem::exists(list_.folder.stop_file(), unknown);
+    }
+    if (is_asked && !signal_reported_) {
+        signal_reported_ = true;
+        counters_.fetch_add(signalled, 1);
     }
     if (!signal_seen_ && now - last_look_ > 50ms) {
         last_look_ = now;

@@ -51,8 +51,7 @@ using Document = nlohmann::ordered_json;
 constexpr double outlier_weight = 0.5;
 
 long outliers(const FitResult& result) {
-    return std::count_if(result.weights.begin(), result.weights.end(),
-                         [](double weight) { return weight < outlier_weight; });
+    return std::ranges::count_if(result.weights, [](double w) { return w < outlier_weight; });
 }
 
 Document estimates_of(const FitOutput& output) {
@@ -173,20 +172,17 @@ constexpr double least_magnitude = 1e-9;
 
 /// A uniform or triangular distribution gives bounds alone.
 std::optional<Prior> prior_of(const sampling::Distribution& distribution) {
-    using Result = std::optional<Prior>;
-    const auto normal = [&]() -> Result {
-        const double low = sampling::quantile(distribution, 0.158655),
-                     high = sampling::quantile(distribution, 0.841345);
-        return Prior{0.5 * (low + high), 0.5 * (high - low), false};
-    };
+    const double low = sampling::quantile(distribution, 0.158655),
+                 high = sampling::quantile(distribution, 0.841345);
+    const std::optional normal = Prior{0.5 * (low + high), 0.5 * (high - low), false};
     const auto log_normal = [&](const sampling::LogNormal& shape) {
-        if (distribution.root_of != 0.0) return normal();
-        return Result(Prior{std::log(shape.median), std::log(shape.geometric_sd), true});
+        if (distribution.root_of != 0.0) return normal;
+        return std::optional(Prior{std::log(shape.median), std::log(shape.geometric_sd), true});
     };
-    return std::visit(overloaded{[](const sampling::Uniform&) -> Result { return {}; },
-                                 [&](const sampling::Normal&) { return normal(); }, log_normal,
-                                 [](const sampling::Triangular&) -> Result { return {}; },
-                                 [&](const sampling::Empirical&) { return normal(); }},
+    return std::visit(overloaded{[](const sampling::Uniform&) { return std::optional<Prior>(); },
+                                 [&](const sampling::Normal&) { return normal; }, log_normal,
+                                 [](const sampling::Triangular&) { return std::optional<Prior>(); },
+                                 [&](const sampling::Empirical&) { return normal; }},
                       distribution.shape);
 }
 
@@ -213,8 +209,7 @@ std::vector<Parameter> read_parameters(const ScanArguments& arguments, bool is_r
         for (const config::Diagnostic& diagnostic : diagnostics.sorted())
             fmt::print(stderr, "{}\n", coloured(config::text(diagnostic), stderr));
     if (parameters.empty())
-        throw UsageError(arguments.job.string() + ": [uncertain] names no key; it lists the keys "
-                                                  "to be estimated with bounds and priors",
+        throw UsageError(arguments.job.string() + ": [uncertain] names no key to be estimated",
                          ExitCode::bad_job);
     return parameters;
 }
@@ -346,11 +341,10 @@ std::vector<SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
                 all.insert(all.begin() + static_cast<std::ptrdiff_t>(fixed), law.value);
                 return model(all);
             };
-            std::optional<std::vector<double>> predicted;
-            if (others.empty())
-                predicted = reduced({});
-            else
-                predicted = fit(others, rows, rows.size() / samples, reduced, full.noise).predicted;
+            const std::optional<std::vector<double>> predicted =
+                others.empty()
+                    ? reduced({})
+                    : fit(others, rows, rows.size() / samples, reduced, full.noise).predicted;
             if (!predicted) continue;
             const double change = chi_squared(*predicted, rows, samples, full.noise) -
                                   full.chi_squared - std::log(static_cast<double>(rows.size()));

@@ -275,8 +275,7 @@ constexpr double same_depth = 0.3, same_point = 0.4;
 
 /// Moves points at almost the same depth to one.
 void join_depths(double within_m, std::vector<Vec3>& points) {
-    std::sort(points.begin(), points.end(),
-              [](Vec3 a, Vec3 b) { return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y); });
+    std::ranges::sort(points, {}, [](Vec3 p) { return std::tuple(p.z, p.x, p.y); });
     for (std::size_t begin = 0, end; begin < points.size(); begin = end) {
         for (end = begin; end < points.size() && points[end].z <= points[begin].z + within_m;)
             ++end;
@@ -311,11 +310,10 @@ void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
         sums[first_of(i)] = sums[first_of(i)] + points[i];
         counts[first_of(i)] += 1.0;
     }
-    std::vector<Vec3> joined;
-    for (std::size_t i = 0; i < points.size(); ++i)
+    points.clear();
+    for (std::size_t i = 0; i < sums.size(); ++i)
         if (counts[i] > 0.0)
-            joined.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
-    points = std::move(joined);
+            points.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
 }
 
 /// Cuts an endless cylinder off at the edges of the domain.
@@ -332,8 +330,7 @@ void cut_axis(const Domain& domain, Vec3& centre_m, Cylinder& cylinder) {
     cut(centre_m.x, c, 0.5 * domain.extent_x_m());
     cut(centre_m.y, s, 0.5 * domain.extent_y_m());
     cylinder.length_m = std::max(0.0, to - from);
-    const double middle = 0.5 * (from + to);
-    centre_m = centre_m + Vec3{middle * c, middle * s, 0.0};
+    centre_m = centre_m + 0.5 * (from + to) * Vec3{c, s, 0.0};
 }
 
 } // namespace

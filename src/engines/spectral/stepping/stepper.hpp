@@ -31,7 +31,7 @@ namespace shearwake::spectral {
 /// bodies, and 6 adds the response to their explicit and implicit stress together.
 class Stepper : public engines::Marching {
 public:
-    /// `per_frame`: number of steps of a frame; 0 if there is no output. Throws CaseFailure on all
+    /// `per_frame`: number of steps of a frame; 0: without output. Throws CaseFailure on all
     /// ranks together. Collective.
     Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
             const Comm& team, std::ptrdiff_t per_frame = 0);
