@@ -94,18 +94,15 @@ std::string all_of(const std::vector<std::string>& names) {
     return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-/// The first Python that has the packages, which it finds in a fifth of the time of importing them.
+/// The first Python that has the packages.
 std::string find_python(const PythonPackages& packages) {
     std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
     if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
         candidates.insert(candidates.begin(), chosen);
-    for (const std::string& python : candidates) {
-        std::vector<std::string> command = {
-            python, "-c",
-            "import importlib.util as i, sys; sys.exit(not all(map(i.find_spec, sys.argv[1:])))"};
-        command.insert(command.end(), packages.modules.begin(), packages.modules.end());
-        if (run_silently(command) == 0) return python;
-    }
+    for (const std::string& python : candidates)
+        if (run_silently(
+                {python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))}) == 0)
+            return python;
     throw UsageError(fmt::format("{} a Python with {} (Debian: {}); set SHEARWAKE_PYTHON to choose "
                                  "another Python",
                                  packages.purpose, all_of(packages.modules), packages.debian),
