@@ -203,13 +203,10 @@ double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner
 }
 
 void remove_checkpoints(const fs::path& stem) {
-    std::error_code none;
     for (const fs::path& path : paths_of(stem)) {
-        fs::remove(path);
-        // OMPIO leaves X.part.data.0 and X.part.metadata.0 if a rank is killed while it writes X.
-        const std::string part = path.filename().string() + ".part";
-        for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), none))
-            if (entry.path().filename().string().starts_with(part)) fs::remove(entry.path());
+        // OMPIO leaves the last two if a rank is killed while it writes a checkpoint.
+        for (const char* ending : {"", ".part", ".part.data.0", ".part.metadata.0"})
+            fs::remove(path.string() + ending);
     }
 }
 

@@ -59,7 +59,7 @@ class MutatedJobs(ProgramTest):
         text = changed(('shape = "gaussian", fwhm_mm = 10.2', 'shape = "array", preset = "array-16x16", distance_mm = 200.0'), text=text)
         distances = '"load.footprint.distance_mm" = {{ linspace = [150.0, 250.0, {}] }}'
         for more, code, words in (("", 0, "1500 cases"), (distances.format(6), 0, "9000 cases"),
-                                  (distances.format(2000), 3, "different arrays of the job")):
+                                  (distances.format(2000), 3, "has 2000 different arrays, but at most")):
             swept = text.replace("1500] }", "2] }" if code else "1500] }") + more + "\n"
             self.write_job(swept)
             with self.subTest(more=more):
@@ -79,7 +79,7 @@ class MutatedJobs(ProgramTest):
             document = json.loads(self.shearwake("plan", "job.toml", "--elsewhere", "--json").stdout)
             mean_B[count], estimated = document["disk_B"] / count, document["estimated_cases"]
         self.assertLess(estimated, 2501)
-        self.says(said, "of 2501 cases, spread evenly")
+        self.says(said, "of 2501 cases, the largest and others that are spread evenly")
         # Gaps between the computed cases are at most 2.7 times their mean (multiples of the golden ratio).
         self.assertAlmostEqual(mean_B[2501] / mean_B[2], 1.0, delta=2.7 / estimated)
 

@@ -74,7 +74,8 @@ double points_per_wave(const Case& c) {
 struct PlannedCost {
     const PlannedCase* planned;
     double seconds, memory_per_rank_B, disk_B;
-    cost::Origin origin; // of the seconds, which are only relative if it is unknown
+    cost::Origin origin;  // of the seconds, which are only relative if it is unknown
+    bool is_of_neighbour; // resources of another case, which stand for its own
 };
 
 /// The name of an origin in documents, and its text; in the order of cost::Origin.
@@ -118,7 +119,7 @@ struct Estimates {
 
 /// CPU time for choosing time steps and for the errors that they cause, and for the resources of
 /// cases. At least one case is computed.
-constexpr double most_choosing_s = 0.25;
+constexpr double most_choosing_s = 0.25, most_resources_s = 0.5;
 
 /// The choices of the engines: each distinct line once, in the order of the cases.
 void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseCosts& costs,
@@ -155,7 +156,7 @@ void add_estimates(const std::vector<const PlannedCase*>& cases, const schedule:
         const Case& c = planned->physics;
         const cost::CaseTime time = costs.time(c, layout.ranks_per_case);
         e.cases.push_back({planned, time.own_s, costs.memory_per_rank_B(c, layout.ranks_per_case),
-                           costs.of(c).written_B, time.origin});
+                           costs.of(c).written_B, time.origin, costs.is_of_neighbour(c)});
         e.longest_s = std::max(e.longest_s, time.own_s);
         e.origin = std::max(e.origin, time.origin);
         if (e.cases.back().memory_per_rank_B > e.demand.memory_per_rank_B) {
@@ -168,12 +169,13 @@ void add_estimates(const std::vector<const PlannedCase*>& cases, const schedule:
 
 void print_case(const PlannedCost& cost) {
     const Case& c = cost.planned->physics;
-    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7}  {}\n", cost.planned->id,
-               fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
-               fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
-               cost.memory_per_rank_B / 1e6,
-               cost.origin == cost::Origin::unknown ? "?" : fmt::format("{:.2g}", cost.seconds),
-               settings_of(*cost.planned));
+    fmt::print(
+        "{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  {}\n", cost.planned->id,
+        fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
+        fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
+        fmt::format("{}{:.0f}", cost.is_of_neighbour ? "~" : "", cost.memory_per_rank_B / 1e6),
+        cost.origin == cost::Origin::unknown ? "?" : fmt::format("{:.2g}", cost.seconds),
+        settings_of(*cost.planned));
 }
 
 /// All cases of a short plan. Of a long one, the first and the longest cases, unless all are
@@ -240,7 +242,8 @@ void print_totals(const Estimates& e) {
                       : "",
         e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
     if (e.estimated < e.cases.size())
-        fmt::print("memory and time are estimated from {} of {} cases, spread evenly\n",
+        fmt::print("memory and time are estimated from {} of {} cases, the largest and others that "
+                   "are spread evenly; ~: those of the case before\n",
                    e.estimated, e.cases.size());
 }
 
@@ -289,6 +292,7 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
             {"seconds", cost.origin == cost::Origin::unknown ? Json() : Json(cost.seconds)},
             {"time_origin", name_of(cost.origin)},
             {"memory_per_rank_B", cost.memory_per_rank_B},
+            {"is_of_neighbour", cost.is_of_neighbour},
             {"disk_B", cost.disk_B}};
 }
 
@@ -346,11 +350,15 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
-    cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {}, most_choosing_s);
-    Estimates estimates;
-    // Engines remember the steps of a few cases.
-    if (world.is_root()) add_choices(cases, costs, estimates);
-    estimates.estimated = costs.limit_resources(cases, most_choosing_s);
+    // Ranks that probe together need the same time steps and resources of all cases.
+    const bool is_limited = !arguments.probe;
+    cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {},
+                          is_limited ? most_choosing_s : std::numeric_limits<double>::infinity());
+    Estimates estimates{.estimated = cases.size()};
+    if (world.is_root()) {
+        add_choices(cases, costs, estimates); // engines remember the steps of a few cases
+        if (is_limited) estimates.estimated = costs.limit_resources(cases, most_resources_s);
+    }
     if (arguments.probe) {
         const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
                                                    available_B, costs);

@@ -29,6 +29,12 @@ using MapLoader = std::function<std::shared_ptr<const MaterialMap>(const std::st
 /// Returns the text of a file that a path names; throws UsageError on all ranks.
 using TextLoader = std::function<std::string(const std::string& file)>;
 
+/// The arrays of a job.
+struct JobArrays {
+    double expected_1 = 1.0; // how many different ones its sweep can have at most
+    std::vector<ArrayFootprint> known;
+};
+
 /// Loaders of the files that a job names, the lenses that it has designed, and its arrays. Without
 /// a loader, such files are rejected.
 struct FileLoaders {
@@ -36,8 +42,7 @@ struct FileLoaders {
     TextLoader load_text;
     StudyLoader load_study;
     std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
-    std::shared_ptr<std::vector<ArrayFootprint>> arrays =
-        std::make_shared<std::vector<ArrayFootprint>>();
+    std::shared_ptr<JobArrays> arrays = std::make_shared<JobArrays>();
 };
 
 /// What `load` returns for the file that the key names. Nothing if the key is absent, or if the

@@ -162,9 +162,9 @@ constexpr double reach_in_widths = 4.0;
 constexpr double most_pattern_side = 600.0, most_products = 3e8;
 /// Largest number of samples of the table of a piston along a side: 128 MB.
 constexpr double most_table_samples = 4000.0;
-/// Largest work for all arrays of a job, in such products: about 1 s. The width of a pattern
+/// Largest work for all arrays of a job, in such products: about 5 s. The width of a pattern
 /// takes 1e4 products per element, and each of the different samples of the table 150.
-constexpr double most_work = 1e9, width_products = 1e4, table_products = 150.0;
+constexpr double most_work = 5e9, width_products = 1e4, table_products = 150.0;
 
 const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {
@@ -232,18 +232,20 @@ struct PatternSize {
 };
 
 /// Adds an array to those of the job, which must not require too much work together.
-void add_array(Reader& reader, const ArrayFootprint& array, std::vector<ArrayFootprint>& known) {
-    if (std::find(known.begin(), known.end(), array) != known.end()) return;
-    double work = PatternSize(array).work();
-    for (const ArrayFootprint& one : known)
-        work += PatternSize(one).work();
-    if (work <= most_work)
-        known.push_back(array);
-    else
-        reader.error("shape", fmt::format("= \"array\": {} different arrays of the job require "
-                                          "{:.3g} products of samples and elements, but at most "
-                                          "{:.3g} are supported; divide it into several jobs",
-                                          known.size() + 1, work, most_work));
+void add_array(Reader& reader, const ArrayFootprint& array, JobArrays& arrays) {
+    if (std::ranges::find(arrays.known, array) != arrays.known.end()) return;
+    const double work = PatternSize(array).work();
+    double all = work;
+    for (const ArrayFootprint& one : arrays.known)
+        all += PatternSize(one).work();
+    arrays.known.push_back(array);
+    if (std::max(all, arrays.expected_1 * work) > most_work)
+        reader.error(
+            "shape",
+            fmt::format("= \"array\": the job has {:.0f} different arrays, but at most "
+                        "{:.0f} of this size are supported; divide it into several jobs",
+                        std::max(arrays.expected_1, static_cast<double>(arrays.known.size())),
+                        std::floor(most_work / work)));
 }
 
 void check_array(Reader& reader, const ArrayFootprint& array) {

@@ -220,6 +220,17 @@ private:
     std::string twin_message_;
 };
 
+/// How many different footprints the cases can have at most.
+double different_footprints(const Sweep& sweep) {
+    double count = 1.0;
+    for (const Axis& axis : sweep.axes)
+        if (std::ranges::any_of(axis.keys, [](const SweptKey& swept) {
+                return swept.key.starts_with("load.footprint");
+            }))
+            count *= static_cast<double>(axis.size());
+    return count;
+}
+
 } // namespace
 
 std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
@@ -227,6 +238,7 @@ std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const No
     // Presets are expanded first, so that a sweep can change the layers of a preset.
     const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
     Expander expander(sweep, reference, files, diagnostics);
+    files.arrays->expected_1 = different_footprints(sweep);
     Odometer wheel(sweep);
     do {
         expander.add(base, wheel);

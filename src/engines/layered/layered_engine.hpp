@@ -84,7 +84,7 @@ struct LayeredPlan {
     std::ptrdiff_t ky_count;         // of the rank with most rows
     std::ptrdiff_t frames_together;  // whose spectra are in memory at the same time
     std::array<TransferKey, 4> keys; // displacement, stress, tangential displacement, loss
-    bool stores_y = false;           // whether the load moves along x alone
+    bool moves_along_x = false;      // whether the load moves along x alone
 
     /// Whether a table is expanded once, not for each batch of frames.
     bool is_stored(const TransferKey& table) const;

@@ -143,7 +143,7 @@ void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key
     const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
     const auto frames = static_cast<double>(c.time.frames);
     const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
-    const bool along_x = LoadSpectrum::stores_y(c, key.time);
+    const bool along_x = LoadSpectrum::moves_along_x(c, key.time);
     const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double lines = depths * batches * static_cast<double>(ky_count * kept_nx);
     progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
@@ -159,7 +159,7 @@ LayeredPlan::LayeredPlan(const Case& given, int team)
       frames_together(frames_per_batch(c, ky_count)) {
     const TransferKey key = key_of(c, std::get<LayeredOptions>(c.solver));
     keys = {key, stress_key_of(c, key), tangential_key_of(c, key), loss_key_of(c, key)};
-    stores_y = LoadSpectrum::stores_y(c, key.time);
+    moves_along_x = LoadSpectrum::moves_along_x(c, key.time);
 }
 
 bool LayeredPlan::is_stored(const TransferKey& table) const {
@@ -174,7 +174,7 @@ std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
     const double batches = std::ceil(frames / static_cast<double>(frames_together));
-    const double kept_points = (stores_y ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
+    const double kept_points = (moves_along_x ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
     const bool is_open = key.edges == DomainEdges::open;
     double tables = 0.0, products = 0.0, kept_depths = 0.0;
     bool is_repeated = false; // whether a table is expanded again for each batch
@@ -198,15 +198,15 @@ std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
             {kind("radial", edges), products, is_open ? 1.0 : 0.0, true},
             {kind("expansion", edges), points * kept_depths, samples, true},
             {kind("setup", ""), points, 1.0},
-            {kind("samples",
-                  std::string(stores_y ? " along x" : "") + (is_repeated ? " with expansion" : "")),
+            {kind("samples", std::string(moves_along_x ? " along x" : "") +
+                                 (is_repeated ? " with expansion" : "")),
              kept_points * depths, batches * samples},
             {kind("frames", ""), points * depths, frames}};
 }
 
 std::vector<engines::Array> LayeredPlan::arrays() const {
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const std::ptrdiff_t kept_nx = stores_y ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const std::ptrdiff_t kept_nx = moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     std::vector<engines::Array> all = {
         {"spectra of frames",
          static_cast<double>(frames_together * ky_count * kept_nx) * sizeof(Complex)}};

@@ -43,7 +43,6 @@ FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGr
     return places;
 }
 
-/// The step that `run` uses, with the limits of the grid. Not collective.
 /// Whether some body, or the map, has a property of its own.
 template <class Of>
 bool varies(const Medium& medium, Of Body::*of_body, std::vector<double> MaterialMap::*of_map) {

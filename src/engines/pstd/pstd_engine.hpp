@@ -32,6 +32,7 @@ public:
              engines::Checkpoints* checkpoints) override;
 
 private:
+    /// The step that `run` uses, with the limits of the grid. Not collective.
     const StepChoice& step_of(const Case& c) const;
     mutable std::optional<std::pair<Case, StepChoice>> step_; // of the last case
 };

@@ -71,10 +71,8 @@ constexpr double least_density_kg_m3 = 50.0, greatest_density_kg_m3 = 4000.0;
 /// A person is not thicker than this. Below this ratio of speeds, Poisson's ratio is below .05.
 constexpr double greatest_thickness_m = 1.0, least_speed_ratio = 1.45;
 
-/// Bodies may be implants of steel.
-constexpr double greatest_density_of_body_kg_m3 = 10000.0;
-/// A body that lies above the skin by a larger share of its height is probably misplaced.
-constexpr double outside_share = 0.25;
+/// Bodies may be of tungsten.
+constexpr double greatest_density_of_body_kg_m3 = 25000.0;
 /// A scan with fewer samples, or with more noise (skin moves with some mm/s), shows nothing.
 constexpr double least_samples = 4.0, greatest_noise_m_s = 0.1;
 /// Loads that are weaker than this until the end of the run begin after it.
@@ -175,14 +173,16 @@ void check_bodies(const Case& c, Notes& notes) {
         const double c_s_m_s = body.c_s_m_s.value_or(around.c_s_m_s),
                      viscosity_Pa_s = body.viscosity_Pa_s.value_or(0.0),
                      damping_Hz = density_kg_m3 * c_s_m_s * c_s_m_s / (two_pi * viscosity_Pa_s);
-        if (viscosity_Pa_s > large_viscosity_Pa_s && damping_Hz < least_damping_Hz)
+        if (c_s_m_s > 0.0 && viscosity_Pa_s > large_viscosity_Pa_s && damping_Hz < least_damping_Hz)
             notes.add(Severity::warning, "medium.body",
                       "the viscosity of body {}, {:.3g} Pa s, exceeds its shear modulus above "
                       "{:.2g} Hz; tissue has .1 to 20 Pa s",
                       i + 1, viscosity_Pa_s, damping_Hz);
         const Bounds box = bounds(body);
         const double height_m = box.high_m.z - box.low_m.z;
-        if (std::isfinite(height_m) && -box.low_m.z > outside_share * height_m)
+        // A body may be half of an ellipsoid, whose centre is at a depth of exactly 0.
+        if (std::isfinite(height_m) && body.centre_m.z > 0.0 &&
+            body.centre_m.z < tiny_share * height_m)
             notes.add(Severity::warning, "medium.body",
                       "{:.0f} % of the height of body {} lie above the skin and have no effect; "
                       "its centre is at a depth of {:.3g} mm, lengths are in mm",
@@ -204,8 +204,14 @@ void check_region(const Case& c, Notes& notes) {
                   "the share of the disc in the region, whatever energy leaves the region",
                   milli(width_m), milli(disc_m));
     const Modulation& modulation = c.scene().load.modulation;
+    if (c.measure.at_s >= off_time_s(modulation.trajectory)) return;
     const Vec2 at_m = position(modulation.trajectory, c.measure.at_s);
-    const auto is_measured = [&](Vec2 focus_m) { return is_inside(region_m, at_m + focus_m); };
+    const auto is_measured = [&](Vec2 focus_m) {
+        const Vec2 p = at_m + focus_m;
+        const double beyond_m =
+            std::max({left.x - p.x, p.x - right.x, low.y - p.y, p.y - high.y, 0.0});
+        return is_inside(region_m, p) || beyond_m < c.measure.focal_radius_m;
+    };
     if (modulation.foci_m.empty() ? !is_measured({})
                                   : std::ranges::none_of(modulation.foci_m, is_measured))
         notes.add(Severity::warning, "measure.region_mm",
@@ -218,19 +224,21 @@ void check_region(const Case& c, Notes& notes) {
 void check_vibrometer(const Case& c, Notes& notes) {
     if (!c.vibrometer) return;
     const VibrometerOptions& scan = *c.vibrometer;
-    const double end_s = c.time.duration_s();
+    const bool is_transient = c.time.regime == Regime::transient;
+    const double end_s = c.time.duration_s(),
+                 scan_s = is_transient ? end_s - scan.trigger_delay_s : end_s;
     const double rate_Hz = scan.rate_Hz > 0.0 ? scan.rate_Hz : 1.0 / c.time.interval_s;
-    if (c.time.regime == Regime::transient && scan.trigger_delay_s >= end_s)
+    if (scan_s <= 0.0)
         notes.add(Severity::warning, "vibrometer.trigger_delay_ms",
                   "the first sample is at {:.4g} ms, but the run ends at {:.4g} ms: the scan has "
                   "no samples; trigger_delay_ms is in ms",
                   milli(scan.trigger_delay_s), milli(end_s));
-    else if (rate_Hz * end_s < least_samples)
+    else if (rate_Hz * scan_s < least_samples)
         notes.add(Severity::warning, "vibrometer.sampling_rate_kHz",
                   "{:.3g} samples per second are {:.2g} samples in {:.4g} ms; sampling_rate_kHz is "
                   "in kHz",
-                  rate_Hz, rate_Hz * end_s, milli(end_s));
-    const double noise_m_s = scan.noise_m_s_rtHz * std::sqrt(0.5 * rate_Hz);
+                  rate_Hz, rate_Hz * scan_s, milli(scan_s));
+    const double noise_m_s = scan.noise_m_s_rtHz * std::sqrt(0.5 * rate_Hz / scan.averages);
     if (noise_m_s > greatest_noise_m_s)
         notes.add(Severity::warning, "vibrometer.noise_um_s_rtHz",
                   "the noise has an rms of {:.2g} m/s, more than any motion of skin; vibrometers "
@@ -244,19 +252,6 @@ void check_vibrometer(const Case& c, Notes& notes) {
                   "the points of the scan lie within {:.3g} mm, but the spacing is {:.3g} mm; "
                   "lengths are in mm",
                   milli(reach_m), milli(c.domain.spacing_m));
-}
-
-/// The largest strength that a gain has until a time.
-double largest_gain(const Gain& gain_of_load, double end_s) {
-    return std::visit(
-        overloaded{[](const SineGain&) { return 1.0; },
-                   [&](const RampGain& ramp) {
-                       return std::max(ramp.from, gain(Envelope{{ramp}}, end_s));
-                   },
-                   [](const SquareGain&) { return 1.0; },
-                   [&](const WindowGain& window) { return window.from_s < end_s ? 1.0 : 0.0; },
-                   [](const SampledGain&) { return 1.0; }},
-        gain_of_load);
 }
 
 /// Lengths far below the focus, and times below an output interval: typed in m or s.
@@ -318,12 +313,11 @@ void check_units(const Case& c, Notes& notes) {
     for (const Gain& part : scene.load.modulation.envelope.gains) {
         if (const auto* ramp = std::get_if<RampGain>(&part))
             check_time("load.modulation.ramp_ms", ramp->duration_s);
-        if (const double largest = largest_gain(part, end_s);
-            is_transient && largest < least_strength)
+        if (const double most = largest(part, end_s); is_transient && most < least_strength)
             notes.add(Severity::warning, "load.modulation",
                       "until the run ends at {:.4g} ms, a ramp or window lets the load reach only "
                       "{:.2g} % of its strength; times are in ms",
-                      milli(end_s), 100.0 * largest);
+                      milli(end_s), 100.0 * most);
     }
     const double settled_s = c.measure.settled_after_s;
     check_time("measure.settled_after_ms", settled_s);

@@ -140,6 +140,17 @@ bool acts_once(const Gain& gain) {
         gain);
 }
 
+double largest(const Gain& gain, double end_s) {
+    return std::visit(overloaded{[](const SineGain&) { return 1.0; },
+                                 [&](const RampGain& g) {
+                                     return std::max(g.from, shearwake::gain({{g}}, end_s));
+                                 },
+                                 [](const SquareGain&) { return 1.0; },
+                                 [&](const WindowGain& g) { return g.from_s < end_s ? 1.0 : 0.0; },
+                                 [](const SampledGain&) { return 1.0; }},
+                      gain);
+}
+
 double gain_frequency_Hz(const Envelope& envelope) {
     for (const Gain& factor : envelope.gains)
         if (const double frequency_Hz = repetition_Hz(factor); frequency_Hz > 0.0)

@@ -197,6 +197,9 @@ double repetition_Hz(const Gain& gain);
 /// Whether the gain rises or falls once, which a load that repeats for ever cannot.
 bool acts_once(const Gain& gain);
 
+/// The largest value of a ramp or a window until a time, and 1 for other gains.
+double largest(const Gain& gain, double end_s);
+
 /// The frequency of the first periodic gain that is not steady; 0 if there is none [Hz].
 double gain_frequency_Hz(const Envelope& envelope);
 

@@ -38,6 +38,29 @@ std::vector<std::size_t> spread_order(std::size_t count) {
     return order;
 }
 
+/// The first case, the ones with most points and with most points times frames, and all others in
+/// spread_order().
+std::vector<std::size_t> order_of_estimates(const std::vector<const PlannedCase*>& cases) {
+    const auto points = [](const PlannedCase* p) {
+        return static_cast<double>(p->physics.domain.nx * p->physics.domain.ny);
+    };
+    const auto work = [&](const PlannedCase* p) {
+        return points(p) * static_cast<double>(p->physics.time.frames);
+    };
+    std::vector<std::size_t> order = spread_order(cases.size());
+    const auto to_front = [&](auto largest) {
+        const auto number = static_cast<std::size_t>(largest - cases.begin());
+        const auto at = std::ranges::find(order, number);
+        std::rotate(order.begin(), at, at + 1);
+    };
+    to_front(std::ranges::max_element(cases, {}, work));
+    to_front(std::ranges::max_element(cases, {}, points));
+    to_front(cases.begin());
+    return order;
+}
+/// How many of them are always estimated.
+constexpr std::size_t least_estimated = 3;
+
 /// Dissimilarity of two cases: the larger, the worse the time step of one case estimates that of
 /// the other. The terms are ordered by their influence.
 double distance(const Case& a, const Case& b) {
@@ -103,8 +126,9 @@ std::size_t CaseCosts::limit_resources(const std::vector<const PlannedCase*>& ca
                                        double most_s) {
     const std::clock_t began = std::clock();
     std::vector<bool> is_computed(cases.size(), false);
-    for (const std::size_t i : spread_order(cases.size())) {
-        if (i > 0 && used_s(began) > most_s) break; // the first case is the first of the order
+    std::size_t count = 0;
+    for (const std::size_t i : order_of_estimates(cases)) {
+        if (count++ >= least_estimated && used_s(began) > most_s) break;
         of(cases[i]->physics);
         is_computed[i] = true;
     }
@@ -170,8 +194,9 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
     constexpr double most_s = 0.25;
     const std::clock_t began = std::clock();
     Demand demand;
-    for (const std::size_t i : cost::spread_order(cases.size())) {
-        if (i > 0 && cost::used_s(began) > most_s) break;
+    std::size_t count = 0;
+    for (const std::size_t i : cost::order_of_estimates(cases)) {
+        if (count++ >= cost::least_estimated && cost::used_s(began) > most_s) break;
         const Case& given = cases[i]->physics;
         const auto engine = engines::make_engine(given.solver);
         const Case c =

@@ -44,9 +44,12 @@ public:
               const BeforeProbe& before_probe = {},
               double most_s = std::numeric_limits<double>::infinity());
 
-    /// Computes the resources of cases spread evenly over the plan for `most_s` seconds of CPU
-    /// time; every other case has those of the one before it. Returns their number.
+    /// Computes the resources of the largest cases and of others that are spread evenly over the
+    /// plan, for `most_s` seconds of CPU time; every other case has those of the one before it.
+    /// Returns their number.
     std::size_t limit_resources(const std::vector<const PlannedCase*>& cases, double most_s);
+    /// Whether the resources of the case are those of another one.
+    bool is_of_neighbour(const Case& c) const { return neighbour_.contains(&c); }
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
     const engines::Resources& of(const Case& c, int ranks = 1);
     /// Seconds of the case on a team of `ranks` ranks.

@@ -223,7 +223,7 @@ struct Preparation {
     storage::Journal journal;
     const storage::RunStart& start;
     std::function<void(const std::string&)> report;
-    std::chrono::steady_clock::time_point said = {};
+    std::chrono::steady_clock::time_point last_report = {};
 
     /// Before the time step of a case is chosen. Collective.
     void before(const PlannedCase& planned, std::size_t number, std::size_t count) {
@@ -234,8 +234,8 @@ struct Preparation {
         if (number == 1) on_root(world, [&] { journal.run_prepares(start); });
         // Most choices take a tenth of a second; a line for each would hide the others.
         const auto now = std::chrono::steady_clock::now();
-        if (number > 1 && now - said < std::chrono::seconds(2)) return;
-        said = now;
+        if (number > 1 && now - last_report < std::chrono::seconds(2)) return;
+        last_report = now;
         report(
             fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
     }

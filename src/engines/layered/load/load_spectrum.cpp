@@ -24,7 +24,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
       nodes_(c, time), pattern_(c.scene().load, time.end_s(c.time)),
-      forward_(time.samples, fft::Direction::forward), y_rests_(stores_y(c, time)),
+      forward_(time.samples, fft::Direction::forward), y_rests_(moves_along_x(c, time)),
       buffer_(nodes_.times_s().size()) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
         kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
@@ -71,7 +71,7 @@ void LoadSpectrum::transform(Complex* values, Complex* jumps_of_line) const {
     forward_.execute(values);
 }
 
-bool LoadSpectrum::stores_y(const Case& c, const TimeTransform& time) {
+bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
     LoadPattern pattern(c.scene().load, time.end_s(c.time));
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {

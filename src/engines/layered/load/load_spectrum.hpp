@@ -45,7 +45,7 @@ public:
     bool is_mirrored() const { return y_rests_; }
 
     /// Whether the focus of a case moves along x alone, see is_mirrored().
-    static bool stores_y(const Case& c, const TimeTransform& time);
+    static bool moves_along_x(const Case& c, const TimeTransform& time);
 
     /// Memory in bytes of the changing pattern of a case on a rank with ky_count rows; 0 if the
     /// pattern is constant.

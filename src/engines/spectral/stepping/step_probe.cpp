@@ -259,7 +259,7 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
         sums.difference += size_of(whole, &half, waves, {}).square;
         sums.all += size_of(half, nullptr, waves, {}).square;
         if (n + 1 == steps / 2) half_sums = sums;
-        if (n + 1 == steps && sums.all == 0.0) steps = all; // the load begins later
+        if (n + 1 == steps && half_sums.all == 0.0) steps = all; // the load begins later
     }
     return extrapolated(half_sums, sums,
                         c.time.duration_s() / (static_cast<double>(steps) * step_s));

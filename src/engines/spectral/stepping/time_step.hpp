@@ -34,7 +34,7 @@ long steps_to_probe(const Case& c, double step_s);
 /// the duration of the run. Their difference is 15/16 of an error of fourth order, and 3/4 of one
 /// of second order (viscous forces). A run of more than 2500 frames, or of more than 100 000 steps
 /// times elements, is extrapolated from a first part in which the load acts. Takes at most about
-/// 2 s. Not collective.
+/// 2 s, unless the load begins late. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
 
 /// Estimated errors of the surface field, without bodies and maps.

@@ -98,4 +98,33 @@ TEST_CASE("values of bodies, regions, scans and envelopes in other units give a 
     }
 }
 
+TEST_CASE("bodies at the surface, foci at the edge of a region and metals are plausible",
+          "[check]") {
+    Case c = good_case();
+    Body& body = c.scene().medium.bodies[0];
+    SECTION("half of an ellipsoid") {
+        body.shape = Ellipsoid{{5e-3, 4e-3, 2e-3}};
+        body.centre_m.z = 0.0;
+    }
+    SECTION("a focus at an edge") {
+        for (Vec2& corner : c.measure.region_m)
+            corner.x += GENERATE(-0.02, 0.02, 0.022);
+    }
+    SECTION("a path that has ended") {
+        Travel travel{{{0.0, 0.0}, {0.05, 0.0}}, ConstantSpeed{7.0}};
+        travel.at_end = AtEnd::off;
+        c.scene().load.modulation.trajectory.parts = {travel};
+    }
+    SECTION("tungsten") {
+        body.density_kg_m3 = 19300.0;
+    }
+    SECTION("noise of averaged recordings") {
+        c.vibrometer->noise_m_s_rtHz = 1e-3;
+        c.vibrometer->averages = 100;
+    }
+    for (const Remark& remark : check_plausibility(c))
+        UNSCOPED_INFO(remark.key << ": " << remark.message);
+    CHECK(check_plausibility(c).empty());
+}
+
 } // namespace test_plausibility

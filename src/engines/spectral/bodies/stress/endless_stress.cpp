@@ -263,8 +263,8 @@ double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) 
     const std::vector<Body> bodies = section_bodies(c);
     std::vector<double> depths_m = stress_depths_m(c);
     if (records_tensors(c.record))
-        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
-            depths_m.push_back(mesh.z_m(level));
+        for (const double z_m : mesh.clear_levels_m())
+            depths_m.push_back(z_m);
     if (bodies.empty() || depths_m.empty()) return 0.0;
     const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
     if (markers.all().empty()) return 0.0;

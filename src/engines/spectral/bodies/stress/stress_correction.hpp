@@ -24,7 +24,7 @@ public:
     StressCorrection(const StressCorrection&) = delete;
     StressCorrection& operator=(const StressCorrection&) = delete;
     virtual ~StressCorrection() = default;
-    /// Takes RigidBodies::step_forces(). Collective.
+    /// Sets the forces, RigidBodies::step_forces(). Collective.
     virtual void set_forces(const std::vector<double>& step_forces) = 0;
     /// Adds the correction of sigma_zz [Pa] at a depth, times `factor`, to a plane. Not collective.
     virtual void add_zz(std::size_t depth, double factor, double* plane) const = 0;
