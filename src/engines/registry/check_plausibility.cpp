@@ -194,9 +194,10 @@ void check_bodies(const Case& c, Notes& notes) {
 void check_region(const Case& c, Notes& notes) {
     const std::vector<Vec2>& region_m = c.measure.region_m;
     if (region_m.empty()) return;
-    const auto [left, right] = std::ranges::minmax(region_m, {}, &Vec2::x);
-    const auto [low, high] = std::ranges::minmax(region_m, {}, &Vec2::y);
-    const double width_m = std::min(right.x - left.x, high.y - low.y),
+    const auto by_x = std::ranges::minmax(region_m, {}, &Vec2::x),
+               by_y = std::ranges::minmax(region_m, {}, &Vec2::y);
+    const Vec2 low_m{by_x.min.x, by_y.min.y}, high_m{by_x.max.x, by_y.max.y};
+    const double width_m = std::min(high_m.x - low_m.x, high_m.y - low_m.y),
                  disc_m = 2.0 * c.measure.focal_radius_m;
     if (width_m < disc_m)
         notes.add(Severity::warning, "measure.region_mm",
@@ -209,7 +210,7 @@ void check_region(const Case& c, Notes& notes) {
     const auto is_measured = [&](Vec2 focus_m) {
         const Vec2 p = at_m + focus_m;
         const double beyond_m =
-            std::max({left.x - p.x, p.x - right.x, low.y - p.y, p.y - high.y, 0.0});
+            std::max({low_m.x - p.x, p.x - high_m.x, low_m.y - p.y, p.y - high_m.y, 0.0});
         return is_inside(region_m, p) || beyond_m < c.measure.focal_radius_m;
     };
     if (modulation.foci_m.empty() ? !is_measured({})
