@@ -5,12 +5,13 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from ..inputs import BadLink, open_self_contained
 from .scan import MOST_VALUES, BadScan, Scan
-from .scan_settings import DELAYS, MEANINGFUL, NOT_A_SCAN, SETTINGS, has_meaning, settings
-from .units import LENGTHS, TIMES, UNLABELLED, check_unit, is_unit_name, plain_unit, speed_of, text_of, words_of
+from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, has_meaning, is_ignored, settings
+from .units import LENGTHS, TIMES, UNIT, UNLABELLED, check_unit, is_unit_name, plain_unit, refuse_foreign, speed_of, text_of
 
 Getter = Callable[[str], Any]  # returns None for names that do not exist
 Place = tuple[Iterable[str], Getter]
@@ -29,15 +30,23 @@ KNOWN = ("time", "t", "x", "y", "velocity", "v", "quality", "point", *DELAYS, *S
 
 
 def stated_in(places: list[Place]) -> dict[str, Any]:
-    """The settings and units that the places of a file state, and what else changes the meaning of values."""
+    """The settings and units that the places of a file state, and what else may state how values are meant."""
     found: dict[str, Any] = {}
     for names, get in places:
         for name in filter(has_meaning, names):
-            value = get(name)
-            if name in found and np.ravel(found[name]).tolist() != np.ravel(value).tolist():
+            if (value := get(name)) is None and name not in KNOWN:
+                continue  # a group, or a link to nothing
+            if not agree(found.setdefault(name, value), value):
                 raise BadScan(f"it states {name} twice, as {text_of(found[name])[:20]} and {text_of(value)[:20]}")
-            found[name] = value
     return found
+
+
+def agree(one: Any, other: Any) -> bool:
+    """Whether texts are equal, or numbers that may be stored in single precision."""
+    try:
+        return text_of(one) == text_of(other) or np.allclose(np.asarray(one, float), np.asarray(other, float), rtol=1e-6, atol=0.0)
+    except (TypeError, ValueError):
+        return False
 
 
 def from_names(places: list[Place], notes: list, order_is_known: bool = False, order: str = "") -> Scan:
@@ -80,7 +89,8 @@ def from_names(places: list[Place], notes: list, order_is_known: bool = False, o
     stated = stated_in(places)
     for name, text in stated.items():
         check_unit(name, text)
-    if unread := [name for name in names if name not in KNOWN and not name.startswith("__")]:
+    others = [name for name in names if name not in KNOWN and not is_unit_name(name)]
+    if unread := list(dict.fromkeys([*others, *(name for name, value in stated.items() if is_ignored(name, value))])):
         notes.append(f"without effect: {', '.join(unread)[:120]}")
     rounding = 0.0
     if stored_time.dtype.itemsize < 8 and stored_time.dtype.kind == "f" and len(time) > 1 and time[-1] > time[0]:
@@ -107,46 +117,44 @@ def stated_factor(data: Any, name: str, notes: list) -> float:
     return factor
 
 
-NEUTRAL = {"scale_factor": 1.0, "add_offset": 0.0}  # of the CF conventions
-STRUCTURE = ("DIMENSION_LIST", "DIMENSION_LABELS", "unit", "units")
-
-
-def check_attributes(data: Any, name: str, values: np.ndarray) -> None:
+def check_attributes(data: Any, name: str, values: np.ndarray, notes: list) -> None:
     """Rejects attributes of a dataset that change the meaning of its values."""
-    for key in data.attrs:
+    for key, value in data.attrs.items():
         if key in ("_FillValue", "missing_value"):
-            if np.any(values == data.attrs[key]):
-                raise BadScan(f"{name} contains its {key}, {text_of(data.attrs[key])}; store NaN for points without signal")
-        elif key in NEUTRAL:
-            if not np.all(data.attrs[key] == NEUTRAL[key]):
-                raise BadScan(f"the attribute {key} of {name} is {text_of(data.attrs[key])}; apply it to the values, and remove it")
-        elif key.lower() not in STRUCTURE and key not in STRUCTURE and words_of(key) & {*MEANINGFUL, "unit", "units", "positive"}:
-            raise BadScan(f"the attribute {key} of {name} would be ignored; apply it to the values, and remove it")
+            if name in ("velocity", "v") and np.any(values == value):
+                raise BadScan(f"{name} contains its {key}, {text_of(value)}; store NaN for points without signal")
+        elif key == "dimension" or (is_unit_name(key) and key.lower() not in UNIT):
+            refuse_foreign(f"the attribute {key} of {name}", value)
+        elif is_ignored(key, value, f" (attribute of {name})"):
+            notes.append(f"without effect: {key} (attribute of {name})")
 
 
 def scales_of(data: Any) -> list[str]:
-    """The names of the scales of two dimensions; empty if one has none."""
-    if "DIMENSION_LIST" not in data.attrs or data.ndim != 2:
-        return []
-    return [dimension[0].name.rpartition("/")[2] for dimension in data.dims if len(dimension)]
+    """The name of the scale of each dimension; empty: none."""
+    return [dimension[0].name.rpartition("/")[2] if len(dimension) else "" for dimension in data.dims] if "DIMENSION_LIST" in data.attrs else []
+
+
+def has_values(data: Any) -> bool:
+    """Whether a member of a file is a dataset with values: neither an empty one of MATLAB nor a dimension of netCDF alone."""
+    return isinstance(data, h5py.Dataset) and not data.attrs.get("MATLAB_empty") \
+        and not text_of(data.attrs.get("NAME", "")).startswith("This is a netCDF dimension but not a netCDF variable")
 
 
 def read_hdf5(path: Path) -> Scan:
-    import h5py
-
     try:
         with open_self_contained(path) as file:
-            group = file["vibrometer"] if "vibrometer" in file else file
+            group = file["vibrometer"] if isinstance(file.get("vibrometer"), h5py.Group) else file
             notes: list[str] = []
             # h5write of MATLAB reverses the indices without an attribute, and stores vectors as matrices.
-            vectors = [group[name] for name in ("time", "t", "x", "y") if isinstance(group.get(name), h5py.Dataset)]
+            vectors = [group[name] for name in ("time", "t", "x", "y") if has_values(group.get(name))]
+            of_time = {"time", "t", *(scales_of(vectors[0]) if vectors else [])} - {""}
             as_matlab = bool(vectors) and all(one.ndim == 2 and 1 in one.shape and not one.attrs.keys() for one in vectors)
             if as_matlab:
                 notes.append("vectors are stored as matrices, as by MATLAB: the indices are taken in reverse order")
 
             def get(name: str, where: Any = group) -> Any:
                 data = where.get(name, getlink=False) if name in where else None
-                if not isinstance(data, h5py.Dataset):
+                if not has_values(data):
                     return None
                 if data.size is None or data.size > MOST_VALUES:
                     raise BadScan(f"{name} has {data.size} values, but at most {MOST_VALUES} are supported")
@@ -154,13 +162,13 @@ def read_hdf5(path: Path) -> Scan:
                 if data.dtype.kind in "fiu":
                     if text_of(data.attrs.get("MATLAB_class", "")) == "char":
                         return "".join(map(chr, values.ravel()))
-                    check_attributes(data, name, values)
+                    check_attributes(data, name, values, notes)
                     if (factor := stated_factor(data, name, notes)) != 1.0:
                         values = factor * values
                 # MATLAB, which writes this attribute, stores the indices in reverse.
                 if "MATLAB_class" in data.attrs or as_matlab:
                     return values.T
-                return values.T if scales_of(data)[:1] in (["time"], ["t"]) else values
+                return values.T if not of_time.isdisjoint(scales_of(data)[:1]) else values
 
             def members(where: Any) -> list[str]:
                 return [one for name in where for one in ([f"{name}/{part}" for part in where[name]] if is_unit_name(name)
@@ -169,9 +177,9 @@ def read_hdf5(path: Path) -> Scan:
             places: list[Place] = [(members(group), get), (group.attrs, group.attrs.get)]
             if group != file:
                 places += [(members(file), lambda name: get(name, file)), (file.attrs, file.attrs.get)]
-            velocity = next((group[name] for name in ("velocity", "v") if isinstance(group.get(name), h5py.Dataset)), None)
+            velocity = next((group[name] for name in ("velocity", "v") if has_values(group.get(name))), None)
             in_matlab = as_matlab or (velocity is not None and "MATLAB_class" in velocity.attrs)
-            return from_names(places, notes, velocity is not None and len(scales_of(velocity)) == 2,
+            return from_names(places, notes, velocity is not None and not of_time.isdisjoint(scales_of(velocity)),
                               ", as MATLAB counts indices" if in_matlab else ", as h5py and h5dump count indices; MATLAB and h5write "
                               "reverse them: if they wrote the file, store velocity'")
     except BadLink as error:
@@ -212,8 +220,6 @@ def fields_of(struct: Any) -> dict[str, Any]:
 def write_hdf5(path: Path, scan: Scan) -> None:
     """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. Since MATLAB reverses the order of indices,
     velocity is stored as (time, point) and is velocity(point, time) there."""
-    import h5py
-
     with h5py.File(path, "w", userblock_size=512) as file:
         arrays = {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s,
                   "quality": scan.quality, "trigger_delay": scan.trigger_delay_s,

@@ -22,7 +22,7 @@ from ..inputs import refuse_holes
 from .child import in_child
 from .scan import MOST_POINTS, BadScan, Scan, plain_step_s, rounding_of
 from .scan_arrays import read_hdf5, read_mat5, write_hdf5
-from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, settings
+from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, is_ignored, settings
 from .scan_uff import read_uff, uff_bytes
 from .units import check_unit, is_foreign, plain_unit
 
@@ -49,7 +49,7 @@ def checked(scan: Scan) -> Scan:
         raise BadScan("the velocity contains an infinite value; use NaN for points without signal")
     if not np.all(np.isfinite((*scan.direction, scan.trigger_delay_s))) or not any(scan.direction):
         raise BadScan("the direction and the trigger delay must be finite numbers, and the direction must not be 0")
-    if np.any((scan.quality < 0.0) | (scan.quality > 1.0)):  # NaN: no signal
+    if np.any((scan.quality < 0.0) | (scan.quality > 1.0 + 1e-6)):  # NaN: no signal; 1 may be rounded in single precision
         raise BadScan("quality contains a value outside of 0 (no signal) to 1; divide per cent by 100")
     step = np.diff(scan.time_s)
     rounding_s = min(0.5 * scan.rate_rounding * (scan.time_s[-1] - scan.time_s[0]), MOST_ROUNDING * float(np.mean(step)))
@@ -173,7 +173,10 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     """A line "name = number" or "name: number" of a CSV file; other remarks are noted."""
     name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
     name = name.strip()
-    check_unit(name if is_pair else text, value if is_pair else text.rpartition(" ")[2])
+    if not is_pair:
+        name, _, value = " ".join(text.split()).rpartition(" ")
+    check_unit(name, value)
+    is_ignored(name, value)  # rejects contradictions
     for quantity, unit in re.findall(IN_UNIT, text.lower()):
         if is_foreign(plain_unit(unit)):
             raise BadScan(f"the remark \"{text[:60]}\" states the unit of {quantity}, but values are read in m, s and m/s; convert them and "

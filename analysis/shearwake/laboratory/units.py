@@ -12,6 +12,10 @@ UNLABELLED = ("", "none", "unknown")
 SPELLINGS = ((r"[\s.\u00b7*_()\[\]]", ""), ("\u00e2?\u00b5|\u00ee\u00bc|\u03bc", "u"), ("per", "/"), ("\\^?-1|\u207b\u00b9", "-1"), ("(.*)s-1", r"\1/s"),
              ("met(?:er|re)s?", "m"), ("milli", "m"), ("micro(?=[ms])", "u"), ("microns?", "um"), ("centi", "c"),
              ("nano", "n"), ("sec(?:ond)?s?$", "s"))
+UNIT = ("unit", "units")
+QUANTITIES = ("velocity", "velocities", "speed", "vel", "v", "x", "y", "xy", "time", "times", "t", "coordinate", "coordinates", "position",
+              "positions")
+OF_ALL = ("of", "in", "the", "all", "data", "values", "length", "lengths", "distance", "label", "name", "symbol", "string")
 IMPERIAL = ("in", "inch", "inches", "ft", "foot", "feet")
 
 
@@ -40,12 +44,15 @@ def speed_of(label: str) -> float | None:
 
 
 def words_of(name: str) -> set[str]:
-    """The words of a name in lower case: velocityUnit and velocity_unit have two."""
-    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)}
+    """The words of a name in lower case: velocityUnit, velocity_unit and velocityunit have two."""
+    spaced = re.sub(r"(?i)(?<=[a-z])units?$", r"_\g<0>", name)
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", spaced)}
 
 
 def is_unit_name(name: str) -> bool:
-    return bool(words_of(name) & {"unit", "units"}) or name.lower().endswith(("unit", "units"))
+    """Whether a name is that of the unit of what is read: of velocities, coordinates, times or all values."""
+    words = words_of(name)
+    return not words.isdisjoint(UNIT) and (words <= {*UNIT, *OF_ALL} or not words.isdisjoint(QUANTITIES))
 
 
 def is_foreign(unit: str) -> bool:
@@ -61,10 +68,12 @@ def text_of(value: Any) -> str:
 
 def check_unit(name: str, value: Any) -> None:
     """Rejects a stated unit of length, time or speed that is not one of SI: it would be ignored."""
-    if not is_unit_name(name):
-        return
+    if is_unit_name(name):
+        refuse_foreign(name, value)
+
+
+def refuse_foreign(name: str, value: Any) -> None:
     text = text_of(value)
     words = [plain_unit(word) for word in re.split(r"[,;:\s()]+", text)]
-    for unit in (plain_unit(text), *(word for word in words if word != "in" or len(words) == 1)):  # "velocity in m/s"
-        if is_foreign(unit):
-            raise BadScan(f"{name} is \"{text.strip()[:20]}\", but values are read in m, s and m/s; convert them and remove it")
+    if any(map(is_foreign, (plain_unit(text), *(word for word in words if word != "in" or len(words) == 1)))):  # "velocity in m/s"
+        raise BadScan(f"{name} is \"{text.strip()[:20]}\", but values are read in m, s and m/s; convert them and remove it")
