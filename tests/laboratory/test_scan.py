@@ -62,6 +62,7 @@ class Direction(ScanTest):
 
     def test_implausible_velocities_are_noted_with_the_units(self):
         scan = some_scan()  # velocities of about 1e-4 m/s
+        scan.velocity_m_s[2] = 1e6  # a point without signal
         for factor, noted in ((1e3, False), (1e5, True)):
             notes = "; ".join(Alignment(replace(scan, velocity_m_s=factor * scan.velocity_m_s), {}).notes)
             self.assertEqual("m/s is implausible for skin: values are read in m, s and m/s" in notes, noted)

@@ -33,8 +33,8 @@ class Alignment:
     def __init__(self, scan: Scan, request: dict) -> None:
         given = request.get("vibrometer")
         with np.errstate(invalid="ignore"):
-            largest_m_s = float(np.nanmax(np.abs(scan.velocity_m_s), initial=0.0))
-        self.notes = [*scan.notes, extent_text(scan), *plausibility("velocity", largest_m_s, MOST_m_s, "m/s")]
+            largest_m_s = float(np.nanmax(np.abs(scan.velocity_m_s[scan.quality > 0.0]), initial=0.0))
+        self.notes = [*scan.notes, extent_text(scan, largest_m_s), *plausibility("velocity", largest_m_s, MOST_m_s, "m/s")]
         self.delay_s, self.offset_m = scan.trigger_delay_s, (0.0, 0.0)
         length = math.hypot(*scan.direction)
         self.direction = tuple(value / length for value in scan.direction)
@@ -65,12 +65,10 @@ class Alignment:
                 f"{1e3 * self.offset_m[0]:.6g} and {1e3 * self.offset_m[1]:.6g} mm")
 
 
-def extent_text(scan: Scan) -> str:
+def extent_text(scan: Scan, largest_m_s: float) -> str:
     (x0, x1), (y0, y1) = ((1e3 * np.min(values), 1e3 * np.max(values)) for values in (scan.x_m, scan.y_m))
-    with np.errstate(invalid="ignore"):
-        largest = 1e3 * np.nanmax(np.abs(scan.velocity_m_s), initial=0.0)
     return (f"{len(scan.x_m)} points, x {x0:.4g} to {x1:.4g} mm, y {y0:.4g} to {y1:.4g} mm; {len(scan.time_s)} samples at "
-            f"{scan.rate_Hz:.8g} Hz, up to {largest:.4g} mm/s")
+            f"{scan.rate_Hz:.8g} Hz, up to {1e3 * largest_m_s:.4g} mm/s")
 
 
 def plausibility(what: str, largest: float, most: float, unit: str) -> list[str]:
@@ -115,10 +113,10 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
         smooth = filtered(values, scan.rate_Hz, request["high_pass_Hz"], repeats)
         return to_u_z * displacement_m(smooth, start_s, scan.rate_Hz, frames_s, repeats)
 
-    measured = motion(velocity)
-
     def repetition(n: int) -> Iterator[np.ndarray]:
         if n == 0:
+            measured = motion(velocity)
+            about["notes"] += plausibility("displacement", float(np.max(np.abs(measured))), MOST_m, "m")
             yield from full.frames(measured)
             return
         rng = np.random.default_rng([request["seed"], n])
@@ -130,7 +128,7 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
         yield from part.frames(motion(noisy[kept]))
 
     nodes = full.nodes[full.covered]
-    about = {"notes": [*alignment.notes, *plausibility("displacement", float(np.max(np.abs(measured))), MOST_m, "m"),
+    about: dict = {"notes": [*alignment.notes,
                        f"{np.count_nonzero(good)} of {len(good)} points, {full.point_spacing * 1e3:.4g} mm apart, cover "
                        f"{100.0 * np.mean(full.covered):.1f} % of the domain; gaps are "
                        + ("masked" if masks else "interpolated"),
