@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Sequence
 import numpy as np
 
 from . import checksum, stored
-from .errors import NotRecorded, NotValid
+from .errors import NotRecorded, NotValid, level_of_caller
 from .plan import Column, first_line
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ class Case:
 
     @property
     def status(self) -> str:
-        """`complete`, or `damaged` if verify() found damage, which is not looked for before; otherwise what `reduce` stated, for example `failed`, or
-        `missing` if it is not computed."""
+        """`complete`, or `damaged` if verify() found damage, which is not looked for before; otherwise what `reduce` stated, for
+        example `failed`, or `missing` if it is not computed."""
         if self.damage:
             return "damaged"
         state = self._row.get("status", "missing")
@@ -206,7 +206,7 @@ class Case:
                     if not checksum.has_line(self.path):
                         checksum.verify_case(self.path)
                 except checksum.Damaged as error:
-                    warnings.warn(f"{self.path} is damaged: {error}", NotValid, stacklevel=4)
+                    warnings.warn(f"{self.path} is damaged: {error}", NotValid, stacklevel=level_of_caller())
 
     @functools.cached_property
     def attributes(self) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 """The exceptions of the package. Those of the program contain the text that the program printed."""
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from typing import Sequence
 
@@ -29,6 +30,14 @@ class NotValid(UserWarning):
 class GridsDiffer(UserWarning):
     """A warning: the grids of the cases in a dataset differ. Its axes contain the values of all of them, and values that a case does
     not have are NaN."""
+
+
+def level_of_caller() -> int:
+    """The `stacklevel` with which warnings.warn() names the line outside of this package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back and frame.f_globals["__name__"].partition(".")[0] in (__package__, "functools"):  # of cached_property
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 class ProgramNotFound(ShearwakeError):

@@ -29,13 +29,16 @@ class Changed(unittest.TestCase):
             warnings.simplefilter("always")
             read(sweep)
             read(sweep)
-        return [str(one.message) for one in found if issubclass(one.category, shearwake.NotValid)]
+        found = [one for one in found if issubclass(one.category, shearwake.NotValid)]
+        self.assertLessEqual({one.filename for one in found}, {__file__})  # the line of the user
+        return [str(one.message) for one in found]
 
     def test_a_changed_value_is_warned_of_once_when_the_file_is_read(self):
         path = self.folder.file(self.ids[1])
         with h5py.File(path, "r+") as file:
             file["eta_period_1"][...] = 0.999
-        for read in (lambda s: s[self.ids[1]].array("eta"), lambda s: s[self.ids[1]].series, lambda s: s[self.ids[1]].attributes):
+        for read in (lambda s: s[self.ids[1]].array("eta"), lambda s: s[self.ids[1]].series, lambda s: s[self.ids[1]].attributes,
+                     lambda s: s[self.ids[1]].setting("measure", default=0)):
             message, = self.warned(read)
             self.assertIn(f"{path} is damaged: the checksum at its end is missing", message)
         self.assertEqual(shearwake.open(self.folder.path)[self.ids[1]].value("eta_period_1"), 0.25)  # of the table of reduce
