@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`shearwake kwave` rejects files that are no elastic input files of k-Wave, damaged or hostile, and leaves no result of theirs."""
+"""`shearwake kwave` rejects damaged and hostile files and files that are not elastic inputs of k-Wave, and writes no result."""
 import os
 import random
 import subprocess

@@ -83,8 +83,8 @@ def read_points(study, from_centre):
     if interpolation == "nearest":  # of the points at one node only the last remains, as in k-Wave
         # round() of MATLAB: half away from zero. In cart2grid of k-Wave, the index of the centre is added afterwards: the
         # rounding error of an earlier sum would move points near the half.
-        whole = np.trunc(from_centre)
-        at = whole + np.sign(from_centre) * (np.abs(from_centre - whole) >= 0.5) + centre
+        truncated = np.trunc(from_centre)
+        at = truncated + np.sign(from_centre) * (np.abs(from_centre - truncated) >= 0.5) + centre
         check_inside(study, at)
         last = {tuple(node): number for number, node in enumerate(at.astype(int))}
         study.sensor_nodes = np.array(sorted(last, key=last.__getitem__)) + study.first

@@ -115,8 +115,8 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
         return None
-    whole = 1e3 * case.counted_s
-    spans = [40.0, whole] if whole > 200.0 else [whole]
+    counted_ms = 1e3 * case.counted_s
+    spans = [40.0, counted_ms] if counted_ms > 200.0 else [counted_ms]
     figure, made = plt.subplots(len(kinds), len(spans), squeeze=False, layout="constrained",
                                 figsize=(style.WIDTH_in, 0.7 + 2.1 * len(kinds)))
     for line, kind in zip(made, kinds):

@@ -88,7 +88,7 @@ def value_text(selection: Selection, key: str, value: Any) -> str:
 
 
 def amount_text(selection: Selection, key: str, value: Any) -> str:
-    """The same next to the name of the key."""
+    """The label of a value, or the value and its unit as they stand next to the name of the key."""
     return labels(selection).get((key, value)) or words.amount_text(key, rounded(selection, key, value))
 
 
