@@ -83,9 +83,11 @@ def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.
 
 
 def strongest_focus_mm(case: Case, t_s: float, displacement: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
-    """The position of the focus; of several simultaneous foci that with the largest displacement(x_mm, y_mm)."""
+    """The position of the focus; of several simultaneous foci that with the largest displacement(x_mm, y_mm), the first
+    of those that differ by rounding only."""
     foci = focus_at(case, t_s)[0] + offsets_mm(case)
-    return foci[np.argmax(np.nan_to_num(np.abs(displacement(foci[:, 0], foci[:, 1])), nan=-1.0))]
+    sizes = np.nan_to_num(np.abs(displacement(foci[:, 0], foci[:, 1])), nan=-1.0)
+    return foci[np.argmax(sizes >= sizes.max() - 1e-6 * abs(sizes.max()))]
 
 
 def fronts(focus: np.ndarray, direction: np.ndarray, angle_deg: float, length: float) -> Iterator[np.ndarray]:

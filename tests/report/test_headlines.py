@@ -83,6 +83,11 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual([versus.replace("\N{NO-BREAK SPACE}", " ") for _, _, versus in opening.numbers(selection)][:2],
                          ["40 % without bone, at depth of body 1 = 6 mm", "0.5 times that without bone"])
 
+    def test_without_an_efficiency_of_the_same_case_without_the_body_only_the_place_is_stated(self):
+        selection = self.bone([(0.5, math.nan)])
+        (value, _, versus), *_ = opening.of_case(selection, selection.cases[0])
+        self.assertEqual((value, versus.replace("\N{NO-BREAK SPACE}", " ")), ("50 %", "at depth of body 1 = 5 mm"))
+
     def test_a_body_that_lowers_the_efficiency_is_the_answer_although_a_case_without_it_is_highest(self):
         selection = self.bone([(0.2, 0.4), (0.4, 0.4)])
         text = summary(selection).replace("\N{NO-BREAK SPACE}", " ")

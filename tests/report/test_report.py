@@ -13,6 +13,7 @@ import re
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -271,6 +272,13 @@ class WakeTest(unittest.TestCase):
         self.assertEqual((focus[0], direction[0], len(path)), (2e3, 1.0, 3))
         self.assertFalse(wake.is_over(case, 1.0) or wake.is_over(case, 3.0))
         self.assertTrue(wake.is_over(case, 4.0))
+
+    def test_of_foci_that_differ_by_rounding_the_first_is_the_strongest(self):
+        foci = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+        with mock.patch.object(wake, "focus_at", return_value=(np.zeros(2),)), mock.patch.object(wake, "offsets_mm", return_value=foci):
+            for sizes, chosen in (((1.0, -1.0 - 1e-9, 0.5), 0), ((np.nan, 1.0, 1.0 + 1e-9), 1), ((1.0, 0.0, -1.1), 2), ((np.nan,) * 3, 0)):
+                with self.subTest(sizes=sizes):
+                    np.testing.assert_array_equal(wake.strongest_focus_mm(lone_case("none"), 0.0, lambda x, y, u=sizes: np.array(u)), foci[chosen])
 
     def test_mach_lines_open_behind_the_focus_at_their_angle(self):
         focus, direction = np.array([5.0, 1.0]), np.array([0.6, 0.8])

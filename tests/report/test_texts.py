@@ -5,9 +5,11 @@ Run: python3 -m pytest tests/report/test_texts.py    (unittest, numpy, h5py, mat
 """
 import tempfile
 import unittest
+from pathlib import Path
 from unittest import mock
 
 import pytest
+from matplotlib.layout_engine import TightLayoutEngine
 
 
 from synthetic import AM, FWHM, Folder, case_id, sweep
@@ -75,6 +77,12 @@ class Texts(unittest.TestCase):
         figure.text(0.31, 0.3, "two")
         self.assertEqual(texts.problems(figure), ["clipped: 'a title that is far too long'", "overlap: 'one' and 'two'"])
         plt.close(figure)
+
+    def test_a_saved_figure_is_not_laid_out_again(self):
+        with plt.rc_context({"figure.autolayout": True}), tempfile.TemporaryDirectory() as root:  # of a user's matplotlibrc
+            figure = plt.subplots(layout="constrained")[0]
+            style.save(figure, Path(root) / "figure.png")
+            self.assertNotIsInstance(figure.get_layout_engine(), TightLayoutEngine)
 
     def test_a_power_of_ten_of_an_axis_is_plain_text(self):
         figure, axes = plt.subplots()

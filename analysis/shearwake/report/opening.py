@@ -59,10 +59,10 @@ def of_case(selection: Selection, case: Case) -> list[Number]:
     eta = case.value("eta_period_1", math.nan)
     if not math.isnan(eta):
         other = own.value("eta_period_1", math.nan) if own else math.nan
-        versus = f"{number(100 * other, 3)} % {re.sub('^of ', 'with ', name)}" if math.isfinite(other) else ""
+        versus = [f"{number(100 * other, 3)} % {re.sub('^of ', 'with ', name)}"] if math.isfinite(other) else []
         if own and not selection.reference_of(case) and (place := summary.place_of(selection, case)):
-            versus += f", at {place}"
-        found.append((f"{number(100 * eta, 3)} %", "of the energy is at the focus (η)", versus))
+            versus.append(f"at {place}")
+        found.append((f"{number(100 * eta, 3)} %", "of the energy is at the focus (η)", ", ".join(versus)))
     for column, unit, meaning in (("focal_rms_um", "µm", "rms of the displacement at the focus (strength)"),
                                   ("participation_period_mm2", "mm²", "area that vibrates (spread)")):
         value = case.value(column, math.nan)

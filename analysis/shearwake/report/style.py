@@ -193,7 +193,7 @@ def save(figure: Any, path: Path) -> None:
         figure.set_dpi(DPI)  # of the texts that it measures
         layout.execute(figure)  # without the additional drawing of savefig
         figure.set_dpi(before)
-        figure.set_layout_engine(None)  # the PDF has the same places
+        figure.set_layout_engine("none")  # the PDF has the same places
     figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
     if PDF:
         figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})

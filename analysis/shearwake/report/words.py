@@ -153,5 +153,5 @@ def listed(words: Iterable[str]) -> str:
 
 def strongest_text(several: Iterable[Iterable[float]]) -> str:
     """The end of a caption about the foci that were chosen among simultaneous ones; empty for none."""
-    places = dict.fromkeys(f"({number(x)}, {number(y)})" for x, y in several)
+    places = dict.fromkeys(f"({millimetres(x)}, {millimetres(y)})" for x, y in several)
     return f" Of several simultaneous foci the one with the largest displacement is taken: {', '.join(places)} mm." if places else ""
