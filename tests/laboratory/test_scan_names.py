@@ -39,13 +39,18 @@ class Names(ScanTest):
                 np.testing.assert_allclose(scan.x_m, some_scan().x_m, rtol=1e-12)
                 self.assertFalse(any("assumed" in note for note in scan.notes), scan.notes)  # data set 164 comes first
 
-    def test_semicolons_separate_fields_and_decimal_commas_are_refused(self):
+    def test_semicolons_and_tabs_separate_fields_and_decimal_commas_are_refused(self):
         text = self.written("csv").read_text()
-        for converted in (text.replace(",", ";"), "\ufeff" + text.replace(",", ";").replace("\n", "\r\n")):
+        padded = "".join(line.rstrip() + 30 * "," + "\n" for line in text.splitlines())  # all lines are of one length in a spreadsheet
+        for converted in (text.replace(",", ";"), "\ufeff" + text.replace(",", ";").replace("\n", "\r\n"), text.replace(",", "\t"),
+                          padded.replace(",", ";"), padded + 60 * "," + "\n", "sep=;\n" + text.replace(",", ";"),
+                          '"# x, y and velocities"\n' + text):
             scan = read_scan(self.file(converted, ".csv"))
+            self.assertEqual(scan.trigger_delay_s, some_scan().trigger_delay_s)
             np.testing.assert_array_equal(scan.velocity_m_s, read_scan(self.written("csv")).velocity_m_s)
         lines = text[text.index("x_m"):]
-        for comma in (lines.replace(",", ";").replace(".", ","), lines.replace(".", ",")):
+        for comma in (lines.replace(",", ";").replace(".", ","), lines.replace(".", ","), lines.replace(",", "\t").replace(".", ","),
+                      "# trigger_delay_ms = 0,5;;\n" + lines.replace(",", ";")):
             self.refused(comma, "write decimal numbers with a point", ".csv")
 
     def test_names_and_units_in_matlab_and_hdf5_files(self):

@@ -131,7 +131,9 @@ def check_attributes(data: Any, name: str, values: np.ndarray, notes: list) -> N
 
 def scales_of(data: Any) -> list[str]:
     """The name of the scale of each dimension; empty: none."""
-    return [dimension[0].name.rpartition("/")[2] if len(dimension) else "" for dimension in data.dims] if "DIMENSION_LIST" in data.attrs else []
+    if "DIMENSION_LIST" not in data.attrs:
+        return []
+    return [dimension[0].name.rpartition("/")[2] if len(dimension) else "" for dimension in data.dims]
 
 
 def has_values(data: Any) -> bool:

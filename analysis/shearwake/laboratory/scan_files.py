@@ -107,11 +107,12 @@ CSV_HEADER = ["x_m", "y_m", "quality"]
 MOST_CSV_VALUES, MOST_CSV_LINES, LONGEST_CSV_LINE, MOST_REMARKS = 8_000_000, 2_000_000, 32_000_000, 1000
 # A quantity and its unit: "velocities in mm/s", "x [mm]".
 IN_UNIT = r"\b(velocit(?:y|ies)|speeds?|displacements?|coordinates|positions|x|y|times?)\s*(?:\bin\b|[:=(\[])([^,;]*)"
+WITH_POINT = "; write decimal numbers with a point"
 LARGER = "; larger scans are read from HDF5 and MATLAB files"
 
 
 def csv_lines(file: IO[str], remarks: dict[str, Any], notes: list) -> Iterator[str]:
-    """The lines of a CSV file that are neither empty nor remarks."""
+    """The lines of a CSV file that are neither empty nor remarks, without the separators and quotes that spreadsheets add."""
     count = 0
     while line := file.readline(LONGEST_CSV_LINE + 1):
         count += 1
@@ -119,11 +120,12 @@ def csv_lines(file: IO[str], remarks: dict[str, Any], notes: list) -> Iterator[s
             raise BadScan(f"line {count} has more than {LONGEST_CSV_LINE} characters or {MOST_POINTS} fields{LARGER}")
         if count > MOST_CSV_LINES:
             raise BadScan(f"it has more than {MOST_CSV_LINES} lines{LARGER}")
-        if line.startswith("#"):
-            read_remark(line[1:].strip(), remarks, notes)
+        line = line.rstrip(" \t\r\n,;")
+        if line.startswith(("#", '"#')):
+            read_remark(line.strip('"')[1:].strip(), remarks, notes)
             if max(len(remarks), len(notes)) > MOST_REMARKS:
                 raise BadScan(f"it has more than {MOST_REMARKS} remarks")
-        elif line.strip():
+        elif line and not line.startswith("sep="):
             yield line
 
 
@@ -137,7 +139,7 @@ def read_csv(path: Path) -> Scan:
         with path.open(encoding="utf-8-sig") as file:
             lines = csv_lines(file, remarks, notes)
             first = next(lines, "")
-            separator = ";" if ";" in first.partition("y_m")[0] else ","
+            separator = next((c for c in ";\t" if c in first.partition("y_m")[0]), ",")
             for row in csv.reader(itertools.chain([first], lines), delimiter=separator):
                 if not header:
                     header = row
@@ -146,18 +148,18 @@ def read_csv(path: Path) -> Scan:
                     continue
                 if len(row) != len(header):
                     raise BadScan(f"every line must have {len(header)} fields, as the first one"
-                                  + ("; write decimal numbers with a point" if len(row) > len(header) else ""))
+                                  + (WITH_POINT if len(row) > len(header) else ""))
                 values.extend(map(float, row))
                 if len(values) > MOST_CSV_VALUES:
                     raise BadScan(f"it has more than {MOST_CSV_VALUES} values{LARGER}")
         is_scan = [word.strip() for word in header[:3]] == CSV_HEADER
         times = np.array([float(word) for word in header[3:] if is_scan])
     except UnicodeDecodeError as error:
-        raise BadScan(NOT_A_SCAN + "it is neither text nor a known binary format") from error
+        raise BadScan(NOT_A_SCAN + "it is neither text in UTF-8 nor a known binary format") from error
     except csv.Error as error:
         raise BadScan(f"{NOT_A_SCAN}{error}") from error
     except ValueError as error:
-        comma = "; write decimal numbers with a point" if "," in str(error) else ""
+        comma = WITH_POINT if "," in str(error) else ""
         raise BadScan(f"it contains a field that is not a number: {str(error)[:80]}{comma}") from error
     if not is_scan:
         raise BadScan(NOT_A_SCAN + "the first line must begin with x_m,y_m,quality, followed by the times in seconds")
@@ -179,8 +181,8 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     is_ignored(name, value)  # rejects contradictions
     for quantity, unit in re.findall(IN_UNIT, text.lower()):
         if is_foreign(plain_unit(unit)):
-            raise BadScan(f"the remark \"{text[:60]}\" states the unit of {quantity}, but values are read in m, s and m/s; convert them and "
-                          "remove it")
+            raise BadScan(f"the remark \"{text[:60]}\" states the unit of {quantity}, but values are read in m, s and m/s; convert them "
+                          "and remove it")
     if not is_pair and text:
         name, _, value = text.replace("\t", " ").partition(" ")
         if name not in (*DELAYS, *SETTINGS):
@@ -193,7 +195,7 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
         number = math.nan
     if name in DELAYS or name in SETTINGS:
         if not math.isfinite(number):
-            raise BadScan(f"{name} is not a number: \"{value.strip()[:30]}\"")
+            raise BadScan(f"{name} is not a number: \"{value.strip()[:30]}\"{WITH_POINT if ',' in value else ''}")
         if name in remarks:
             raise BadScan(f"{name} is given twice")
     elif text:
