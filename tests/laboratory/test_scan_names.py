@@ -88,7 +88,7 @@ class Names(ScanTest):
             with h5py.File(self.folder / "units.h5", "w") as file:
                 for key, values in {**self.arrays(), "trigger_delay_ms": 5.0}.items():
                     file[key] = values
-                file[name].attrs[attribute] = unit
+                file[name].attrs[attribute] = [unit] if attribute == "Unit" else unit  # MATLAB stores an array of one text
             return read_scan(self.folder / "units.h5")
 
         for unit, factor in (("mm s-1", 1e-3), ("mm s^-1", 1e-3), ("mm\u00b7s\u207b\u00b9", 1e-3), ("Millimetres per second", 1e-3),

@@ -102,8 +102,7 @@ def from_names(places: list[Place], notes: list, order_is_known: bool = False, o
 
 def stated_factor(data: Any, name: str, notes: list) -> float:
     """The factor to SI units that the attribute `units` of a dataset states."""
-    text = next((value for key, value in data.attrs.items() if key.lower() in ("unit", "units")), b"")
-    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+    text = text_of(next((value for key, value in data.attrs.items() if key.lower() in UNIT), ""))
     unit, kind = plain_unit(text), name.partition("_")[0]
     if unit in (*UNLABELLED, "si") or kind not in ("x", "y", "time", "t", "trigger", "velocity", "v"):
         return 1.0
