@@ -30,7 +30,7 @@ std::optional<double> finite_number_in(std::string_view cell) {
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-CsvReader::CsvReader(std::string_view text, CsvText kind) : rest_(text), kind_(kind) {
+CsvReader::CsvReader(std::string_view text) : rest_(text) {
     constexpr std::string_view byte_order_mark = "\xef\xbb\xbf"; // spreadsheets write one
     if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
 }
@@ -39,15 +39,15 @@ bool CsvReader::next() {
     while (!rest_.empty()) {
         line_ = next_line_;
         text_ = trimmed(rest_.substr(0, rest_.find('\n')));
-        if (kind_ == CsvText::relaxed && (text_.empty() || text_.front() == '#')) {
+        if (text_.empty() || text_.front() == '#') {
             rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size() - 1) + 1);
             ++next_line_;
             continue;
         }
         cells_.clear();
-        if (kind_ == CsvText::relaxed && columns_ == 0 && text_.find(',') == text_.npos &&
-            text_.find(';') != text_.npos)
-            separator_ = ';';
+        const std::size_t other = text_.find_first_of(";\t");
+        if (columns_ == 0 && text_.find(',') == text_.npos && other != text_.npos)
+            separator_ = text_[other];
         do {
             if (cells_.size() == most_csv_cells)
                 throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
@@ -56,7 +56,7 @@ bool CsvReader::next() {
         consume('\r');
         if (!rest_.empty() && !consume('\n'))
             throw CsvError(next_line_, "a quoted cell that continues after its closing quote");
-        if (kind_ == CsvText::relaxed) check_row();
+        check_row();
         ++next_line_;
         return true;
     }
@@ -64,9 +64,9 @@ bool CsvReader::next() {
 }
 
 void CsvReader::check_row() {
-    if (columns_ == 0) columns_ = cells_.size();
-    while (cells_.size() > columns_ && cells_.back().empty())
+    while (cells_.size() > std::max<std::size_t>(columns_, 1) && cells_.back().empty())
         cells_.pop_back();
+    if (columns_ == 0) columns_ = cells_.size();
     if (cells_.size() > columns_)
         throw CsvError(line_,
                        fmt::format("{} cells, but the first row has {}; write decimal numbers "
@@ -92,7 +92,7 @@ std::string CsvReader::cell() {
         rest_.substr(0, rest_.find_first_of(std::string_view(ends, std::size(ends))));
     if (text.size() > longest_csv_cell) refuse_length();
     rest_.remove_prefix(text.size());
-    return std::string(kind_ == CsvText::relaxed ? trimmed(text) : text);
+    return std::string(trimmed(text));
 }
 
 void CsvReader::refuse_length() const {

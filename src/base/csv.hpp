@@ -16,20 +16,17 @@ struct CsvError : std::runtime_error {
     std::size_t line;
 };
 
-/// What stands between the cells of a text: nothing (a table that a program wrote), or blanks,
-/// empty lines and lines that begin with # (numbers that a user wrote), which are passed over.
-enum class CsvText { exact, relaxed };
-
 /// Limits of a row, since a cell takes more memory than the two characters that it may have in the
 /// file.
 constexpr std::size_t most_csv_cells = 100'000, longest_csv_cell = 100'000;
 
-/// Takes one row after the other off a CSV text (RFC 4180). A byte order mark is passed over. The
-/// cells of a relaxed text are separated by semicolons if its first row contains them and no comma;
-/// decimal commas, also those that divide cells, are errors there. Throws CsvError.
+/// Takes one row after the other off a CSV text (RFC 4180). A byte order mark, blanks around cells,
+/// empty lines and lines that begin with # are passed over. The cells are separated by semicolons
+/// or tabs if the first row contains them and no comma; decimal commas, also those that divide
+/// cells, are errors. Throws CsvError.
 class CsvReader {
 public:
-    CsvReader(std::string_view text, CsvText kind);
+    explicit CsvReader(std::string_view text);
 
     /// Goes to the next row; false at the end.
     bool next();
@@ -46,7 +43,6 @@ private:
     [[noreturn]] void refuse_length() const;
 
     std::string_view rest_, text_;
-    CsvText kind_;
     char separator_ = ',';
     std::size_t columns_ = 0; // of the first row
     std::size_t line_ = 0, next_line_ = 1;

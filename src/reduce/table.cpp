@@ -258,7 +258,7 @@ std::optional<std::size_t> TextTable::find(std::string_view column) const {
 }
 
 TextTable read_csv(std::string_view text, const std::string& file_name) {
-    CsvReader reader(text, CsvText::exact);
+    CsvReader reader(text);
     if (!next(reader, file_name)) fail(file_name, 1, "the file is empty");
     TextTable table{.columns = reader.cells(), .rows = {}};
     std::vector<std::string> sorted = table.columns;

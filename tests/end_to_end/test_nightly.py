@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/nightly and scripts/update-baseline: nights that equal the baseline, that differ, or that are
 killed."""
+import csv
 import os
 import signal
 import sqlite3
@@ -30,10 +31,12 @@ history.finish(night, "equal", [("tiny", "equal", "")], readings(), [])
 """
 
 
-def test_a_baseline_with_a_byte_order_mark_has_the_same_readings(tmp_path):
+def test_a_baseline_that_a_spreadsheet_has_saved_has_the_same_readings(tmp_path):
     baseline = ROOT / "tests" / "baselines" / "quickstart.csv"
-    (tmp_path / "edited.csv").write_bytes(b"\xef\xbb\xbf" + baseline.read_bytes())
-    assert table.readings(tmp_path / "edited.csv") == table.readings(baseline)
+    for separator in ",;\t":
+        with open(baseline, newline="") as file, open(tmp_path / "edited.csv", "w", newline="", encoding="utf-8-sig") as edited:
+            csv.writer(edited, delimiter=separator).writerows(csv.reader(file))
+        assert table.readings(tmp_path / "edited.csv") == table.readings(baseline) != []
 
 
 class Nightly(ProgramTest):

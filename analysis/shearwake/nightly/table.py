@@ -12,7 +12,9 @@ NOT_COMPARED = ("wall_s", "host", "hosts", "note")
 
 def read_rows(path: Path) -> tuple[list[str], list[dict[str, str]]]:
     with open(path, encoding="utf-8-sig", newline="") as file:
-        reader = csv.DictReader(file)
+        first = file.readline()
+        file.seek(0)
+        reader = csv.DictReader(file, delimiter=next((c for c in ";\t" if c in first and "," not in first), ","))  # as src/base/csv.cpp
         return list(reader.fieldnames or []), list(reader)
 
 

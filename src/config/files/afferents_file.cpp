@@ -45,7 +45,7 @@ AfferentsFile read_listed_afferents(std::string_view csv) {
     const auto refuse = [](std::size_t line, std::string_view what) {
         return AfferentsFile{{}, fmt::format("line {}: {}", line, what)};
     };
-    CsvReader reader(csv, CsvText::relaxed);
+    CsvReader reader(csv);
     while (true) {
         try {
             if (!reader.next()) break;

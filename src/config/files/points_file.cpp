@@ -64,7 +64,7 @@ std::string rests_from_times(std::vector<double>& times_s) {
 PointsFile read_points(std::string_view csv, Columns columns) {
     PointsFile file;
     std::optional<Header> header;
-    CsvReader reader(csv, CsvText::relaxed);
+    CsvReader reader(csv);
     const auto refuse = [&](std::size_t line, std::string_view what) {
         return PointsFile{.problem = fmt::format("line {}: {}", line, what)};
     };

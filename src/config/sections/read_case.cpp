@@ -222,7 +222,7 @@ namespace {
 /// Centre and threshold of each third octave. Throws CsvError.
 std::vector<Vec2> threshold_in(std::string_view csv) {
     constexpr double most_off = 0.03; // of nominal from exact centres, up to 1.6 %
-    CsvReader rows(csv, CsvText::relaxed);
+    CsvReader rows(csv);
     if (!rows.next() ||
         rows.cells() != std::vector<std::string>{"frequency_Hz", "acceleration_m_s2"})
         throw CsvError(std::max<std::size_t>(rows.line(), 1),

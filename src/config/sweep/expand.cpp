@@ -277,7 +277,7 @@ constexpr std::size_t most_listed_keys = 100;
 
 Listed read_cases(std::string_view csv, const Place& at, DiagnosticList& diagnostics) {
     Listed listed;
-    CsvReader reader(csv, CsvText::relaxed);
+    CsvReader reader(csv);
     const auto refuse = [&](std::size_t line, const std::string& what) {
         return Listed{{}, fmt::format("line {}: {}", line, what)};
     };

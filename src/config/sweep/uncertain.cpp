@@ -273,7 +273,7 @@ struct Column {
 Column column_of(std::string_view csv, const std::string& name) {
     Column column;
     std::optional<std::size_t> place;
-    CsvReader reader(csv, CsvText::relaxed);
+    CsvReader reader(csv);
     try {
         while (reader.next()) {
             const auto& cells = reader.cells();

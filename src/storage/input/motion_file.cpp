@@ -159,7 +159,7 @@ private:
 
 void read_lines(std::string_view csv, CsvTraces& traces) {
     try {
-        for (CsvReader reader(csv, CsvText::relaxed); reader.next();)
+        for (CsvReader reader(csv); reader.next();)
             traces.add(reader.cells(), reader.line());
     } catch (const CsvError& error) {
         throw UsageError(fmt::format("line {}: it has {}", error.line, error.what()));
