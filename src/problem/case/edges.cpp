@@ -2,6 +2,7 @@
 #include "problem/case/edges.hpp"
 
 #include "base/units.hpp"
+#include "problem/load/load_pattern.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -132,10 +133,13 @@ std::vector<double> image_uplift_m(const Case& c) {
     const auto delay = static_cast<std::size_t>(steps);
     Load averaged = c.scene().load;
     averaged.carrier = AveragedCarrier{};
-    std::vector<double> times_s;
+    const double k_zero = 0.0;
+    std::complex<double> area_m2;
+    unsteered_pattern(averaged).spectra(0.0, {&k_zero, 1}, {&area_m2, 1});
+    std::vector<double> force_N;
     for (std::size_t n = 0; n <= frames; ++n)
-        times_s.push_back(static_cast<double>(n) * dt_s);
-    const std::vector<double> force_N = forces_N(averaged, times_s);
+        force_N.push_back(area_m2.real() * averaged.peak_Pa *
+                          strength(averaged, static_cast<double>(n) * dt_s));
     // Up to where the spectrum of a Gaussian of this width has fallen to e^-8.
     const double sigma_m = fwhm_m(c.scene().load.footprint) / std::sqrt(8.0 * std::numbers::ln2);
     const double step_rad_m = 0.1 / radius_m; // of the oscillating J1(k R)

@@ -95,4 +95,16 @@ void LoadPattern::spectra(double ky_rad_m, std::span<const double> kx_rad_m,
     }
 }
 
+LoadPattern unsteered_pattern(const Load& load) {
+    LoadPattern pattern(load, 0.0);
+    if (!pattern.changes_) return pattern;
+    const Vec2 centre_m = std::get<ArrayFootprint>(load.footprint).center_m;
+    pattern.set_focus(centre_m);
+    pattern.patch_.origin_m = pattern.patch_.origin_m - centre_m;
+    pattern.changes_ = false;
+    pattern.field_.reset();
+    pattern.set(0.0);
+    return pattern;
+}
+
 } // namespace shearwake

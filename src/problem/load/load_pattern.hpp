@@ -43,6 +43,12 @@ private:
     std::optional<ArrayField> field_;
     Patch patch_; // empty for Gaussian foci; of a lens: relative to its axis
     Vec2 origin_m_;
+
+    friend LoadPattern unsteered_pattern(const Load& load);
 };
+
+/// With the pattern of an array below its centre, which only moves. A steered pattern changes
+/// slowly compared with the phases of its moving focus, and thousands of them take minutes.
+LoadPattern unsteered_pattern(const Load& load);
 
 } // namespace shearwake

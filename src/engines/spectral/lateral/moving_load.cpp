@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace shearwake::spectral {
 namespace {
@@ -86,9 +87,10 @@ void WaveVectors::clear_nyquist(double* plane) const {
     }
 }
 
-MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
+MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s,
+                       LoadPattern pattern)
     : case_(c), kernels_(simd::kernels<PencilKernels>()), vectors_(vectors), step_s_(step_s),
-      pattern_(c.scene().load, c.time.duration_s() + 2.0 * step_s) {
+      pattern_(std::move(pattern)) {
     if (!pattern_.changes()) put_shape(shape_);
 }
 

@@ -59,7 +59,7 @@ private:
 /// the first difference. Not collective.
 class MovingLoad {
 public:
-    MovingLoad(const Case& c, const WaveVectors& vectors, double step_s);
+    MovingLoad(const Case& c, const WaveVectors& vectors, double step_s, LoadPattern pattern);
     /// Selects the load of step n.
     void sample(std::ptrdiff_t n);
     /// Writes the four parts of the force on W at the surface to `surface`.

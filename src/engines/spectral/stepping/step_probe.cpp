@@ -36,7 +36,7 @@ public:
     Probe(const Case& c, const VerticalOperator& vertical, const WaveVectors& vectors,
           double step_s)
         : kernels_(simd::kernels<PencilKernels>()), vertical_(vertical), vectors_(vectors),
-          load_(c, vectors, step_s), step_s_(step_s) {
+          load_(c, vectors, step_s, unsteered_pattern(c.scene().load)), step_s_(step_s) {
         factors_.resize(static_cast<std::size_t>(vectors.rows() * vertical.factor_size()));
         now_.assign(static_cast<std::size_t>(vectors.rows() * size()), Block{});
         before_ = now_;

@@ -30,11 +30,11 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options);
 long steps_to_probe(const Case& c, double step_s);
 
 /// Relative L2 error of the surface field that a time step causes in the layers, without bodies and
-/// maps. A few wave vectors of the case's load are advanced with this step and with half of it for
-/// the duration of the run. Their difference is 15/16 of an error of fourth order, and 3/4 of one
-/// of second order (viscous forces). A run of more than 2500 frames, or of more than 100 000 steps
-/// times elements, is extrapolated from a first part in which the load acts. Takes at most about
-/// 2 s, unless the load begins late. Not collective.
+/// maps. A few wave vectors of the case's load, without steering of its pattern, are advanced with
+/// this step and with half of it for the duration of the run. Their difference is 15/16 of an error
+/// of fourth order, and 3/4 of one of second order (viscous forces). A run of more than 2500
+/// frames, or of more than 100 000 steps times elements, is extrapolated from a first part in which
+/// the load acts. Takes at most about 2 s, unless the load begins late. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
 
 /// Estimated errors of the surface field, without bodies and maps.

@@ -251,6 +251,23 @@ TEST_CASE("foci of Gaussian shape add as they stand", "[array]") {
     CHECK(std::abs(found - expected) < 1e-14 * spectrum(load.footprint, 0.0, 0.0));
 }
 
+TEST_CASE("the pattern of an array without steering is the one below its centre, which moves",
+          "[array]") {
+    const Load load = load_of(board(), {{Travel{{{-0.01, 0.0}, {0.03, 0.0}}, ConstantSpeed{7.0}}}});
+    LoadPattern moved = unsteered_pattern(load),
+                centred(load_of(board(), at(board().center_m)), 0.0);
+    CHECK_FALSE(moved.changes());
+    const Vec2 first = moved.origin_m() - Vec2{-0.01, 0.0};
+    moved.set(2e-3);
+    CHECK(norm(moved.origin_m() - Vec2{0.004, 0.0} - first) < 1e-15);
+    CHECK(norm(first - (centred.origin_m() - board().center_m)) < 1e-15);
+    const double kx = 321.0, ky = -123.0;
+    Complex found, expected;
+    moved.spectra(ky, {&kx, 1}, {&found, 1});
+    centred.spectra(ky, {&kx, 1}, {&expected, 1});
+    CHECK(std::abs(found - expected) < 1e-14 * std::abs(expected));
+}
+
 TEST_CASE("an array sets its focus at its update rate", "[array]") {
     ArrayFootprint array = board();
     array.update_rate_Hz = 16e3;

@@ -58,7 +58,8 @@ TEST_CASE("the load of a step is its average around it, also where the load jump
     fft::SlabShare share;
     share.ky_count = 1;
     const spectral::WaveVectors vectors(c.domain, share);
-    spectral::MovingLoad load(c, vectors, step_s);
+    spectral::MovingLoad load(c, vectors, step_s,
+                              {c.scene().load, c.time.duration_s() + 2.0 * step_s});
     fft::AlignedVector<Block> of_step(spectral::parts);
     const double kx = vectors.kx_rad_m(1);
     const double unit = spectrum(c.scene().load.footprint, kx, 0.0) /
