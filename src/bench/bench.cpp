@@ -4,7 +4,6 @@
 #include "base/json.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
-#include "engines/layered/open_domain.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "fft/line_transform.hpp"
 #include "fft/slab_transform.hpp"

@@ -2,7 +2,7 @@
 #include "kwave/run.hpp"
 
 #include "base/units.hpp"
-#include "engines/pstd/pstd_plan.hpp"
+#include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "kwave/input.hpp"
 #include "kwave/output.hpp"

@@ -11,7 +11,6 @@
 #include "pipeline/run_case.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
-#include "storage/case_file/xdmf.hpp"
 #include "storage/journal/journal.hpp"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/document/presets.hpp"
-#include "config/sections/read_footprint.hpp"
+#include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "config/files/afferents_file.hpp"
+#include "config/files/csv_files.hpp"
 #include "config/sections/read_fields.hpp"
 #include "problem/load/footprint.hpp"
 

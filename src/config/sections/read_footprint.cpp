@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sections/read_footprint.hpp"
+#include "config/sections/read_case.hpp"
 
 #include "base/error.hpp"
 #include "base/png.hpp"

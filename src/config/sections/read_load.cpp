@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
 #include "config/sections/read_fields.hpp"
-#include "config/sections/read_footprint.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sweep/axis_values.hpp"
+#include "config/sweep/sweep_axes.hpp"
 
 #include "base/text.hpp"
 #include "config/document/reader.hpp"

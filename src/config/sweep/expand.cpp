@@ -5,7 +5,7 @@
 #include "config/document/presets.hpp"
 #include "config/document/reader.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sweep/axis_values.hpp"
+#include "config/sweep/sweep_axes.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
-#include "config/sweep/axis_values.hpp"
+#include "config/sweep/sweep_axes.hpp"
 #include "sampling/design.hpp"
 
 #include <algorithm>

@@ -8,7 +8,6 @@
 #include "engines/layered/load/jump_tail.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
-#include "engines/layered/open_domain.hpp"
 #include "fft/aligned.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"

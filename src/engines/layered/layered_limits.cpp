@@ -2,7 +2,6 @@
 #include "base/units.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/load/time_step.hpp"
-#include "engines/layered/open_domain.hpp"
 #include "engines/layered/response/stack_response.hpp"
 
 #include <algorithm>

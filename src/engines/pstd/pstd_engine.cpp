@@ -2,7 +2,6 @@
 #include "engines/pstd/pstd_engine.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/pstd_plan.hpp"
 #include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_load.hpp"
 #include "engines/pstd/scene/case_step.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/pstd/pstd_plan.hpp"
+#include "engines/pstd/pstd_engine.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

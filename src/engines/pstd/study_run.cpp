@@ -2,7 +2,7 @@
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/pstd_plan.hpp"
+#include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "parallel/agree.hpp"

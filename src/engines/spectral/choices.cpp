@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/choices.hpp"
+#include "engines/spectral/spectral_plan.hpp"
 
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/march.hpp"
-#include "engines/spectral/choices.hpp"
+#include "engines/spectral/spectral_plan.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "parallel/agree.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_engine.hpp"
+#include "engines/spectral/spectral_plan.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "problem/medium/body.hpp"
 

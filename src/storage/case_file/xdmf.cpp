@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/case_file/xdmf.hpp"
+#include "storage/case_file/case_file_writer.hpp"
 
 #include "storage/files.hpp"
 

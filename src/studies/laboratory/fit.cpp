@@ -12,7 +12,6 @@
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "studies/laboratory/converted_data.hpp"
-#include "studies/laboratory/converted_scan.hpp"
 #include "studies/laboratory/least_squares.hpp"
 #include "studies/laboratory/observed_model.hpp"
 #include "studies/tables.hpp"

@@ -2,6 +2,7 @@
 #include "studies/laboratory/measure.hpp"
 
 #include "base/units.hpp"
+#include "engines/engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
@@ -11,15 +12,17 @@
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "studies/laboratory/converted_data.hpp"
-#include "studies/laboratory/converted_scan.hpp"
-#include "studies/laboratory/replay_engine.hpp"
 #include "studies/tables.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace shearwake::laboratory {
 namespace {
@@ -28,6 +31,64 @@ using Json = nlohmann::ordered_json;
 using Columns = std::map<std::string, std::vector<double>>; // one value per repetition
 
 constexpr std::uintmax_t largest_fit_B = 4'000'000;
+
+/// Passes measured frames of the surface to an observer as an engine passes computed ones, so that
+/// measurements have the same measures and files as simulations.
+class ReplayEngine : public engines::Engine {
+public:
+    /// `prefix`: of the converted surface (ConvertedData); `repetition`: 0 for the data themselves.
+    ReplayEngine(std::filesystem::path prefix, std::size_t repetition,
+                 std::vector<std::string> notes)
+        : prefix_(std::move(prefix)), repetition_(repetition), notes_(std::move(notes)) {}
+
+    engines::Resources resources(const Case& c, int) const override {
+        return {.arrays = {{"frame", static_cast<double>(c.domain.nx) *
+                                         static_cast<double>(c.domain.ny) * sizeof(double)}}};
+    }
+    /// Errors for what a measurement does not contain: depths, stress, volumes, grid studies.
+    std::vector<Remark> limits(const Case& c) const override {
+        std::vector<Remark> remarks;
+        const auto refuse = [&](const char* key, const char* message) {
+            remarks.push_back({Severity::error, key, message});
+        };
+        if (c.study()) refuse("study", "a grid study cannot be compared with a scan");
+        if (c.measure.depths_m != std::vector<double>{0.0})
+            refuse("measure.depths_mm", "a scan contains the surface only: set it to [0]");
+        if (!c.record.volumes_s.empty())
+            refuse("record.volumes_ms", "a scan contains the surface only: remove this key");
+        if (!stress_depths_m(c).empty())
+            refuse("afferents.input", "a scan contains no stress: use \"displacement\"");
+        return remarks;
+    }
+    void run(const Case& c, const Comm& team, engines::Observer& observer,
+             engines::Checkpoints* checkpoints) override {
+        const std::ptrdiff_t ranks = team.size(), rank = team.rank();
+        const std::ptrdiff_t start = c.domain.nx * rank / ranks,
+                             end = c.domain.nx * (rank + 1) / ranks;
+        const auto plane_size = static_cast<std::size_t>(c.domain.nx * c.domain.ny);
+        std::vector<double> plane(plane_size);
+        observer.begin({start, end - start});
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+            if (checkpoints && checkpoints->stop_asked()) return;
+            const std::size_t frame =
+                repetition_ * static_cast<std::size_t>(c.time.frames) + static_cast<std::size_t>(n);
+            on_root(team, [&] { read_numbers(prefix_, frame * plane_size, plane); });
+            team.broadcast(plane);
+            observer.frame({.number = n,
+                            .depth = 0,
+                            .u_z_m = View2<const double>(plane.data() + start * c.domain.ny,
+                                                         end - start, c.domain.ny, c.domain.ny)});
+        }
+        engines::SolverReport report;
+        report.notes = notes_;
+        observer.solved(report);
+    }
+
+private:
+    std::filesystem::path prefix_;
+    std::size_t repetition_;
+    std::vector<std::string> notes_;
+};
 
 /// The estimates of `shearwake fit` as overrides. Not collective.
 std::vector<std::string> estimates_in(const std::filesystem::path& file) {

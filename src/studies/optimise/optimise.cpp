@@ -5,7 +5,6 @@
 #include "schedule/run/job_source.hpp"
 #include "storage/files.hpp"
 #include "studies/optimise/optimise_study.hpp"
-#include "studies/optimise/optimise_table.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <chrono>

@@ -3,7 +3,7 @@
 #include "config/document/tree.hpp"
 #include "config/sweep/override.hpp"
 #include "schedule/run/job_source.hpp"
-#include "studies/optimise/optimise_table.hpp"
+#include "studies/optimise/optimise_study.hpp"
 #include "studies/optimise/search/waveform.hpp"
 
 #include <algorithm>

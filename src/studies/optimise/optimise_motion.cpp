@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/agree.hpp"
 #include "studies/optimise/optimise_study.hpp"
-#include "studies/optimise/optimise_table.hpp"
 
 #include <algorithm>
 #include <set>

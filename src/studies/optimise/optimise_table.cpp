@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/optimise_table.hpp"
+#include "studies/optimise/optimise_study.hpp"
 
 #include "base/units.hpp"
 #include "parallel/agree.hpp"

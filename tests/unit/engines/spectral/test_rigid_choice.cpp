@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/rigid_choice.hpp"
-
-#include "engines/spectral/choices.hpp"
+#include "engines/spectral/spectral_plan.hpp"
 
 #include <catch2/catch.hpp>
 #include <algorithm>
