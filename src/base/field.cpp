@@ -6,7 +6,7 @@
 
 namespace shearwake {
 
-bool Range::holds(double value) const {
+bool Range::contains(double value) const {
     const bool enough = least_excluded ? value > least : value >= least;
     const bool little_enough = most_excluded ? value < most : value <= most;
     return enough && little_enough;

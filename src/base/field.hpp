@@ -37,7 +37,7 @@ struct Range {
     }
     static constexpr Range inside(double least, double most) { return {least, most, true, true}; }
 
-    bool holds(double value) const;
+    bool contains(double value) const;
     std::string words() const; // "above 0"
 };
 

@@ -82,8 +82,8 @@ Case bench_case(const BenchArguments& arguments) {
 /// ranks.
 struct Measured {
     double begin_s = 0.0, steps_s = 0.0, surface_s = 0.0;
-    double uniform_s = 0.0;                    // the same number of steps without bodies
-    double whole_planes_s = 0.0, rows_s = 0.0; // the same number of FFTs alone, of planes or rows
+    double uniform_s = 0.0;                   // the same number of steps without bodies
+    double full_planes_s = 0.0, rows_s = 0.0; // the same number of FFTs alone, of planes or rows
     std::array<double, spectral::phase_count> phase_s{}, bytes{}; // bytes of all ranks
     spectral::StepStatistics statistics;
     std::ptrdiff_t planes = 0;
@@ -105,7 +105,7 @@ void time_steps(std::ptrdiff_t steps, spectral::Stepper& stepper, spectral::Step
         m.steps_s += seconds_of(world, [&] { stepper.advance(); });
         if (uniform) m.uniform_s += seconds_of(world, [&] { uniform->advance(); });
         if (m.planes == 0) continue;
-        m.whole_planes_s += seconds_of(world, [&] {
+        m.full_planes_s += seconds_of(world, [&] {
             for (std::ptrdiff_t p = 0; p < m.planes; ++p)
                 slabs.to_spectral(bare.data() + p * slabs.share().reals);
             for (std::ptrdiff_t p = 0; p < m.planes; ++p)
@@ -115,7 +115,7 @@ void time_steps(std::ptrdiff_t steps, spectral::Stepper& stepper, spectral::Step
             lines.set(values);
             for (std::ptrdiff_t row = 0; row < slabs.share().ky_count; ++row) {
                 lines.begin_row(row);
-                lines.end_row(row, spectral::StrainPlanes::Modes::kept);
+                lines.end_row(row, spectral::StrainPlanes::Modes::retained);
             }
             lines.get(values);
         });
@@ -162,7 +162,7 @@ Measured measure(const Case& c, std::ptrdiff_t steps, const spectral::DepthMesh&
     if (m.planes == 0) return m;
     const double times =
         static_cast<double>(m.statistics.transforms) / static_cast<double>(2 * m.planes * steps);
-    m.whole_planes_s *= times;
+    m.full_planes_s *= times;
     m.rows_s *= times;
     return m;
 }
@@ -211,7 +211,7 @@ void print(Output& out, const Measured& m, const Case& c, double levels, double 
                   bound_s / steps, m.steps_s / bound_s, more);
     };
     if (m.planes > 0) {
-        bound("FFTs of planes", m.whole_planes_s, "");
+        bound("FFTs of planes", m.full_planes_s, "");
         bound("FFTs of rows", m.rows_s, "; only rows that contain cells");
     } else {
         out.print("  lower bound: {:<14} {:>10}     the medium does not vary laterally\n", "FFTs",

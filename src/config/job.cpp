@@ -171,7 +171,7 @@ bool varies_kind(const NodePtr& sweep_of_file, const FileLoaders& files) {
     DiagnosticList ignored; // errors are reported for the sweep that is used
     Sweep sweep = read_sweep(sweep_of_file, {}, ignored);
     add_listed_cases(sweep_of_file, sweep, files, ignored);
-    return sweep.holds(kind_key);
+    return sweep.contains(kind_key);
 }
 
 Plan read_plan(const ParsedJob& parsed, std::span<const Override> overrides,
@@ -186,7 +186,8 @@ Plan read_plan(const ParsedJob& parsed, std::span<const Override> overrides,
     Sweep sweep = read_sweep(root.node("sweep"), points, diagnostics);
     add_listed_cases(root.node("sweep"), sweep, files, diagnostics);
     const bool is_replaced = root.node("sweep") != parsed.sweep;
-    sweep.varies_kind = sweep.holds(kind_key) || (is_replaced && varies_kind(parsed.sweep, files));
+    sweep.varies_kind =
+        sweep.contains(kind_key) || (is_replaced && varies_kind(parsed.sweep, files));
     const TableSection table = read_table(root.optional_table("table"), sweep);
     check_crossings(sweep, table, diagnostics);
     if (const NodePtr node = root.node("uncertain"))

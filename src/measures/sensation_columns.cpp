@@ -165,9 +165,9 @@ std::vector<Vec2> counted_line(const Case& c, const std::vector<std::vector<Vec2
     return {from - beyond, to + beyond};
 }
 
-class FeltColumns {
+class PerceptionColumns {
 public:
-    FeltColumns(const Case& c, const SensationMap& map)
+    PerceptionColumns(const Case& c, const SensationMap& map)
         : c_(c), map_(map), lines_(sensation_lines(c)), levels_(c, map),
           region_(measured_region(c.domain, c.measure)), fwhm_m_(fwhm_m(c.scene().load.footprint)),
           shapes_(drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m)),
@@ -262,7 +262,7 @@ private:
 
     void add_areas() {
         const double cell_mm2 = std::pow(1e3 * c_.domain.spacing_m, 2);
-        double felt = 0.0, strong = 0.0, strong_near = 0.0, far_sum = 0.0, far_weight = 0.0;
+        double above = 0.0, strong = 0.0, strong_near = 0.0, far_sum = 0.0, far_weight = 0.0;
         std::vector<double> near, distant;
         if (reason_.empty()) {
             near = shares_near(shapes_, fwhm_m_, c_.domain);
@@ -272,7 +272,7 @@ private:
             const double level = map_.level_dB[n];
             if (std::isnan(level)) return;
             const auto at = static_cast<std::size_t>(cell);
-            if (level > 0.0) felt += weight;
+            if (level > 0.0) above += weight;
             if (level > peak_dB_ - strong_dB) {
                 strong += weight;
                 strong_near += weight * near[at];
@@ -280,7 +280,7 @@ private:
             far_sum += weight * (1.0 - distant[at]) * level;
             far_weight += weight * (1.0 - distant[at]);
         });
-        add("felt_area_mm2", felt * cell_mm2);
+        add("felt_area_mm2", above * cell_mm2);
         add("felt_contrast_dB", path_dB_ - far_sum / far_weight,
             far_weight > 0.0 ? path_note_
                              : "no part of the region is farther than two FWHM from the path");
@@ -360,7 +360,7 @@ private:
 } // namespace
 
 std::vector<Column> sensation_columns(const Case& c, const SensationMap& map) {
-    return computes_sensation(c) ? FeltColumns(c, map).columns() : std::vector<Column>{};
+    return computes_sensation(c) ? PerceptionColumns(c, map).columns() : std::vector<Column>{};
 }
 
 } // namespace shearwake::measures

@@ -154,7 +154,7 @@ std::vector<double> differences(const TimeAxis& time, std::span<const double> tr
 ShareBands share_bands(const TimeAxis& time, const FrequencyBand& band) {
     const double lowest_Hz = 1.0 / time.duration_s(), low_Hz = std::max(band.low_Hz, lowest_Hz);
     return {.part = {low_Hz, std::max(low_Hz, band.high_Hz)},
-            .whole = {lowest_Hz, 0.5 / time.interval_s}};
+            .total = {lowest_Hz, 0.5 / time.interval_s}};
 }
 
 } // namespace shearwake::measures

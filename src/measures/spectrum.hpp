@@ -56,7 +56,7 @@ std::vector<double> differences(const TimeAxis& time, std::span<const double> tr
 /// The frequencies of a share: the energy between those of `part` divided by that between those of
 /// `whole`, which begins at 1/T.
 struct ShareBands {
-    FrequencyBand part, whole;
+    FrequencyBand part, total;
 };
 ShareBands share_bands(const TimeAxis& time, const FrequencyBand& band);
 

@@ -241,7 +241,7 @@ public:
         if (reason.empty()) {
             const ShareBands of = share_bands(time_, band);
             share = std::pow(
-                rms_between(time_, values, of.part) / rms_between(time_, values, of.whole), 2);
+                rms_between(time_, values, of.part) / rms_between(time_, values, of.total), 2);
         }
         std::vector<Detail> details = where_;
         details.emplace_back("low", fmt::format("{:g}", band.low_Hz));

@@ -42,19 +42,19 @@ PinSource::PinSource(const PinStimulus& stimulus)
     samples_ = static_loads_N_.samples;
 }
 
-Drive PinSource::drive(std::span<const Afferent> afferents, const SkinWays& ways) const {
+Drive PinSource::drive(std::span<const Afferent> afferents, const SkinPaths& paths) const {
     Lines dynamic(afferents.size(), rates_N_s_.samples), stress(afferents.size(), samples_);
     std::vector<DelayedLine> arriving;
     bool any_static = false;
     for (std::size_t i = 0; i < afferents.size(); ++i) {
         const Afferent& afferent = afferents[i];
         const double z_mm = depth_mm(afferent.kind);
-        const std::vector<double> ways_mm = ways(afferent.at_mm);
+        const std::vector<double> paths_mm = paths(afferent.at_mm);
         arriving.clear();
         for (std::size_t p = 0; p < at_mm_.size(); ++p)
-            if (const double gain = wave_gain(ways_mm[p], z_mm, radius_mm_); gain != 0.0)
+            if (const double gain = wave_gain(paths_mm[p], z_mm, radius_mm_); gain != 0.0)
                 arriving.push_back(delayed(
-                    rates_N_s_.line(p), arrival_samples(ways_mm[p], radius_mm_, rate_Hz_), gain));
+                    rates_N_s_.line(p), arrival_samples(paths_mm[p], radius_mm_, rate_Hz_), gain));
         sum_delayed(arriving, dynamic.line(i));
         if (!properties(afferent.kind).feels_static) continue; // with weight 0
         any_static = true;
@@ -88,9 +88,9 @@ std::array<Spikes, lane_count> fire(std::span<const Afferent> afferents, Drive d
 std::vector<Spikes> respond(const PinStimulus& stimulus, std::span<const Afferent> afferents,
                             const RespondOptions& options) {
     const PinSource source(stimulus);
-    const SkinWays ways = options.ways ? options.ways : straight_ways(stimulus.at_mm);
+    const SkinPaths paths = options.paths ? options.paths : straight_paths(stimulus.at_mm);
     return each_eight(afferents, options, [&](std::span<const Afferent> eight, std::size_t) {
-        return source.drive(eight, ways);
+        return source.drive(eight, paths);
     });
 }
 

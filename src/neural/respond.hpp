@@ -4,7 +4,7 @@
 #include "neural/fibre/afferent.hpp"
 #include "neural/fibre/neuron.hpp"
 #include "neural/skin/contact.hpp"
-#include "neural/skin/skin_ways.hpp"
+#include "neural/skin/skin_paths.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -50,7 +50,7 @@ struct RespondOptions {
     std::optional<std::uint64_t> noise_key; // empty: no noise
     /// Number of the first afferent in the scene, which determines its noise.
     std::uint32_t first_number = 0;
-    SkinWays ways; // distances from the pins; empty: straight lines
+    SkinPaths paths; // distances from the pins; empty: straight lines
 };
 
 /// The input of eight receptors at the neurons' sampling rate.
@@ -66,7 +66,7 @@ class PinSource {
 public:
     explicit PinSource(const PinStimulus& stimulus);
     /// The input of at most eight afferents.
-    Drive drive(std::span<const Afferent> afferents, const SkinWays& ways) const;
+    Drive drive(std::span<const Afferent> afferents, const SkinPaths& paths) const;
     const std::vector<Vec2>& at_mm() const { return at_mm_; }
     std::size_t samples() const { return samples_; } // at the neurons' rate
 

@@ -4,7 +4,7 @@
 #include "base/units.hpp"
 #include "neural/skin/check_stimulus.hpp"
 #include "neural/skin/resample.hpp"
-#include "neural/skin/skin_ways.hpp"
+#include "neural/skin/skin_paths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -106,8 +106,8 @@ SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std
     const SilencedStimulus silenced = with_silence(without_overlap(stimulus), options.silence_s);
     const auto afferents = std::span(scene.afferents).subspan(first, count);
     RespondOptions how = options_of(options, first, key);
-    how.ways = scene.skin_mm.empty() ? straight_ways(stimulus.at_mm)
-                                     : ways_within(scene.skin_mm, stimulus.at_mm);
+    how.paths = scene.skin_mm.empty() ? straight_paths(stimulus.at_mm)
+                                      : paths_within(scene.skin_mm, stimulus.at_mm);
     return times_of(respond(silenced.stimulus, afferents, how), afferents, silenced.before_s,
                     limited(counted, stimulus.indentation_mm.samples, stimulus.rate_Hz),
                     options.conduction_delay);

@@ -383,7 +383,7 @@ std::vector<Remark> check_afferents(const Case& c) {
     if (uses_stress(options.input)) { // its pins have no effect
         const auto beyond = std::count_if(
             scene.afferents.begin(), scene.afferents.end(), [&](const neural::Afferent& one) {
-                return !c.domain.holds(on_patch_m(scene.patch, one.at_mm));
+                return !c.domain.contains(on_patch_m(scene.patch, one.at_mm));
             });
         if (beyond == 0) return {};
         return {{Severity::warning, "where",

@@ -115,8 +115,8 @@ double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors,
     const double depths = static_cast<double>(c.measure.depths_m.size());
     const double frames = static_cast<double>(c.time.frames);
     const double traces = static_cast<double>(c.record.traces_m.size());
-    const double kept = static_cast<double>(recorded_frames(c).size());
-    double numbers = (4.0 + 12.0 * depths) * frames + depths * kept * plane;
+    const double stored_frames = static_cast<double>(recorded_frames(c).size());
+    double numbers = (4.0 + 12.0 * depths) * frames + depths * stored_frames * plane;
     double groups = 0.0;
     if (traces > 0.0) {
         const double spectrum = static_cast<double>(measures::trace_frequencies_Hz(c.time).size());

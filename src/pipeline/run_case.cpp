@@ -50,7 +50,7 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
     on_root(team, [&] {
         const std::string reason =
             storage::part_error(path, checkpoints.part_record(), layout,
-                                volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
+                                volumes ? storage::HasVolume::yes : storage::HasVolume::no);
         is_usable = reason.empty();
         if (!is_usable)
             checkpoints.report(
@@ -108,8 +108,8 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
     storage::CaseFileWriter writer(path, team, layout, beginning, checkpoints.part_record());
     checkpoints.store_with([&writer] { return writer.part_record(); });
-    const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
-    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
+    const bool stores_fields = !layout.empty() || !c.record.volumes_s.empty();
+    SurfaceRecorder recorder(c, team, stores_fields ? &writer : nullptr, tick);
     record_receptors(c, plan.receptors, recorder);
     const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints);

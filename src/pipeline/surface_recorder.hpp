@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/observers/frame_sums.hpp"
-#include "pipeline/observers/kept_fields.hpp"
+#include "pipeline/observers/stored_fields.hpp"
 #include "pipeline/observers/point_series.hpp"
 
 #include <functional>
@@ -69,7 +69,7 @@ private:
     MeanEnergy mean_;
     InstantSurface instant_;
     SensationLevels sensation_;
-    std::optional<KeptFields> kept_;
+    std::optional<StoredFields> stored_;
     std::vector<Recording*> parts_; // all of these
     engines::SolverReport solver_;
 };

@@ -102,15 +102,15 @@ private:
                 largest = std::fmax(largest, sign * v);
             return largest;
         };
-        std::vector<NamedCurve> kept;
+        std::vector<NamedCurve> best_curves;
         for (NamedCurve& curve : curves) {
-            const auto same = std::ranges::find(kept, curve.group, &NamedCurve::group);
-            if (same == kept.end())
-                kept.push_back(std::move(curve));
+            const auto same = std::ranges::find(best_curves, curve.group, &NamedCurve::group);
+            if (same == best_curves.end())
+                best_curves.push_back(std::move(curve));
             else if (best(curve) > best(*same))
                 *same = std::move(curve);
         }
-        return kept;
+        return best_curves;
     }
 
     double number(std::size_t row, const std::string& column) const {

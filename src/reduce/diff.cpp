@@ -264,8 +264,8 @@ void put(Tolerances& tolerances, const std::string& column, const Tolerance& tol
 /// A number of at least 0, or nothing and a diagnostic.
 std::optional<double> amount(const config::Entry& entry, config::DiagnosticList& diagnostics) {
     double value = -1.0;
-    if (const auto* whole = std::get_if<std::int64_t>(&entry.value->value))
-        value = static_cast<double>(*whole);
+    if (const auto* integer = std::get_if<std::int64_t>(&entry.value->value))
+        value = static_cast<double>(*integer);
     else if (const auto* number = std::get_if<double>(&entry.value->value))
         value = *number;
     if (std::isfinite(value) && value >= 0.0) return value;

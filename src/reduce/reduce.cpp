@@ -282,9 +282,9 @@ ReducedTables reduce(const ReduceInput& input) {
     ReducedTables written;
     written.csv = input.tables / (plan.name + ".csv");
     written.markdown = input.tables / (plan.name + ".md");
-    const bool keeps_errors = input.error_columns == ErrorColumns::kept && !errors.empty() &&
-                              has_error_columns(written.csv);
-    const bool adds_errors = input.error_columns == ErrorColumns::added || keeps_errors;
+    const bool retains_errors = input.error_columns == ErrorColumns::as_before && !errors.empty() &&
+                                has_error_columns(written.csv);
+    const bool adds_errors = input.error_columns == ErrorColumns::added || retains_errors;
     if (adds_errors && errors.empty())
         throw UsageError(fmt::format("{} has no estimates of the numerical error: run shearwake "
                                      "converge with the job of this folder first",

@@ -11,8 +11,8 @@
 namespace shearwake::reduce {
 
 /// Whether the CSV and Markdown tables have columns with the errors of `shearwake converge`.
-/// `kept`: if the existing table has them.
-enum class ErrorColumns { omitted, added, kept };
+/// `as_before`: if the existing table has them.
+enum class ErrorColumns { omitted, added, as_before };
 
 /// The last columns of every table: valid, wall_s, status, note.
 inline constexpr std::size_t closing_columns = 4;

@@ -39,13 +39,13 @@ void add_quantiles(const std::vector<double>& ascending, const Weights& weights,
     std::size_t i = 0;
     double through = weights[0]; // number of draws up to and including value i
     for (const double p : fractions) {
-        const double place = p * (n - 1.0), whole = std::floor(place);
-        while (through <= whole)
+        const double place = p * (n - 1.0), lower = std::floor(place);
+        while (through <= lower)
             through += weights[++i];
         std::size_t next = i;
-        for (double reached = through; reached <= whole + 1.0 && next + 1 < ascending.size();)
+        for (double reached = through; reached <= lower + 1.0 && next + 1 < ascending.size();)
             reached += weights[++next];
-        out.push_back(std::lerp(ascending[i], ascending[next], place - whole));
+        out.push_back(std::lerp(ascending[i], ascending[next], place - lower));
     }
 }
 

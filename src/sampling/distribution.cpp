@@ -71,7 +71,7 @@ struct Ends {
     double lower, upper;
 };
 
-Ends kept(const Distribution& d) {
+Ends truncated(const Distribution& d) {
     return {std::isinf(d.least) ? 0.0 : below(d, d.least),
             std::isinf(d.most) ? 1.0 : below(d, d.most)};
 }
@@ -115,7 +115,7 @@ std::string problem_of_shape(const Distribution& d) {
 
 std::optional<std::string> problem_of(const Distribution& d) {
     if (std::string problem = problem_of_shape(d); !problem.empty()) return problem;
-    const Ends ends = kept(d);
+    const Ends ends = truncated(d);
     if (!(ends.upper - ends.lower >= least_mass))
         return fmt::format("is truncated to nothing: the interval from {} to {} has the "
                            "probability {:.3g}; at least {:g} is required",
@@ -126,11 +126,12 @@ std::optional<std::string> problem_of(const Distribution& d) {
 }
 
 double quantile(const Distribution& d, double p) {
-    const Ends ends = kept(d);
-    const double whole = std::clamp(ends.lower + p * (ends.upper - ends.lower), 1e-300,
-                                    1.0 - std::numeric_limits<double>::epsilon() / 2.0);
+    const Ends ends = truncated(d);
+    const double untruncated = std::clamp(ends.lower + p * (ends.upper - ends.lower), 1e-300,
+                                          1.0 - std::numeric_limits<double>::epsilon() / 2.0);
     const double x = std::clamp(
-        std::visit([&](const auto& shape) { return untruncated_quantile(shape, whole); }, d.shape),
+        std::visit([&](const auto& shape) { return untruncated_quantile(shape, untruncated); },
+                   d.shape),
         d.least, d.most);
     return d.root_of > 0.0 ? std::sqrt(d.root_of * x) : x;
 }

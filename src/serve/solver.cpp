@@ -110,14 +110,14 @@ bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answ
     check_receptors(c);
     pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
     pipeline::record_receptors(c, plan.receptors, recorder);
-    FrameKeeper keeper(c, world_, recorder, rows_);
-    fail_together(world_, [&] { engine_->run(c, world_, keeper, &interrupt); });
+    FrameCollector collector(c, world_, recorder, rows_);
+    fail_together(world_, [&] { engine_->run(c, world_, collector, &interrupt); });
     if (interrupt.stop()) return false;
     pipeline::CaseResults results;
     fail_together(world_, [&] {
         recorder.finish();
         results = pipeline::case_results(planned, recorder, plan.receptors, world_);
-        keeper.gather(frames_);
+        collector.gather(frames_);
     });
     on_root(world_, [&] {
         answer.members = description(planned);
@@ -129,7 +129,7 @@ bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answ
     return true;
 }
 
-void FrameKeeper::begin(const engines::Slab& slab) {
+void FrameCollector::begin(const engines::Slab& slab) {
     slab_ = slab;
     together(team_, [&] {
         rows_.resize(static_cast<std::size_t>(case_.time.frames * slab.x_count * case_.domain.ny));
@@ -137,7 +137,7 @@ void FrameKeeper::begin(const engines::Slab& slab) {
     ForwardingObserver::begin(slab);
 }
 
-void FrameKeeper::frame(const engines::Frame& frame) {
+void FrameCollector::frame(const engines::Frame& frame) {
     if (frame.depth == 0) {
         float* out = rows_.data() + frame.number * slab_.x_count * case_.domain.ny;
         for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i)
@@ -147,7 +147,7 @@ void FrameKeeper::frame(const engines::Frame& frame) {
     ForwardingObserver::frame(frame);
 }
 
-void FrameKeeper::gather(std::vector<float>& all) const {
+void FrameCollector::gather(std::vector<float>& all) const {
     if (team_.size() == 1) {
         all.swap(rows_);
         return;

@@ -16,10 +16,11 @@ namespace shearwake::serve {
 
 /// Keeps the surface of all frames in single precision and passes everything on to another
 /// observer.
-class FrameKeeper : public engines::ForwardingObserver {
+class FrameCollector : public engines::ForwardingObserver {
 public:
     /// `rows`: memory for the frames of this rank, which keeps its size between cases.
-    FrameKeeper(const Case& c, const Comm& team, engines::Observer& next, std::vector<float>& rows)
+    FrameCollector(const Case& c, const Comm& team, engines::Observer& next,
+                   std::vector<float>& rows)
         : ForwardingObserver(next), case_(c), team_(team), rows_(rows) {}
 
     void begin(const engines::Slab& slab) override;

@@ -46,7 +46,7 @@ using Vector = double __attribute__((vector_size(width * sizeof(double))));
     return value - Vector{}; // a sum with 0 would be computed, since it changes -0
 }
 /// Keeps a value that is used several times in a register: g++ loads it anew for each use.
-[[gnu::always_inline]] inline Vector kept(Vector v) {
+[[gnu::always_inline]] inline Vector in_register(Vector v) {
 #if defined(__AVX512F__)
     asm("" : "+v"(v));
 #elif defined(__SSE2__)

@@ -122,14 +122,14 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
     }
     std::string reason, without, flipped, unrecorded;
     on_root(world, [&] {
-        reason = storage::part_error(path, record, {}, storage::KeepsVolume::yes);
-        without = storage::part_error(path, record, {}, storage::KeepsVolume::no);
-        unrecorded = storage::part_error(path, "", {}, storage::KeepsVolume::yes);
+        reason = storage::part_error(path, record, {}, storage::HasVolume::yes);
+        without = storage::part_error(path, record, {}, storage::HasVolume::no);
+        unrecorded = storage::part_error(path, "", {}, storage::HasVolume::yes);
         const std::string part = path.string() + ".part", sound = storage::read_file(part);
         std::string damaged = sound;
         damaged[40] = static_cast<char>(damaged[40] ^ 1); // in HDF5's own metadata
         storage::write_file(part, damaged);
-        flipped = storage::part_error(path, record, {}, storage::KeepsVolume::yes);
+        flipped = storage::part_error(path, record, {}, storage::HasVolume::yes);
         storage::write_file(part, sound);
     });
     CHECK(world.broadcast(reason) == "");

@@ -208,7 +208,7 @@ private:
                 transfer_->strain(waves, force.data(), planes_->line(row), planes_->stride());
             }
             planes_->end_row(row, is_nyquist ? spectral::StrainPlanes::Modes::emptied
-                                             : spectral::StrainPlanes::Modes::kept);
+                                             : spectral::StrainPlanes::Modes::retained);
         }
         planes_->get(strain);
     }

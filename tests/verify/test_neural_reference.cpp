@@ -3,7 +3,7 @@
 // noise and delay. SHEARWAKE_NEURAL_REFERENCE specifies the folder of its two files, without which
 // these tests are skipped; tests/unit/neural contains the small reference data.
 #include "neural/respond.hpp"
-#include "neural/skin/skin_ways.hpp"
+#include "neural/skin/skin_paths.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/hdf5/h5_block.hpp"
 
@@ -134,7 +134,7 @@ TEST_CASE("all stages of all 17 neurons equal TouchSim within 1e-10", "[neural]"
     const std::vector<Afferent> one_a_class = {
         {{}, AfferentClass::SA1, 0}, {{}, AfferentClass::RA, 0}, {{}, AfferentClass::PC, 0}};
     const auto drive = [&](auto eight) {
-        return source.drive(eight, straight_ways(stimulus.at_mm));
+        return source.drive(eight, straight_paths(stimulus.at_mm));
     };
     const Lines dynamic = lanes_of(one_a_class, source.samples(),
                                    [&](auto eight) { return drive(eight).dynamic_N_s_mm3; });
@@ -223,7 +223,7 @@ TEST_CASE("985 Pacinian afferents of the palm fire at the same samples as in Tou
     for (const double row : values_of(*file, "near_rows"))
         near.push_back(afferents[static_cast<std::size_t>(row)]);
     const Lines dynamic = lanes_of(near, source.samples(), [&](auto eight) {
-        return source.drive(eight, straight_ways(stimulus.at_mm)).dynamic_N_s_mm3;
+        return source.drive(eight, straight_paths(stimulus.at_mm)).dynamic_N_s_mm3;
     });
     CHECK(worst_over_row_maximum(dynamic, lines_of(*file, name + "/flat/near_dynamic_5k")) <
           rounding);
@@ -236,7 +236,7 @@ TEST_CASE("985 Pacinian afferents of the palm fire at the same samples as in Tou
     const auto along_the_hand = [&](Vec2 to_mm) {
         return std::vector{ways_mm.at({to_mm.x, to_mm.y})};
     };
-    CHECK(fires_alike({.ways = along_the_hand}, "/hand") == afferents.size());
+    CHECK(fires_alike({.paths = along_the_hand}, "/hand") == afferents.size());
 }
 
 } // namespace test_neural_reference

@@ -22,7 +22,7 @@ std::vector<std::string> reduce_both(const std::vector<std::string>& arguments) 
     }
     for (const std::filesystem::path& path : paths)
         if (std::filesystem::is_directory(path))
-            studies::reduce_folder({path}, reduce::ErrorColumns::kept);
+            studies::reduce_folder({path}, reduce::ErrorColumns::as_before);
     return {};
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 std::vector<std::string> reduce_first(const std::vector<std::string>& arguments) {
     studies::reduce_folder(schedule::folder_of_results(arguments.front()),
-                           reduce::ErrorColumns::kept);
+                           reduce::ErrorColumns::as_before);
     return {};
 }
 

@@ -75,7 +75,7 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         wrong_kind(key, "a number", node);
         return std::nullopt;
     }
-    if (!std::isfinite(*value) || !range.holds(*value)) {
+    if (!std::isfinite(*value) || !range.contains(*value)) {
         const Entry* kind = std::get<TableNode>(table_->value).find("kind");
         const auto* word = kind ? std::get_if<std::string>(&kind->value->value) : nullptr;
         const std::string_view hint =

@@ -36,12 +36,12 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 15> tables_b
 bool abbreviates(std::string_view key, std::string_view other) {
     while (true) {
         const std::string_view part = key.substr(0, key.find('_'));
-        const std::string_view whole = other.substr(0, other.find('_'));
-        if (!whole.starts_with(part) || (part.size() < 2 && part != whole)) return false;
+        const std::string_view word = other.substr(0, other.find('_'));
+        if (!word.starts_with(part) || (part.size() < 2 && part != word)) return false;
         const bool is_last = part.size() == key.size();
-        if (is_last || whole.size() == other.size()) return is_last && whole.size() == other.size();
+        if (is_last || word.size() == other.size()) return is_last && word.size() == other.size();
         key.remove_prefix(part.size() + 1);
-        other.remove_prefix(whole.size() + 1);
+        other.remove_prefix(word.size() + 1);
     }
 }
 

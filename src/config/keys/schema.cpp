@@ -35,8 +35,8 @@ std::pair<Json*, std::string> place_of(Json& table, const std::string& key) {
     return place_of(below, key.substr(dot + 1));
 }
 
-Json number(const Range& range, bool whole = false) {
-    Json type = {{"type", whole ? "integer" : "number"}};
+Json number(const Range& range, bool integer = false) {
+    Json type = {{"type", integer ? "integer" : "number"}};
     if (std::isfinite(range.least))
         type[range.least_excluded ? "exclusiveMinimum" : "minimum"] = range.least;
     if (std::isfinite(range.most))

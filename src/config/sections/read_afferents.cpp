@@ -161,7 +161,7 @@ std::vector<Vec2> pins_on_path(const Load& load, const Domain& domain, double ra
     std::vector<Vec2> pins_m;
     for (const auto& line : drawn_shape(load.modulation, step_m))
         for (const Vec2 point_m : line)
-            if (domain.holds(point_m) && std::ranges::none_of(pins_m, [&](Vec2 pin_m) {
+            if (domain.contains(point_m) && std::ranges::none_of(pins_m, [&](Vec2 pin_m) {
                     return norm(pin_m - point_m) < apart_m;
                 }))
                 pins_m.push_back(point_m);
@@ -187,7 +187,7 @@ std::vector<Vec2> read_pins(Reader& reader, const Domain& domain, std::vector<Ve
         reader.error(key,
                      fmt::format("must contain 1 to 1000 pins, but contains {}", pins_m.size()));
     for (const Vec2& pin_m : pins_m) {
-        if (domain.nx == 0 || domain.holds(pin_m)) continue;
+        if (domain.nx == 0 || domain.contains(pin_m)) continue;
         reader.error(key, fmt::format("must lie inside the domain, within {:.6g} and {:.6g} mm of "
                                       "its centre; [{:.6g}, {:.6g}] does not",
                                       500.0 * domain.extent_x_m(), 500.0 * domain.extent_y_m(),

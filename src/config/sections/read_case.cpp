@@ -272,7 +272,8 @@ std::optional<SensationOptions> read_sensation(Reader& reader, const Case& c,
         options.line_m = *line_m;
         if (line_m->size() != 2 || (*line_m)[0] == (*line_m)[1])
             reader.error("line_mm", "must be two different points [[x, y], [x, y]]");
-        else if (c.domain.nx > 0 && !(c.domain.holds((*line_m)[0]) && c.domain.holds((*line_m)[1])))
+        else if (c.domain.nx > 0 &&
+                 !(c.domain.contains((*line_m)[0]) && c.domain.contains((*line_m)[1])))
             reader.error("line_mm", "must lie inside the domain");
     }
     if (!computes_sensation(c))

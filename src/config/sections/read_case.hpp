@@ -80,7 +80,7 @@ std::string array_presets();
 /// from the pressure behind a lens.
 struct FootprintAndPeak {
     Footprint footprint;
-    bool gives_peak = false;
+    bool defines_peak = false;
     std::optional<double> peak_Pa;
 };
 FootprintAndPeak read_footprint(Reader reader, const FileLoaders& files);

@@ -63,9 +63,9 @@ private:
     void read(double& value, const std::string& key, const Range& range, const Field& field);
     void read(std::optional<double>& value, const std::string& key, const Range& range,
               const Field& field);
-    template <std::integral Whole>
-    void read(Whole& value, const std::string& key, const Range& range, const Field&) {
-        value = static_cast<Whole>(integer(key, static_cast<double>(value), range));
+    template <std::integral Integer>
+    void read(Integer& value, const std::string& key, const Range& range, const Field&) {
+        value = static_cast<Integer>(integer(key, static_cast<double>(value), range));
     }
     void read(bool& value, const std::string& key, const Range&, const Field&) {
         value = reader_.find_flag(key).value_or(value);

@@ -112,7 +112,7 @@ FootprintAndPeak read_lens(Reader& reader, const FileLoaders& files) {
         reader.find_number("pressure_Pa", range_of<LensFootprint>("pressure_Pa"));
     const double density_kg_m3 = reader.number_or("air_density_kg_m3", air_density_kg_m3,
                                                   range_of<LensFootprint>("air_density_kg_m3"));
-    FootprintAndPeak read{.gives_peak = reader.has("pressure_Pa")};
+    FootprintAndPeak read{.defines_peak = reader.has("pressure_Pa")};
     reader.finish();
     if (reader.diagnostics().errors() != before) return read;
     lens.reach_m = reach_m.value_or(target_extent_m(lens) + widths_around * focal_width_m(lens));
@@ -284,7 +284,7 @@ FootprintAndPeak read_array(Reader& reader, const FileLoaders& files) {
     const double density_kg_m3 = reader.number_or("air_density_kg_m3", air_density_kg_m3,
                                                   range_of<ArrayFootprint>("air_density_kg_m3"));
     const auto reach_m = reader.find_number("reach_mm", range_of<ArrayFootprint>("reach_mm"));
-    FootprintAndPeak read{.footprint = array, .gives_peak = reader.has("pressure_Pa_m")};
+    FootprintAndPeak read{.footprint = array, .defines_peak = reader.has("pressure_Pa_m")};
     reader.finish();
     if (reader.diagnostics().errors() != before) return read;
     array.reach_m = reach_m ? *reach_m : reach_in_widths * fwhm_m(array);

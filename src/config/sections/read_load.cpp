@@ -38,11 +38,11 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
     load.footprint = read.footprint;
     load.peak_Pa = peak_Pa.value_or(read.peak_Pa.value_or(1.0));
     const bool is_lens = std::holds_alternative<LensFootprint>(load.footprint);
-    if (read.gives_peak && reader.has("peak_Pa"))
+    if (read.defines_peak && reader.has("peak_Pa"))
         reader.error("peak_Pa",
                      fmt::format("and load.footprint.{} are both given; specify only one of them",
                                  is_lens ? "pressure_Pa" : "pressure_Pa_m"));
-    if (!read.gives_peak && !reader.has("peak_Pa")) {
+    if (!read.defines_peak && !reader.has("peak_Pa")) {
         if (is_lens)
             reader.error("peak_Pa", "is missing (or load.footprint.pressure_Pa, the amplitude of "
                                     "the sound behind the lens)");

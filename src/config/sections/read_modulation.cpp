@@ -123,7 +123,7 @@ constexpr std::array kind_keys = {
     KindKey{"trajectory", "custom"},
 };
 
-bool holds_word(std::string_view words, std::string_view word) {
+bool contains_word(std::string_view words, std::string_view word) {
     while (!words.empty()) {
         const std::size_t blank = std::min(words.find(' '), words.size());
         if (words.substr(0, blank) == word) return true;
@@ -213,7 +213,7 @@ std::vector<Vec2> read_foci_m(Reader& reader) {
 
 void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_kinds) {
     for (const KindKey& other : kind_keys) {
-        if (holds_word(other.kinds, kind)) continue;
+        if (contains_word(other.kinds, kind)) continue;
         if (reader.has(other.key) && other_kinds == OtherKinds::refused)
             reader.error(other.key, fmt::format("does not apply to kind {}", kind));
     }
@@ -226,7 +226,7 @@ bool has_meaning(std::string_view key, std::string_view kind) {
         const bool is_it = key.starts_with(known.key) &&
                            (key.size() == known.key.size() || key[known.key.size()] == '.' ||
                             key[known.key.size()] == '[');
-        if (is_it) return holds_word(known.kinds, kind);
+        if (is_it) return contains_word(known.kinds, kind);
     }
     return true;
 }
@@ -251,7 +251,7 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
     modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
     modulation.foci_m = read_foci_m(reader);
     auto& gains = modulation.envelope.gains;
-    if (holds_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
+    if (contains_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
     gains.insert(gains.end(), more_gains.begin(), more_gains.end());
     if (ramp_s) gains.push_back(RampGain{*ramp_s});
     settle_other_kinds(reader, *kind, other_kinds);

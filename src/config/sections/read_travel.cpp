@@ -114,15 +114,15 @@ Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed) 
         travel.motion = *read.rests;
         return travel;
     }
-    const bool takes_corners = speed != SpeedKind::oscillating;
-    if (takes_corners) travel.corners = read_corners(reader);
+    const bool has_corners = speed != SpeedKind::oscillating;
+    if (has_corners) travel.corners = read_corners(reader);
     const std::size_t before_speed = reader.diagnostics().errors();
     const double speed_m_s = read_speed_m_s(reader, context, travel, has_path);
     const bool speed_is_sound = reader.diagnostics().errors() == before_speed;
     travel.motion = ConstantSpeed{speed_m_s};
     if (oscillates) travel.motion = read_oscillation(reader, speed_m_s, speed_is_sound);
     if (speed == SpeedKind::either) reader.has("sm_phase_deg");
-    if (takes_corners && has_path) check_corners(reader, travel);
+    if (has_corners && has_path) check_corners(reader, travel);
     return travel;
 }
 

@@ -119,7 +119,7 @@ void check_points(const Reader& reader, const VibrometerOptions& options, const 
                                               options.points_m.size(), most_scan_points));
     const Vec2 offset_m = {options.offset_x_m, options.offset_y_m};
     for (const Vec2 nominal : options.points_m)
-        if (const Vec2 point = nominal + offset_m; domain.nx > 0 && !domain.holds(point)) {
+        if (const Vec2 point = nominal + offset_m; domain.nx > 0 && !domain.contains(point)) {
             reader.error("points_mm",
                          fmt::format("has a point at [{:.6g}, {:.6g}] mm outside of the "
                                      "domain, which ends at {:.6g} and {:.6g} mm",

@@ -162,8 +162,8 @@ private:
         if (!key.starts_with(modulation_prefix)) return false;
         const std::string_view name = std::string_view(key).substr(modulation_prefix.size());
         // A key in the reference also replaces all keys below it.
-        const std::string_view whole = name.substr(0, name.find_first_of(".["));
-        return key == kind_key || std::get<TableNode>(reference_->value).find(whole) ||
+        const std::string_view first_part = name.substr(0, name.find_first_of(".["));
+        return key == kind_key || std::get<TableNode>(reference_->value).find(first_part) ||
                !has_meaning(name, kind);
     }
 
@@ -236,7 +236,7 @@ double different_footprints(const Sweep& sweep) {
 std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
                                 const FileLoaders& files, DiagnosticList& diagnostics) {
     // Presets are expanded first, so that a sweep can change the layers of a preset.
-    const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
+    const NodePtr base = sweep.contains("medium.preset") ? job : with_medium_preset(job);
     Expander expander(sweep, reference, files, diagnostics);
     files.arrays->expected_1 = different_footprints(sweep);
     Odometer wheel(sweep);
@@ -326,7 +326,7 @@ void add_listed_cases(const NodePtr& sweep_node, Sweep& sweep, const FileLoaders
         diagnostics.error(
             at, fmt::format("sweep.list: {} {}", excerpt(reader.word("list")), listed.problem));
     for (const SweptKey& key : listed.axis.keys)
-        if (sweep.holds(key.key))
+        if (sweep.contains(key.key))
             diagnostics.error(at, fmt::format("sweep: {} is swept twice", key.key));
     sweep.sound = sweep.sound && diagnostics.errors() == before;
     if (sweep.sound) sweep.axes.push_back(std::move(listed.axis));

@@ -218,7 +218,7 @@ std::vector<std::string> Sweep::keys() const {
     return names;
 }
 
-bool Sweep::holds(std::string_view key) const {
+bool Sweep::contains(std::string_view key) const {
     for (const Axis& axis : axes)
         for (const SweptKey& swept : axis.keys)
             if (swept.key == key) return true;

@@ -69,7 +69,7 @@ struct Sweep {
     bool varies_kind = false;
 
     std::vector<std::string> keys() const; // in the order of the job
-    bool holds(std::string_view key) const;
+    bool contains(std::string_view key) const;
 };
 
 /// `table` with one entry per full key, in the order of the file: tables are joined with dots down

@@ -23,7 +23,7 @@ bool is_option(const std::string& key) {
     return key == "correlation" || is_described<UncertainTableKeys>(key);
 }
 
-double whole_number(Reader& reader, std::string_view key, double value) {
+double read_integer(Reader& reader, std::string_view key, double value) {
     if (value == std::floor(value)) return value;
     reader.error(key, fmt::format("must be a whole number, but is {}", value));
     return 2.0;
@@ -42,7 +42,7 @@ UncertainKeys read_keys(const TableNode& table, const Sweep& sweep, const FileLo
         if (is_option(entry.key)) continue;
         const auto path = case_path(entry, "uncertain", diagnostics);
         if (!path) continue;
-        if (sweep.holds(entry.key)) {
+        if (sweep.contains(entry.key)) {
             diagnostics.error(entry.key_at, fmt::format("uncertain: {} is also swept; remove it "
                                                         "from one of the two tables",
                                                         entry.key));
@@ -133,7 +133,7 @@ void fill(UncertainKeys& keys, const sampling::Points& points) {
 }
 
 void read_options(Reader& reader, UncertainPlan& plan) {
-    plan.samples = static_cast<std::size_t>(whole_number(
+    plan.samples = static_cast<std::size_t>(read_integer(
         reader, "samples", reader.number("samples", range_of<UncertainTableKeys>("samples"))));
     const auto word = [&]<class E>(std::string_view key, E fallback) {
         const auto names = names_of(std::type_identity<E>{});
@@ -142,7 +142,7 @@ void read_options(Reader& reader, UncertainPlan& plan) {
     };
     plan.sampling = word("sampling", sampling::Sampling::sobol);
     plan.analysis = word("analysis", sampling::Analysis::distribution);
-    plan.seed = static_cast<std::uint64_t>(whole_number(
+    plan.seed = static_cast<std::uint64_t>(read_integer(
         reader, "seed", reader.number_or("seed", 1.0, range_of<UncertainTableKeys>("seed"))));
     plan.exceedance = read_thresholds(reader);
 }

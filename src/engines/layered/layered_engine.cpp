@@ -36,7 +36,7 @@ public:
           coarse_(key.time.samples / samples_per_frame(c, key.time)),
           first_frame_(key.time.first_s > 0.0 ? 0 : 1), roll_off_(roll_off(key.time)),
           load_(c, key.time, share.ky_start, share.ky_count),
-          kept_nx_(load_.is_mirrored() ? c.domain.nx / 2 + 1 : c.domain.nx),
+          stored_nx_(load_.is_mirrored() ? c.domain.nx / 2 + 1 : c.domain.nx),
           backward_(coarse_, fft::Direction::backward, lines_together),
           lines_(static_cast<std::size_t>(coarse_ * lines_together)),
           jumps_(static_cast<std::size_t>(jumps_per_line() * lines_together)), spectra_(memory) {
@@ -67,10 +67,10 @@ public:
             const auto h = is_mine ? table.row(ky, depth) : std::span<const Complex>();
             const bool adds = energy && is_mine; // the tables are then in memory, see TransferTable
             const Row surface = adds ? Row{table.row(ky, 0), energy->losses->row(ky, 0)} : Row{};
-            for (std::ptrdiff_t kx = 0; kx < kept_nx_; kx += lines_together) {
+            for (std::ptrdiff_t kx = 0; kx < stored_nx_; kx += lines_together) {
                 progress.end_if_asked();
                 if (!is_mine) continue;
-                const std::ptrdiff_t lines = std::min(lines_together, kept_nx_ - kx);
+                const std::ptrdiff_t lines = std::min(lines_together, stored_nx_ - kx);
                 for (std::ptrdiff_t l = 0; l < lines; ++l) {
                     const auto load = respond(kx + l, ky, h, lines_.data() + l * coarse_,
                                               jumps_.data() + l * jumps_per_line());
@@ -81,14 +81,14 @@ public:
                     tail.add(kernels_, of_line(h, kx + l), jumps_.data() + l * jumps_per_line(),
                              lines_.data() + l * coarse_);
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
-                              count, plane(), fft::reals(spectra_.data() + ky * kept_nx_ + kx));
+                              count, plane(), fft::reals(spectra_.data() + ky * stored_nx_ + kx));
                 progress.did(CaseProgress::Stage::samples, static_cast<double>(lines));
             }
         }
     }
 
     TimeLines time_lines() const {
-        const std::ptrdiff_t count = share_.ky_count * kept_nx_;
+        const std::ptrdiff_t count = share_.ky_count * stored_nx_;
         return {count, coarse_, load_.is_mirrored() ? 0 : count, time_.samples};
     }
 
@@ -96,7 +96,7 @@ public:
     void put_row(std::ptrdiff_t first, std::ptrdiff_t in_batch, std::ptrdiff_t ky,
                  Complex* row) const {
         const auto scale = load_.is_mirrored() ? kernels_.scale_mirrored_row : kernels_.scale_row;
-        scale(fft::reals(spectra_.data() + in_batch * plane() + ky * kept_nx_),
+        scale(fft::reals(spectra_.data() + in_batch * plane() + ky * stored_nx_),
               fft::reals(factors_.data() + ky * case_.domain.nx),
               growth_[static_cast<std::size_t>(first + in_batch)], case_.domain.nx,
               fft::reals(row));
@@ -120,7 +120,7 @@ public:
     }
 
 private:
-    std::ptrdiff_t plane() const { return share_.ky_count * kept_nx_; }
+    std::ptrdiff_t plane() const { return share_.ky_count * stored_nx_; }
     std::ptrdiff_t jumps_per_line() const {
         return jump_orders * std::ssize(load_.nodes().breaks());
     }
@@ -198,7 +198,7 @@ private:
     std::ptrdiff_t coarse_, first_frame_;   // the frame in a line that is frame 0 of the case
     std::vector<double> roll_off_, growth_; // per frequency; per frame
     LoadSpectrum load_;
-    std::ptrdiff_t kept_nx_; // modes kept per row
+    std::ptrdiff_t stored_nx_; // modes stored per row
     fft::LineTransform backward_;
     fft::AlignedVector<Complex> lines_;
     std::vector<Complex> jumps_;   // of each line
@@ -248,20 +248,20 @@ void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgr
         loss_table_.reset();
     }
     const std::ptrdiff_t ky_count = slabs_->share().ky_count;
-    struct Kept {
+    struct RequiredTable {
         std::unique_ptr<TransferTable>& table;
         const TransferKey& key;
     };
-    const Kept tables[] = {{table_, plan.keys[0]},
-                           {stress_table_, plan.keys[1]},
-                           {tangential_table_, plan.keys[2]},
-                           {loss_table_, plan.keys[3]}};
+    const RequiredTable tables[] = {{table_, plan.keys[0]},
+                                    {stress_table_, plan.keys[1]},
+                                    {tangential_table_, plan.keys[2]},
+                                    {loss_table_, plan.keys[3]}};
     expect_frames(progress, c, tables[0].key, ky_count, team.size());
-    for (const Kept& kept : tables)
-        if (!kept.table || kept.table->key() != kept.key)
-            expect_table(progress, kept.key, ky_count, team.size());
-    for (const Kept& kept : tables)
-        store_table(kept.table, kept.key, team, progress);
+    for (const RequiredTable& required : tables)
+        if (!required.table || required.table->key() != required.key)
+            expect_table(progress, required.key, ky_count, team.size());
+    for (const RequiredTable& required : tables)
+        store_table(required.table, required.key, team, progress);
 }
 
 void LayeredEngine::store_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,

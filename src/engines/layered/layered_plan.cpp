@@ -48,14 +48,14 @@ double radial_products(const TransferKey& key) {
 }
 
 /// Memory in bytes of the Bessel functions that the table keeps for further media.
-double kept_bessel_B(const TransferKey& key) {
+double cached_bessel_B(const TransferKey& key) {
     if (key.edges != DomainEdges::open || key.depths_m.empty()) return 0.0;
     const std::size_t radii = table_radii(key.spacing_m, reach_m(key));
     if (key.quantity == StackQuantity::loss)
-        return BesselBlocks<double>::kept_B(
+        return BesselBlocks<double>::cached_B(
             FixedPanels(key.spacing_m, reach_m(key)).nodes_rad_m().size(), radii);
-    return BesselBlocks<Complex>::kept_B(point_rule(key.spacing_m, reach_m(key)).k_rad_m.size(),
-                                         radii);
+    return BesselBlocks<Complex>::cached_B(point_rule(key.spacing_m, reach_m(key)).k_rad_m.size(),
+                                           radii);
 }
 
 /// Expected costs relative to each other, which are used for the share of a case that is complete
@@ -168,8 +168,8 @@ void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key
     const auto frames = static_cast<double>(c.time.frames);
     const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
     const bool along_x = LoadSpectrum::moves_along_x(c, key.time);
-    const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
-    const double lines = depths * batches * static_cast<double>(ky_count * kept_nx);
+    const std::ptrdiff_t stored_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const double lines = depths * batches * static_cast<double>(ky_count * stored_nx);
     progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
     progress.expect(Stage::samples, lines,
                     2.0 * lines * static_cast<double>(key.time.samples) *
@@ -198,16 +198,16 @@ std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
     const double batches = std::ceil(frames / static_cast<double>(frames_together));
-    const double kept_points = (moves_along_x ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
+    const double stored_points = (moves_along_x ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
     const bool is_open = key.edges == DomainEdges::open;
-    double tables = 0.0, products = 0.0, kept_depths = 0.0;
+    double tables = 0.0, products = 0.0, stored_depths = 0.0;
     bool is_repeated = false; // whether a table is expanded again for each batch
     for (const TransferKey& one : keys) {
         if (one.depths_m.empty()) continue;
         tables += 1.0;
         products += radial_products(one);
         if (is_stored(one))
-            kept_depths += static_cast<double>(one.depths_m.size());
+            stored_depths += static_cast<double>(one.depths_m.size());
         else
             is_repeated = true;
     }
@@ -220,20 +220,20 @@ std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
                 kind("response", (c.time.regime == Regime::periodic ? " periodic" : "") + edges),
                 tables * layers, std::floor(samples / 2.0) + 1.0, true},
             {kind("radial", edges), products, is_open ? 1.0 : 0.0, true},
-            {kind("expansion", edges), points * kept_depths, samples, true},
+            {kind("expansion", edges), points * stored_depths, samples, true},
             {kind("setup", ""), points, 1.0},
             {kind("samples", std::string(moves_along_x ? " along x" : "") +
                                  (is_repeated ? " with expansion" : "")),
-             kept_points * depths, batches * samples},
+             stored_points * depths, batches * samples},
             {kind("frames", ""), points * depths, frames}};
 }
 
 std::vector<engines::Array> LayeredPlan::arrays() const {
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const std::ptrdiff_t kept_nx = moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const std::ptrdiff_t stored_nx = moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     std::vector<engines::Array> all = {
         {"spectra of frames",
-         static_cast<double>(frames_together * ky_count * kept_nx) * sizeof(Complex)}};
+         static_cast<double>(frames_together * ky_count * stored_nx) * sizeof(Complex)}};
     constexpr std::array names = {"transfer function of the displacement",
                                   "transfer function of the stress",
                                   "transfer function of the tangential displacement", "losses"};
@@ -245,7 +245,7 @@ std::vector<engines::Array> LayeredPlan::arrays() const {
     all.push_back({"a row of the transfer function",
                    static_cast<double>(c.domain.nx * keys[0].time.samples) * sizeof(Complex)});
     all.push_back({"load", LoadSpectrum::memory_B(c, keys[0].time, ky_count)});
-    all.push_back({"Bessel functions", kept_bessel_B(keys[0]) + kept_bessel_B(keys[3])});
+    all.push_back({"Bessel functions", cached_bessel_B(keys[0]) + cached_bessel_B(keys[3])});
     all.push_back({"plane of the transform", points * sizeof(double) / ranks});
     return all;
 }

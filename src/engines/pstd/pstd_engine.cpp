@@ -30,8 +30,9 @@ Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
 
 FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGrid& grid) {
     const SurfacePlane surface =
-        options.top == PstdTop::nothing && options.load == PstdLoad::traction ? SurfacePlane::rings
-                                                                              : SurfacePlane::kept;
+        options.top == PstdTop::nothing && options.load == PstdLoad::traction
+            ? SurfacePlane::rings
+            : SurfacePlane::accurate;
     FramePlaces places{
         .first_x = grid.first_x, .first_y = grid.first_y, .first_z = grid.surface - 1};
     if (!c.record.volumes_s.empty()) places.planes = grid.levels;

@@ -19,7 +19,7 @@ constexpr double tolerated_strain = 0.05, strain_per_pressure = 0.155;
 constexpr double sound_pressure_Pa = 3e3;
 /// Radiation pressures below this that hardly strain the tissue are probably in kPa. Studies may
 /// use 1 Pa as a unit.
-constexpr double least_pressure_Pa = 1.0, felt_strain = 1e-5;
+constexpr double least_pressure_Pa = 1.0, perceptible_strain = 1e-5;
 /// Shear moduli from this on are those of tendons, cartilage and bone; skin has 1 kPa to 1 MPa.
 constexpr double stiff_Pa = 1e7;
 /// rho c^2 of air [Pa]: a sound wave of the amplitude p presses with p^2/(rho c^2) on skin.
@@ -40,7 +40,7 @@ void check_pressure(const Case& c, Notes& notes) {
                   "cartilage or bone; skin has 1 kPa to 1 MPa and c_s of 1 to 30 m/s",
                   softest_Pa);
     const double strain = strain_per_pressure * peak_Pa / softest_Pa;
-    if (peak_Pa < least_pressure_Pa && strain < felt_strain)
+    if (peak_Pa < least_pressure_Pa && strain < perceptible_strain)
         notes.add(Severity::warning, "load.peak_Pa",
                   "a radiation pressure of {:.3g} Pa is far below those of devices in air, 50 to "
                   "some 1000 Pa; peak_Pa is in Pa",

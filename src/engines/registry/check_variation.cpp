@@ -88,7 +88,7 @@ struct Interval {
     bool overlaps(const Interval& other) const {
         return low_m < other.high_m && high_m > other.low_m;
     }
-    bool holds(const Interval& other) const {
+    bool contains(const Interval& other) const {
         return low_m <= other.low_m && high_m >= other.high_m;
     }
 };
@@ -130,7 +130,7 @@ void check_map(const Case& c, std::vector<Remark>& remarks) {
                            fmt::format("it covers {}, but no part of the domain, {:.4g} x {:.4g} "
                                        "mm about the origin: are its coordinates in m?",
                                        places(), milli(2.0 * half_x_m), milli(2.0 * half_y_m))});
-    else if (!map_x.holds(x) || !map_y.holds(y))
+    else if (!map_x.contains(x) || !map_y.contains(y))
         remarks.push_back(
             {Severity::warning, "medium.map",
              fmt::format("it covers {}, but not all of the domain of {:.4g} x {:.4g} mm; the "

@@ -75,9 +75,9 @@ std::string rigid_note(const Case& given, const Case& c, std::size_t i) {
             " because it is {:.3g} times stiffer than its surroundings (rigid_above = {:.4g})",
             stiffness_contrast(body, c.scene().medium),
             std::get<SpectralOptions>(c.solver).rigid_above);
-    const std::string held = held_by(body, c.scene().medium, c.domain);
+    const std::string rest = reason_of_rest(body, c.scene().medium, c.domain);
     return fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
-                       held.empty() ? "moves with its mass" : held,
+                       rest.empty() ? "moves with its mass" : rest,
                        is_below_rigid_layer(body, c.scene().medium, c.domain)
                            ? "no effect on the field"
                            : "one additional background solve per step, no cap on its stiffness");

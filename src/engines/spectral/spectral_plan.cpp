@@ -194,10 +194,10 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
     const double of_rank = up(static_cast<double>(c.domain.nx), ranks) / sampled.stride;
     const auto cells_before = [&](double row) {
         const auto last = static_cast<double>(sampled.cells_before.size() - 1);
-        const auto whole = static_cast<std::size_t>(std::min(row, last));
-        const double part = std::min(row, last) - static_cast<double>(whole);
-        const double first = sampled.cells_before[whole];
-        return part > 0.0 ? first + part * (sampled.cells_before[whole + 1] - first) : first;
+        const auto full_rows = static_cast<std::size_t>(std::min(row, last));
+        const double part = std::min(row, last) - static_cast<double>(full_rows);
+        const double first = sampled.cells_before[full_rows];
+        return part > 0.0 ? first + part * (sampled.cells_before[full_rows + 1] - first) : first;
     };
     for (int rank = 0; rank < ranks; ++rank)
         plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -

@@ -63,14 +63,14 @@ template <class V>
 template <class Real>
 void multiply(Real* spectra, const Real* real, const Real* imaginary, std::ptrdiff_t points,
               std::ptrdiff_t lines) {
-    const std::ptrdiff_t length = 2 * points, whole = length / lanes<Real> * lanes<Real>;
+    const std::ptrdiff_t length = 2 * points, full = length / lanes<Real> * lanes<Real>;
     for (std::ptrdiff_t l = 0; l < lines; ++l) {
         Real* s = spectra + l * length;
-        for (std::ptrdiff_t i = 0; i < whole; i += lanes<Real>) {
+        for (std::ptrdiff_t i = 0; i < full; i += lanes<Real>) {
             const Vector<Real> v = load(s + i);
             store<Real>(v * load(real + i) + swap_parts(v) * load(imaginary + i), s + i);
         }
-        for (std::ptrdiff_t i = whole; i < length; i += 2) {
+        for (std::ptrdiff_t i = full; i < length; i += 2) {
             const Real re = s[i], im = s[i + 1];
             s[i] = re * real[i] + im * imaginary[i];
             s[i + 1] = im * real[i + 1] + re * imaginary[i + 1];

@@ -52,10 +52,10 @@ void row_sums(const double* values, std::ptrdiff_t count, RowSums8& sums) {
 void add_four(const double* u0, std::ptrdiff_t count, const double* re, const double* im,
               double* sums) {
     const double *u1 = u0 + count, *u2 = u1 + count, *u3 = u2 + count;
-    const Vector re0 = kept(all_lanes(re[0])), re1 = kept(all_lanes(re[1])),
-                 re2 = kept(all_lanes(re[2])), re3 = kept(all_lanes(re[3])),
-                 im0 = kept(all_lanes(im[0])), im1 = kept(all_lanes(im[1])),
-                 im2 = kept(all_lanes(im[2])), im3 = kept(all_lanes(im[3]));
+    const Vector re0 = in_register(all_lanes(re[0])), re1 = in_register(all_lanes(re[1])),
+                 re2 = in_register(all_lanes(re[2])), re3 = in_register(all_lanes(re[3])),
+                 im0 = in_register(all_lanes(im[0])), im1 = in_register(all_lanes(im[1])),
+                 im2 = in_register(all_lanes(im[2])), im3 = in_register(all_lanes(im[3]));
     for (std::ptrdiff_t j = 0; j < count; j += width) {
         Vector sum_re = load_aligned(sums + j), sum_im = load_aligned(sums + count + j);
         const Vector v0 = load_aligned(u0 + j), v1 = load_aligned(u1 + j),

@@ -62,10 +62,10 @@ void put(const Eigen::VectorXd& load, const PinSet& pressing, const Lines& s, st
 void let_go(ContactSolver& solver, PinSet pressing, Eigen::VectorXd load, const Lines& s,
             std::size_t k, Lines& loads) {
     while (!pressing.empty() && load.minCoeff() < 0.0) {
-        PinSet kept;
+        PinSet remaining;
         for (std::size_t i = 0; i < pressing.size(); ++i)
-            if (!(load[static_cast<Eigen::Index>(i)] < 0.0)) kept.push_back(pressing[i]);
-        pressing = std::move(kept);
+            if (!(load[static_cast<Eigen::Index>(i)] < 0.0)) remaining.push_back(pressing[i]);
+        pressing = std::move(remaining);
         Eigen::VectorXd indentation(static_cast<Eigen::Index>(pressing.size()));
         for (std::size_t i = 0; i < pressing.size(); ++i)
             indentation[static_cast<Eigen::Index>(i)] =

@@ -124,7 +124,7 @@ PinStimulus carrier_stimulus(const CarrierInput& carrier, std::vector<Vec2> pins
 namespace {
 
 /// Whether the duration of these samples is an integer number of samples of the neurons.
-bool lasts_whole_samples(std::size_t samples, double rate_Hz) {
+bool has_integer_samples(std::size_t samples, double rate_Hz) {
     const double neuron_samples = static_cast<double>(samples) / rate_Hz * neuron_rate_Hz;
     return std::abs(neuron_samples - std::round(neuron_samples)) < 1e-6;
 }
@@ -137,7 +137,7 @@ SilencedLines with_silence(const Lines& lines, double rate_Hz, double silence_s)
     const auto silent = static_cast<std::size_t>(std::ceil(silence_s * rate_Hz - 1e-9));
     std::size_t samples = lines.samples + 2 * silent;
     for (std::size_t more = 0; more < most_lengthened; ++more)
-        if (lasts_whole_samples(samples + more, rate_Hz)) {
+        if (has_integer_samples(samples + more, rate_Hz)) {
             samples += more;
             break;
         }

@@ -95,7 +95,7 @@ void ReceptorSeries::record_at(const std::vector<Vec2>& at_m, std::vector<std::s
 
 void ReceptorSeries::stress(const engines::StressFrame& frame) {
     for (std::size_t i = 0; i < series_.size(); ++i)
-        if (depths_[i] == frame.depth && case_.domain.holds(series_[i].at_m))
+        if (depths_[i] == frame.depth && case_.domain.contains(series_[i].at_m))
             series_[i].u_m[static_cast<std::size_t>(frame.number)] =
                 value_at(series_[i].at_m, frame.compression_Pa, case_.domain, slab_);
 }

@@ -67,7 +67,7 @@ struct Domain {
     double extent_y_m() const { return static_cast<double>(ny) * spacing_m; }
     double x_m(std::ptrdiff_t i) const { return static_cast<double>(i - nx / 2) * spacing_m; }
     double y_m(std::ptrdiff_t j) const { return static_cast<double>(j - ny / 2) * spacing_m; }
-    bool holds(Vec2 at_m) const {
+    bool contains(Vec2 at_m) const {
         return std::abs(at_m.x) <= 0.5 * extent_x_m() && std::abs(at_m.y) <= 0.5 * extent_y_m();
     }
 };

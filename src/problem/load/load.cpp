@@ -124,7 +124,7 @@ double strength(const Load& load, double t_s) {
     return amplitude(load, t_s);
 }
 
-double held_s(const Load& load, double t_s) {
+double updated_s(const Load& load, double t_s) {
     const double rate_Hz = update_rate_Hz(load.footprint);
     // A sample at the time of an update uses the new focus.
     return rate_Hz == 0.0 ? t_s : std::floor(t_s * rate_Hz + 1e-9) / rate_Hz;
@@ -143,7 +143,7 @@ std::vector<double> force_areas_m2(const Load& load, std::span<const double> tim
     };
     std::vector<Vec2> foci_m;
     for (const double t_s : times_s)
-        foci_m.push_back(position(load.modulation.trajectory, pattern.held_s(t_s)));
+        foci_m.push_back(position(load.modulation.trajectory, pattern.updated_s(t_s)));
     if (!pattern.changes()) return std::vector<double>(times_s.size(), area_at(foci_m.front()));
     const auto& array = std::get<ArrayFootprint>(load.footprint);
     return is_smooth(array, load.modulation.foci_m.size())
@@ -265,11 +265,11 @@ std::vector<double> smooth_pieces(const Load& load, double t_s, double off_s) {
     const Modulation& modulation = load.modulation;
     numbers.push_back(t_s > off_s ? 1.0 : 0.0);
     add_smooth_pieces(modulation.envelope, t_s, numbers);
-    const double held = held_s(load, t_s);
-    if (held == t_s)
+    const double updated = updated_s(load, t_s);
+    if (updated == t_s)
         add_smooth_pieces(modulation.trajectory, t_s, numbers);
     else
-        numbers.push_back(held);
+        numbers.push_back(updated);
     return numbers;
 }
 
@@ -339,7 +339,7 @@ std::vector<double> changes_of_pieces_s(const Load& load, double from_s, double 
 } // namespace
 
 Vec2 focus_m(const Load& load, double t_s) {
-    return position(load.modulation.trajectory, held_s(load, t_s));
+    return position(load.modulation.trajectory, updated_s(load, t_s));
 }
 
 std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, double cell_s) {
@@ -356,14 +356,14 @@ std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, doubl
             all.push_back(
                 {.time_s = time_s, .jump = std::min(jump, 1.0), .kink = kink, .bend = bend});
     }
-    std::vector<Break> kept;
+    std::vector<Break> relevant;
     for (std::size_t i = 0; i < all.size(); ++i) {
         const bool is_close =
             (i > 0 && all[i].time_s - all[i - 1].time_s < 0.99 * cell_s) ||
             (i + 1 < all.size() && all[i + 1].time_s - all[i].time_s < 0.99 * cell_s);
-        if (all[i].jump >= least_jump || !is_close) kept.push_back(all[i]);
+        if (all[i].jump >= least_jump || !is_close) relevant.push_back(all[i]);
     }
-    return kept;
+    return relevant;
 }
 
 } // namespace shearwake

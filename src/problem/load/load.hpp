@@ -80,7 +80,7 @@ double strength(const Load& load, double t_s);
 
 /// The time at which the focus that is active at t was selected [s]: an array updates it at its
 /// update rate, other sources at all times.
-double held_s(const Load& load, double t_s);
+double updated_s(const Load& load, double t_s);
 
 /// Force divided by peak_Pa and by e(t) c(t), at each of these ascending times [m^2]. That of a
 /// steered array is interpolated between positions of its focus, with an error of 1e-5 or less.

@@ -51,12 +51,12 @@ LoadPattern::LoadPattern(const Load& load, double until_s) : load_(load), until_
     set(0.0);
 }
 
-double LoadPattern::held_s(double t_s) const {
-    return shearwake::held_s(load_, field_ ? std::min(t_s, until_s_) : t_s);
+double LoadPattern::updated_s(double t_s) const {
+    return shearwake::updated_s(load_, field_ ? std::min(t_s, until_s_) : t_s);
 }
 
-void LoadPattern::set(double held_s) {
-    set_focus(position(load_.modulation.trajectory, held_s));
+void LoadPattern::set(double updated_s) {
+    set_focus(position(load_.modulation.trajectory, updated_s));
 }
 
 void LoadPattern::set_focus(Vec2 at_m) {

@@ -23,9 +23,9 @@ public:
     /// Whether the pattern changes as the focus moves.
     bool changes() const { return changes_; }
     /// The time whose focus is active at t, since an array updates it at its update rate [s].
-    double held_s(double t_s) const;
+    double updated_s(double t_s) const;
     /// Selects the pattern of that time.
-    void set(double held_s);
+    void set(double updated_s);
     /// Selects the pattern of a position of the focus within the bounds of the path.
     void set_focus(Vec2 at_m);
     /// The origin of the spectra [m].

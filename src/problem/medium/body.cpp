@@ -230,7 +230,7 @@ bool is_beyond(double offset_m, double size_m, double reach_m) {
 }
 
 template <class Shape>
-bool holds_corners(const Shape& shape, Vec3 offset, Vec3 size, double margin_m) {
+bool contains_corners(const Shape& shape, Vec3 offset, Vec3 size, double margin_m) {
     for (const double x : {-0.5, 0.5})
         for (const double y : {-0.5, 0.5})
             for (const double z : {-0.5, 0.5})
@@ -328,7 +328,7 @@ double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
             return 0.0;
         // Half a diagonal, and half of that of a sub-sample, which is at most a quarter.
         if (shape.is_outside(offset, 0.5 * (1.25 * norm(size_m) + body.edge_m))) return 0.0;
-        if (holds_corners(shape, offset, size_m, 0.5 * body.edge_m)) return 1.0;
+        if (contains_corners(shape, offset, size_m, 0.5 * body.edge_m)) return 1.0;
         const bool is_smooth =
             body.edge_m > 0.0 && body.edge_m >= std::max({size_m.x, size_m.y, size_m.z});
         return sampled_share(shape, offset, size_m, is_smooth ? smooth_samples : sharp_samples);

@@ -259,10 +259,11 @@ Points points_in(Interval wanted, double origin, double spacing, std::ptrdiff_t 
     const double last = static_cast<double>(count - 1);
     const double low = (wanted.low - origin) / spacing, high = (wanted.high - origin) / spacing;
     if (high < -0.5 || low > last + 0.5) return {0, 0, false};
-    const auto held = [&](double place) {
+    const auto clamped = [&](double place) {
         return static_cast<std::ptrdiff_t>(std::clamp(place, 0.0, last));
     };
-    return {held(std::floor(low)), held(std::ceil(high)) + 1, low >= -0.5 && high <= last + 0.5};
+    return {clamped(std::floor(low)), clamped(std::ceil(high)) + 1,
+            low >= -0.5 && high <= last + 0.5};
 }
 
 } // namespace

@@ -24,9 +24,9 @@ std::optional<Between> between(double at, double origin, double spacing, std::pt
     if (count == 1 && spacing == 0.0) return Between{0, 0, 0.0};
     const double place = (at - origin) / spacing, last = static_cast<double>(count - 1);
     if (!(place >= -0.5 - forgiven && place <= last + 0.5 + forgiven)) return std::nullopt;
-    const double held = std::clamp(place, 0.0, last);
-    const auto index = std::min(static_cast<std::ptrdiff_t>(held), std::max(count - 2, {}));
-    return Between{index, std::min(index + 1, count - 1), held - static_cast<double>(index)};
+    const double clamped = std::clamp(place, 0.0, last);
+    const auto index = std::min(static_cast<std::ptrdiff_t>(clamped), std::max(count - 2, {}));
+    return Between{index, std::min(index + 1, count - 1), clamped - static_cast<double>(index)};
 }
 
 double mix(double a, double b, double share) {

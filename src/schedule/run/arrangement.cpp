@@ -56,11 +56,11 @@ struct Sample {
 
 /// A group stays whole (Bundle) if it takes at most this multiple of a team's share of the
 /// time.
-constexpr double largest_whole_share = 1.25;
+constexpr double largest_undivided_share = 1.25;
 
 /// The number of teams that compute cases of a group, which takes `share` of the time of all cases.
 double teams_of_group(double share, double cases, int busy) {
-    return std::clamp(std::ceil(share * busy / largest_whole_share), 1.0,
+    return std::clamp(std::ceil(share * busy / largest_undivided_share), 1.0,
                       std::min(static_cast<double>(busy), cases));
 }
 
@@ -287,7 +287,7 @@ TimedCases timed(const std::vector<const PlannedCase*>& cases, const TeamLayout&
 }
 
 /// Groups of at most `longest_s` as one bundle, before the others as single cases in their order.
-std::vector<Bundle> with_whole_groups(const TimedCases& cases, double longest_s) {
+std::vector<Bundle> with_undivided_groups(const TimedCases& cases, double longest_s) {
     std::vector<Bundle> bundles;
     for (std::size_t first = 0; first < cases.groups.size();) {
         Bundle group{first, 1};
@@ -340,7 +340,7 @@ std::vector<Bundle> bundles_of(const std::vector<const PlannedCase*>& cases,
     const double single_s = seconds_of(best, times, layout.teams);
     double best_s = (1.0 - least_gain) * single_s;
     for (const double share : {0.125, 0.25, 0.5, 1.0}) {
-        std::vector<Bundle> bundles = with_whole_groups(times, share * single_s);
+        std::vector<Bundle> bundles = with_undivided_groups(times, share * single_s);
         const double seconds = seconds_of(bundles, times, layout.teams);
         if (!(seconds < best_s)) continue;
         best_s = seconds;

@@ -100,8 +100,8 @@ bool Deadline::lets_begin(double needed_s, double left_s) const {
 }
 
 double Deadline::left_s() const {
-    const double kept_s = std::min(60.0, 0.05 * limit_s_);
-    return limit_s_ - kept_s - seconds_since(began_);
+    const double reserve_s = std::min(60.0, 0.05 * limit_s_);
+    return limit_s_ - reserve_s - seconds_since(began_);
 }
 
 namespace {

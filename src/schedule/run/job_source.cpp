@@ -56,8 +56,8 @@ config::TextLoader texts_beside(const std::filesystem::path& job, const Comm& wo
     using Known = std::map<std::string, std::string>;
     return [folder = job.parent_path(), world,
             known = std::make_shared<Known>()](const std::string& file) {
-        const auto held = known->find(file);
-        if (held != known->end()) return held->second;
+        const auto found = known->find(file);
+        if (found != known->end()) return found->second;
         std::string text;
         on_root(world,
                 [&] { text = storage::read_file(folder / file, storage::largest_user_text_B); });

@@ -32,7 +32,7 @@ bool is_ours(const std::string& name) {
 }
 
 /// Whether a folder without a plan contains files that no run creates.
-bool holds_foreign_files(const OutputFolder& folder) {
+bool has_foreign_files(const OutputFolder& folder) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.root))
         if (!is_ours(entry.path().filename().string())) return true;
     return false;
@@ -153,7 +153,7 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                             folder.root.string(),
                             extend ? "--extend requires the same job.name"
                                    : "--extend keeps the cases that this job contains as well"));
-    } else if (fs::exists(folder.root) && holds_foreign_files(folder)) {
+    } else if (fs::exists(folder.root) && has_foreign_files(folder)) {
         throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
                                      "another folder with --out",
                                      folder.root.string()));

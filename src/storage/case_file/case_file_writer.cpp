@@ -206,7 +206,7 @@ void CaseFileWriter::flush() {
 }
 
 std::string part_error(const std::filesystem::path& path, const std::string& record,
-                       const SurfaceLayout& surface, KeepsVolume volume) {
+                       const SurfaceLayout& surface, HasVolume volume) {
     const std::filesystem::path part = path.string() + ".part";
     if (!std::filesystem::exists(part)) return "is missing";
     if (const std::string reason = bytes_error(part, record); !reason.empty()) return reason;
@@ -215,7 +215,7 @@ std::string part_error(const std::filesystem::path& path, const std::string& rec
         const h5::Id file = h5::open_file(part, h5::Access::read);
         H5G_info_t root{};
         h5::check(H5Gget_info(file.raw(), &root), "inspect the root group");
-        const hsize_t groups = (surface.empty() ? 0 : 1) + (volume == KeepsVolume::yes ? 1 : 0);
+        const hsize_t groups = (surface.empty() ? 0 : 1) + (volume == HasVolume::yes ? 1 : 0);
         if (root.nlinks != groups) return "was left incomplete by an interrupted run";
         if (surface.empty()) return "";
         const h5::Id field = h5::open_dataset(file.raw(), "surface/u_z");

@@ -97,13 +97,13 @@ private:
     bool committed_ = false, left_ = false;
 };
 
-enum class KeepsVolume { no, yes };
+enum class HasVolume { no, yes };
 
 /// The reason why `<path>.part` cannot be continued, as a phrase that follows its name. Empty if
 /// its bytes match the record in the checkpoint, and it has these surface fields and, if stored, a
 /// volume. Not collective.
 std::string part_error(const std::filesystem::path& path, const std::string& record,
-                       const SurfaceLayout& surface, KeepsVolume volume = KeepsVolume::no);
+                       const SurfaceLayout& surface, HasVolume volume = HasVolume::no);
 
 /// Writes `<case>.xdmf` next to a case file with frames, so that ParaView can open u_z [m] over
 /// (x, y, depth) [m] and time [s]. Not collective.

@@ -107,7 +107,7 @@ std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
 }
 
 /// JSON cannot represent infinity: such cases are read from their files again.
-bool can_be_kept(const CaseDigest& digest) {
+bool is_storable(const CaseDigest& digest) {
     bool fine = digest.is_complete() || digest.is_lost;
     for (const IndexedScalar& s : digest.scalars)
         fine = fine && !std::isinf(s.value);
@@ -170,8 +170,8 @@ bool CaseIndex::accept_known(const std::string& id, const Stamp& stamp) {
 }
 
 void CaseIndex::put(const std::string& id, const CaseStamp& stamp, CaseDigest digest) {
-    const CaseDigest& kept = checked_[id] = std::move(digest);
-    if (can_be_kept(kept)) news_ += line_of(stamp, kept) + "\n";
+    const CaseDigest& checked = checked_[id] = std::move(digest);
+    if (is_storable(checked)) news_ += line_of(stamp, checked) + "\n";
 }
 
 /// Reads all files that are not checked yet and match their checksum.
@@ -224,7 +224,7 @@ void add_to_index(const fs::path& index, const fs::path& case_file) {
     if (!stamp) return;
     // The file has just been written: its bytes are verified only when they may have changed.
     const CaseDigest digest = read_digest(case_file, case_file.stem().string());
-    if (!digest.is_complete() || !can_be_kept(digest)) return;
+    if (!digest.is_complete() || !is_storable(digest)) return;
     try {
         append_line(index, line_of(*stamp, digest), Flush::later);
     } catch (const UsageError&) { // it will be read from the file

@@ -71,9 +71,9 @@ double rate_Hz_of(const std::vector<double>& times_s, double rounding_s = 0.0) {
                 "its times must be uniformly spaced: number {} is {:.9g} s, expected {:.9g} s", k,
                 times_s[k], regular_s));
     }
-    const double rate_Hz = 1.0 / step_s, whole = std::round(rate_Hz);
+    const double rate_Hz = 1.0 / step_s, rounded = std::round(rate_Hz);
     const double allowed = 1e-6 + 2.0 * rounding_s / span_s;
-    return std::abs(rate_Hz - whole) <= allowed * rate_Hz ? whole : rate_Hz;
+    return std::abs(rate_Hz - rounded) <= allowed * rate_Hz ? rounded : rate_Hz;
 }
 
 /// Reads the lines of a CSV file in sequence.
@@ -234,16 +234,16 @@ PointMotion of_traces(hid_t file, const std::string& group) {
 }
 
 PointMotion motion_of(hid_t file, std::string group) {
-    const auto holds = [&](const std::string& name) {
+    const auto contains = [&](const std::string& name) {
         for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
             if (H5Lexists(file, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
             if (slash == std::string::npos) return true;
         }
     };
-    if (group.empty() && holds("traces/u_z")) group = "traces";
+    if (group.empty() && contains("traces/u_z")) group = "traces";
     const std::string prefix = group.empty() ? "" : group + "/";
-    if (holds(prefix + "trace_mm")) return of_traces(file, group);
-    if (holds(prefix + "u_z")) return of_case_file(file, prefix);
+    if (contains(prefix + "trace_mm")) return of_traces(file, group);
+    if (contains(prefix + "u_z")) return of_case_file(file, prefix);
     throw UsageError(fmt::format("{} contains neither u_z nor trace_mm; use --group to select the "
                                  "group that contains one of them",
                                  group.empty() ? "its root" : "the group " + group));

@@ -84,7 +84,7 @@ RunLock::RunLock(const std::filesystem::path& file, Sharing sharing,
     : file_(file), fd_(open_or_throw(file)) {
     try {
         lock_or_throw(sharing);
-        refuse_if_held_elsewhere(watching);
+        refuse_if_locked_elsewhere(watching);
     } catch (...) {
         ::close(fd_);
         throw;
@@ -110,7 +110,7 @@ void RunLock::lock_or_throw(Sharing sharing) {
     system_locks_ = true;
 }
 
-void RunLock::refuse_if_held_elsewhere(std::chrono::milliseconds watching) const {
+void RunLock::refuse_if_locked_elsewhere(std::chrono::milliseconds watching) const {
     const Beat before = read_beat(fd_);
     if (before.host.empty()) return;
     // On this host, the lock of the operating system is reliable, and an ended process holds none.

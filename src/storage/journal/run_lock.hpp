@@ -36,7 +36,7 @@ public:
 
 private:
     void lock_or_throw(Sharing sharing);
-    void refuse_if_held_elsewhere(std::chrono::milliseconds watching) const;
+    void refuse_if_locked_elsewhere(std::chrono::milliseconds watching) const;
     void write_beat(long count) const;
     void beat();
 

@@ -15,7 +15,7 @@ namespace shearwake::laboratory {
 namespace {
 
 /// Memory of the motions that are kept, and their largest number: those of a derivative.
-constexpr double most_kept_B = 2.5e8, most_kept = 16.0;
+constexpr double most_cached_B = 2.5e8, most_cached = 16.0;
 /// The case is continued by this fraction of its frames, so that a larger trigger delay does not
 /// move the last samples out of it.
 constexpr std::ptrdiff_t margin_share = 8, least_margin = 4;
@@ -42,7 +42,7 @@ Case observed_case(Case c, const ConvertedData& data) {
     scan.points_m = data.points_m;
     for (const Vec2 nominal : data.points_m)
         if (const Vec2 point = nominal + Vec2{scan.offset_x_m, scan.offset_y_m};
-            !c.domain.holds(point))
+            !c.domain.contains(point))
             throw UsageError(fmt::format(
                 "the scan has a point at [{:.6g}, {:.6g}] mm outside of the domain of the job: "
                 "enlarge domain.extent_mm, or correct the positions",
@@ -105,20 +105,21 @@ Case ObservedModel::continued(Case c) {
 }
 
 const std::vector<double>& ObservedModel::motion_m(const Case& c) {
-    const auto known = std::find_if(kept_.begin(), kept_.end(),
+    const auto known = std::find_if(cached_.begin(), cached_.end(),
                                     [&](const Motion& motion) { return motion.of == c; });
-    if (known != kept_.end()) {
-        std::rotate(kept_.begin(), known, known + 1);
-        return kept_.front().displacements_m;
+    if (known != cached_.end()) {
+        std::rotate(cached_.begin(), known, known + 1);
+        return cached_.front().displacements_m;
     }
     pipeline::ScanSeries series(c, team_);
     engine_->run(c, team_, series, nullptr);
     series.finish();
-    kept_.insert(kept_.begin(), {c, series.displacements_m()});
+    cached_.insert(cached_.begin(), {c, series.displacements_m()});
     const double motion_B = sizeof(double) * static_cast<double>(series.displacements_m().size());
-    while (static_cast<double>(kept_.size()) > std::clamp(most_kept_B / motion_B, 1.0, most_kept))
-        kept_.pop_back();
-    return kept_.front().displacements_m;
+    while (static_cast<double>(cached_.size()) >
+           std::clamp(most_cached_B / motion_B, 1.0, most_cached))
+        cached_.pop_back();
+    return cached_.front().displacements_m;
 }
 
 } // namespace shearwake::laboratory

@@ -39,7 +39,7 @@ private:
     const std::vector<double>& motion_m(const Case& c);
 
     std::unique_ptr<engines::Engine> engine_;
-    std::vector<Motion> kept_; // the most recent one first
+    std::vector<Motion> cached_; // the most recent one first
 };
 
 /// The case with the scan of these data and nothing else to record. Throws UsageError if a point is

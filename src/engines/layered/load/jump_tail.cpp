@@ -39,11 +39,11 @@ RemovedParts make_removed_parts() {
     for (std::size_t n = 0; n < entries; ++n)
         parts[1][n] = 0.5;
     integrate(0.0, std::numbers::pi, [&](double x, double weight) {
-        const double kept = weight * roll_off(x / std::numbers::pi) / std::numbers::pi;
+        const double passed = weight * roll_off(x / std::numbers::pi) / std::numbers::pi;
         for (std::size_t n = 0; n < entries; ++n) {
             const double s = static_cast<double>(n) / per_unit;
-            parts[0][n] -= kept * std::cos(x * s);
-            parts[1][n] -= kept * std::sin(x * s) / x;
+            parts[0][n] -= passed * std::cos(x * s);
+            parts[1][n] -= passed * std::sin(x * s) / x;
         }
     });
     // q = 2 is the integral of q = 1. Its value at s = 0 beyond x = pi has a closed form.

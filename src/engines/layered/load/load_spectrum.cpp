@@ -40,16 +40,16 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
 
     const std::size_t jumps_per_line =
         static_cast<std::size_t>(jump_orders) * nodes_.breaks().size();
-    const auto kept = y_rests_ ? static_cast<std::size_t>(samples_) : n;
-    x_phases_.resize(static_cast<std::size_t>(nx_) * kept);
+    const auto stored = y_rests_ ? static_cast<std::size_t>(samples_) : n;
+    x_phases_.resize(static_cast<std::size_t>(nx_) * stored);
     jumps_.resize((y_rests_ ? static_cast<std::size_t>(nx_) : 1) * jumps_per_line);
     for (std::size_t i = 0; i < static_cast<std::size_t>(nx_); ++i) {
-        Complex* line = y_rests_ ? buffer_.data() : x_phases_.data() + i * kept;
+        Complex* line = y_rests_ ? buffer_.data() : x_phases_.data() + i * stored;
         for (std::size_t t = 0; t < n; ++t)
             line[t] = weighted_[t] * std::polar(1.0, -kx_rad_m_[i] * origin[t].x);
         if (!y_rests_) continue;
         transform(line, jumps_.data() + i * jumps_per_line);
-        std::copy_n(line, kept, x_phases_.data() + i * kept);
+        std::copy_n(line, stored, x_phases_.data() + i * stored);
     }
     const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
     for (std::size_t j = 0; j < modes; ++j)
@@ -75,7 +75,7 @@ bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
     LoadPattern pattern(c.scene().load, time.end_s(c.time));
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {
-        pattern.set(pattern.held_s(time.sample_s(sample)));
+        pattern.set(pattern.updated_s(time.sample_s(sample)));
         return pattern.origin_m().y;
     };
     const double first_m = y_m(0);
@@ -87,18 +87,18 @@ bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
 /// Also computes the states of a changing pattern.
 std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
     std::vector<Vec2> origins;
-    std::vector<double> held_s; // a time of each state
+    std::vector<double> updated_s; // a time of each state
     std::map<std::pair<double, double>, std::size_t> states;
     for (const double t_s : nodes_.times_s()) {
-        const double at_s = pattern_.held_s(std::max(t_s, 0.0));
+        const double at_s = pattern_.updated_s(std::max(t_s, 0.0));
         if (!pattern_.changes()) {
             pattern_.set(at_s);
             origins.push_back(pattern_.origin_m());
             continue;
         }
         const Vec2 place = position(c.scene().load.modulation.trajectory, at_s);
-        const auto [state, is_new] = states.try_emplace({place.x, place.y}, held_s.size());
-        if (is_new) held_s.push_back(at_s);
+        const auto [state, is_new] = states.try_emplace({place.x, place.y}, updated_s.size());
+        if (is_new) updated_s.push_back(at_s);
         state_of_.push_back(state->second);
     }
     if (!pattern_.changes()) return origins;
@@ -108,7 +108,7 @@ std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
     last_kx_ = last(dkx_rad_m_, nx_ / 2);
     rows_there_ =
         std::clamp<std::ptrdiff_t>(last(dky_rad_m_, ny_ / 2) + 1 - ky_start_, 0, ky_count_);
-    states_ = held_s.size();
+    states_ = updated_s.size();
     const std::ptrdiff_t width = 2 * last_kx_ + 1;
     changing_.resize(static_cast<std::size_t>(rows_there_ * width) * states_);
     std::vector<double> kx;
@@ -117,7 +117,7 @@ std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
     std::vector<Complex> spectra(kx.size());
     std::vector<Vec2> of_states;
     for (std::size_t s = 0; s < states_; ++s) {
-        pattern_.set(held_s[s]);
+        pattern_.set(updated_s[s]);
         of_states.push_back(pattern_.origin_m());
         for (std::ptrdiff_t row = 0; row < rows_there_; ++row) {
             pattern_.spectra(static_cast<double>(ky_start_ + row) * dky_rad_m_, kx, spectra);

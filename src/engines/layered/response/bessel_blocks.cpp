@@ -74,14 +74,14 @@ template <class Scalar>
 void BesselBlocks<Scalar>::multiply(
     const Matrix& weights,
     const std::function<void(std::size_t first, const Matrix& products)>& use) {
-    const bool keeps = kept_B(k_rad_m_.size(), radii_) > 0.0;
+    const bool is_cached = cached_B(k_rad_m_.size(), radii_) > 0.0;
     for (std::size_t first = 0, number = 0; first < radii_; first += radii_together, ++number) {
-        if (!keeps) {
+        if (!is_cached) {
             use(first, block(first) * weights);
             continue;
         }
-        if (number == kept_.size()) kept_.push_back(block(first));
-        use(first, kept_[number] * weights);
+        if (number == cached_.size()) cached_.push_back(block(first));
+        use(first, cached_[number] * weights);
     }
 }
 

@@ -17,13 +17,13 @@ inline constexpr std::size_t radii_together = 256;
 
 /// The matrix of J0(k r) for wavenumbers k and radii r = 0, step, 2 step, ..., in blocks of
 /// radii_together radii. It does not depend on the medium and takes as long as a product with it,
-/// so it is kept from its first use on if it needs at most most_kept_B. Scalar: double or
+/// so it is cached from its first use on if it needs at most most_cached_B. Scalar: double or
 /// std::complex<double>. Not collective.
 template <class Scalar>
 class BesselBlocks {
 public:
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-    static constexpr double most_kept_B = 100e6;
+    static constexpr double most_cached_B = 100e6;
 
     BesselBlocks(std::vector<Scalar> k_rad_m, double step_m, std::size_t radii)
         : k_rad_m_(std::move(k_rad_m)), step_m_(step_m), radii_(radii) {}
@@ -36,11 +36,11 @@ public:
     void multiply(const Matrix& weights,
                   const std::function<void(std::size_t first, const Matrix& products)>& use);
 
-    /// Memory in bytes that is kept.
-    static double kept_B(std::size_t wavenumbers, std::size_t radii) {
+    /// Memory in bytes of the cache.
+    static double cached_B(std::size_t wavenumbers, std::size_t radii) {
         const double all_B =
             static_cast<double>(sizeof(Scalar) * wavenumbers) * static_cast<double>(radii);
-        return all_B <= most_kept_B ? all_B : 0.0;
+        return all_B <= most_cached_B ? all_B : 0.0;
     }
 
 private:
@@ -49,7 +49,7 @@ private:
     std::vector<Scalar> k_rad_m_;
     double step_m_;
     std::size_t radii_;
-    std::vector<Matrix> kept_; // the first blocks
+    std::vector<Matrix> cached_; // the first blocks
 };
 
 extern template class BesselBlocks<double>;

@@ -13,15 +13,15 @@
 namespace shearwake::pstd {
 namespace {
 
-/// A run whose total is one part that is kept, s, and a rest, each with its factor and its rate.
-template <class Real, class Kept, class Rest>
+/// A run whose total is one stored part, s, and a rest, each with its factor and its rate.
+template <class Real, class Part, class Rest>
 [[gnu::always_inline]] inline void
-update_two(const SplitRun& run, Real* __restrict total, Real* __restrict s, RowFactor<Real> of_kept,
-           const Kept& kept, RowFactor<Real> of_rest, const Rest& rest) {
+update_two(const SplitRun& run, Real* __restrict total, Real* __restrict s, RowFactor<Real> of_part,
+           const Part& part, RowFactor<Real> of_rest, const Rest& rest) {
     SHEARWAKE_INDEPENDENT
     for (std::ptrdiff_t z = run.begin; z < run.end; ++z) {
-        const Real qs = of_kept.xy * of_kept.z[z], q = of_rest.xy * of_rest.z[z];
-        const Real of_others = total[z] - s[z], now = qs * (qs * s[z] + kept(z));
+        const Real qs = of_part.xy * of_part.z[z], q = of_rest.xy * of_rest.z[z];
+        const Real of_others = total[z] - s[z], now = qs * (qs * s[z] + part(z));
         s[z] = now;
         total[z] = q * (q * of_others + rest(z)) + now;
     }

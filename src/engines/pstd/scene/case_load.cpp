@@ -212,7 +212,7 @@ private:
 
 Source moved_skin(const Case& c, const CaseGrid& grid, const PstdOptions& options, double step_s) {
     Source source{.field = Field::uz,
-                  .mode = SourceMode::whole,
+                  .mode = SourceMode::total,
                   .scaling = SourceScaling::none,
                   .in_rates = true};
     const auto ny = c.domain.ny;

@@ -45,7 +45,7 @@ private:
 /// spacing. With SurfacePlane::rings the surface is therefore computed from five planes with
 /// weights that reproduce the exact response of half-spaces for 200 to 1200 rad/m and 100 to 800 Hz
 /// on grids of 0.25 and 0.5 mm.
-enum class SurfacePlane { kept, rings };
+enum class SurfacePlane { accurate, rings };
 std::vector<double> depth_weights(double depth_m, double spacing_m, SurfacePlane surface);
 
 /// Position of the frames of a case in its grid.

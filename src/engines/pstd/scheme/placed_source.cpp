@@ -43,20 +43,21 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
         which_.push_back(n);
         Place place{.total = slabs.offset(node),
                     .part = {-1, -1},
-                    .keeps_own = false,
+                    .has_own_part = false,
                     .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0,
                     .per_work = work_factor(slabs, material, node),
                     .before = 0.0};
         unknown_ = unknown_ || (!is_velocity(source.field) && !material(node).empty);
         if (const SplitRun* run = state.runs.run_at(row, node[2])) {
             const Parts parts = parts_of(source.field);
-            const auto kept = [&](std::size_t p) {
+            const auto is_stored = [&](std::size_t p) {
                 return run->face < 0 || parts.axes[p] == static_cast<std::size_t>(run->face);
             };
-            if (kept(0) || kept(1) || kept(2)) place.part[0] = run->offset + node[2] - run->begin;
+            if (is_stored(0) || is_stored(1) || is_stored(2))
+                place.part[0] = run->offset + node[2] - run->begin;
             if (run->face < 0 && parts.count == 3)
                 place.part[1] = run->second + node[2] - run->begin;
-            place.keeps_own = run->face >= 0 && kept(0);
+            place.has_own_part = run->face >= 0 && is_stored(0);
         }
         places_.push_back(place);
     }
@@ -87,14 +88,14 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
         const double value = values_[i] * place.scale, third = value / 3.0;
         const Real was = total;
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
-        double kept = 0.0; // sum of the other parts of a prescribed velocity
+        double others = 0.0; // sum of the other parts of a prescribed velocity
         for (std::size_t p = 0; p < place.part.size(); ++p) {
             if (place.part[p] < 0) continue;
             auto& part = state.part[p][static_cast<std::size_t>(place.part[p])];
             if (velocity && source_.mode == SourceMode::additive)
-                part += static_cast<Real>(place.keeps_own ? value : 0.0);
+                part += static_cast<Real>(place.has_own_part ? value : 0.0);
             else if (velocity)
-                kept += static_cast<double>(part);
+                others += static_cast<double>(part);
             else if (source_.mode == SourceMode::additive)
                 part += static_cast<Real>(third);
             else
@@ -106,7 +107,7 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
             total += static_cast<Real>(into_total);
         else
             total =
-                static_cast<Real>(source_.mode == SourceMode::whole ? value : kept + into_total);
+                static_cast<Real>(source_.mode == SourceMode::total ? value : others + into_total);
         if (source_.in_rates && !leaps.empty())
             leaps[static_cast<std::size_t>(place.total)] += total - was;
         // Both times the mean over the step: of the velocity, or of the stress.

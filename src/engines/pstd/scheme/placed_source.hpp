@@ -34,7 +34,7 @@ private:
     struct Place {
         std::ptrdiff_t total;
         std::array<std::ptrdiff_t, 2> part; // -1 for a part that is not stored
-        bool keeps_own;                     // the first array is the part of the field's own axis
+        bool has_own_part;                  // the first array is the part of the field's own axis
         double scale;
         double per_work; // mass in kg for a velocity, -dA dt for the stress above a medium, or 0
         double before;   // total after the previous sample

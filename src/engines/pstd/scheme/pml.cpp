@@ -66,16 +66,16 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
     std::ptrdiff_t rest = 0;
     for (std::ptrdiff_t z = 0; z < nz; ++z)
         rest += in_layer(slabs.grid, options, 2, z) ? 0 : 1;
-    const bool whole_rows = rest < nz && rest < 32;
-    // What the nodes of a row keep follows from whether its x and its y are in a layer; only rows
-    // with asked nodes differ.
+    const bool full_rows = rest < nz && rest < 32;
+    // What is stored of the nodes of a row follows from whether its x and its y are in a layer;
+    // only rows with asked nodes differ.
     std::array<std::vector<int>, 4> rows;
     for (const bool in_x : {false, true}) {
         for (const bool in_y : {false, true}) {
             const int between = in_x && in_y ? all : in_x ? 0 : in_y ? 1 : nothing;
             std::vector<int>& row = rows[in_x + 2 * in_y];
             for (std::ptrdiff_t z = 0; z < nz; ++z) {
-                const bool in_z = whole_rows || in_layer(slabs.grid, options, 2, z);
+                const bool in_z = full_rows || in_layer(slabs.grid, options, 2, z);
                 row.push_back(!in_z ? between : in_x || in_y ? all : 2);
             }
         }
@@ -109,10 +109,10 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
         };
         std::vector<SplitRun> own;
         if (is_here()) {
-            std::vector<int> kept = rows[kind_of(row)];
+            std::vector<int> row_kinds = rows[kind_of(row)];
             for (; is_here(); ++next)
-                kept[static_cast<std::size_t>((*next)[2])] = all;
-            own = runs_of(kept);
+                row_kinds[static_cast<std::size_t>((*next)[2])] = all;
+            own = runs_of(row_kinds);
         }
         for (const SplitRun& run : own.empty() ? runs[kind_of(row)] : own)
             add(run.begin, run.end, run.face, parts);

@@ -9,8 +9,8 @@
 
 namespace shearwake::pstd {
 
-/// `dirichlet` is that of k-Wave; `whole` prescribes the total of a velocity.
-enum class SourceMode { additive, dirichlet, whole };
+/// `dirichlet` is that of k-Wave; `total` prescribes the total of a velocity.
+enum class SourceMode { additive, dirichlet, total };
 
 /// Scaling of the values of an additive source. k-Wave: 2 c_p dt/d at each node for a velocity (d
 /// along its own axis), 2 c_p dt/(3 dx) in each split part for a stress; with the c_p of the first

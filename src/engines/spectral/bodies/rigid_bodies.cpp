@@ -26,7 +26,8 @@ RigidBodies::RigidBodies(std::vector<Body> bodies, std::size_t freedoms, const C
     now_.assign(freedoms * bodies_.size(), 0.0);
     before_ = acceleration_ = now_;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-        for (std::size_t j = 0; j < freedoms && held_by(bodies_[i], medium_, c.domain).empty(); ++j)
+        for (std::size_t j = 0;
+             j < freedoms && reason_of_rest(bodies_[i], medium_, c.domain).empty(); ++j)
             free_.push_back(i * freedoms + j);
 }
 

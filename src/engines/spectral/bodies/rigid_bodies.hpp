@@ -134,7 +134,7 @@ private:
     std::size_t freedoms_; // of one body
     std::vector<double> now_, before_, acceleration_;
     std::vector<double> forces_, step_forces_; // of the last solve, and of all in the last step
-    std::vector<std::size_t> free_;            // degrees of freedom that are not held
+    std::vector<std::size_t> free_;            // degrees of freedom that are not fixed
     std::vector<double> mass_;                 // of the free ones, [row][column]
     /// With K = M/dt^2 + R' G^-1 R: G^-1 R and K^-1 of the free degrees of freedom.
     std::vector<double> per_freedom_, mobility_;

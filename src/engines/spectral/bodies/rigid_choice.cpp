@@ -245,7 +245,7 @@ bool has_markers(const Body& body, const Medium& medium, const Domain& domain) {
            !is_below_rigid_layer(body, medium, domain);
 }
 
-std::string held_by(const Body& body, const Medium& medium, const Domain& domain) {
+std::string reason_of_rest(const Body& body, const Medium& medium, const Domain& domain) {
     if (body.fixed) return "fixed";
     // The tissue below is nearly incompressible and ends at the same edges.
     if (endless_along(body, domain) == Endless::both) return "held because it is a complete layer";

@@ -57,7 +57,7 @@ std::vector<Body> lump_bodies(const Case& c);
 Case without_rigid_bodies(Case c);
 /// Why a rigid body cannot move, as in "held by the rigid base", or an empty text if it can. Not
 /// collective.
-std::string held_by(const Body& body, const Medium& medium, const Domain& domain);
+std::string reason_of_rest(const Body& body, const Medium& medium, const Domain& domain);
 
 /// Errors for rigid bodies that the engine does not support: bodies that overlap or touch the
 /// surface, and bodies that the grid does not resolve. Not collective.

@@ -228,10 +228,10 @@ std::vector<double> interpolation_weights(const GaussLobatto& rule, double x) {
 
 std::vector<double> smoothing_weights(const GaussLobatto& rule, double x) {
     const std::size_t nodes = rule.nodes.size();
-    const int kept = static_cast<int>(std::max<std::size_t>(nodes, 3)) - 2;
+    const int degrees = static_cast<int>(std::max<std::size_t>(nodes, 3)) - 2;
     std::vector<double> weights(nodes, 0.0);
     for (std::size_t j = 0; j < nodes; ++j)
-        for (int n = 0; n < kept; ++n)
+        for (int n = 0; n < degrees; ++n)
             weights[j] +=
                 legendre(n, x).p * rule.weights[j] * legendre(n, rule.nodes[j]).p * (n + 0.5);
     return weights;

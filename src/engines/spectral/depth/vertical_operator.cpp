@@ -90,10 +90,10 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
 double VerticalOperator::stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m,
                                           double dt_s) const {
     const VerticalElement& el = elements_[element];
-    const double held_Pa =
+    const double stabilised_Pa =
         stabilised_modulus_Pa(k_rad_m * k_rad_m, finest_ * el.slope * el.slope,
                               stable_share * el.density / (dt_s * dt_s), el.lambda_Pa);
-    return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - held_Pa);
+    return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - stabilised_Pa);
 }
 
 VerticalArrays VerticalOperator::arrays() const {

@@ -27,21 +27,22 @@ struct Assembly {
 stabilised_modulus(const VerticalArrays& v, const VerticalElement& e, Vector k, double dt_s) {
     const double vertical = v.finest * e.slope * e.slope;
     const double inertia = stable_share * e.density / (dt_s * dt_s);
-    Vector held{};
+    Vector stabilised{};
     for (std::ptrdiff_t i = 0; i < width; ++i)
-        held[i] = stabilised_modulus_Pa(k[i] * k[i], vertical, inertia, e.lambda_Pa);
-    return held;
+        stabilised[i] = stabilised_modulus_Pa(k[i] * k[i], vertical, inertia, e.lambda_Pa);
+    return stabilised;
 }
 
-/// max(mu_accurate/12, mu_stable/4 - held) and half of the viscosity per step, or for the energy
-/// max(mu_accurate/12 - mu_greatest/4, -held).
+/// max(mu_accurate/12, mu_stable/4 - stabilised) and half of the viscosity per step, or for the
+/// energy max(mu_accurate/12 - mu_greatest/4, -stabilised).
 [[gnu::always_inline]] inline Vector shear_modulus(const VerticalArrays& v, Operator which,
-                                                   std::ptrdiff_t at, Vector held,
+                                                   std::ptrdiff_t at, Vector stabilised,
                                                    double viscous_Pa) {
     const double accurate_Pa = v.mu_accurate_Pa[at] / 12.0;
     if (which == Operator::of_change)
-        return simd::greater(simd::all_lanes(accurate_Pa - 0.25 * v.mu_greatest_Pa[at]), -held);
-    return simd::greater(simd::all_lanes(accurate_Pa), 0.25 * v.mu_stable_Pa[at] - held) +
+        return simd::greater(simd::all_lanes(accurate_Pa - 0.25 * v.mu_greatest_Pa[at]),
+                             -stabilised);
+    return simd::greater(simd::all_lanes(accurate_Pa), 0.25 * v.mu_stable_Pa[at] - stabilised) +
            viscous_Pa;
 }
 
@@ -116,13 +117,13 @@ void assemble_psv(const VerticalArrays& v, Operator which, const Block& k8, doub
             a.add(i, i, simd::all_lanes(v.mass_kg_m2[i / 2] / (dt_s * dt_s)));
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
-            const Vector held = stabilised_modulus(v, el, k, dt_s);
+            const Vector stabilised = stabilised_modulus(v, el, k, dt_s);
             ElementModuli m;
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
                 m.lambda[q] = simd::all_lanes(w * share_of_lambda(which) * v.lambda_Pa[at]);
-                m.mu[q] = w * shear_modulus(v, which, at, held, rate * v.viscosity_Pa_s[at]);
+                m.mu[q] = w * shear_modulus(v, which, at, stabilised, rate * v.viscosity_Pa_s[at]);
                 m.swirl[q] = simd::all_lanes(w * rate * v.swirl_viscosity_Pa_s[at]);
             }
             for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
@@ -148,12 +149,12 @@ void assemble_sh(const VerticalArrays& v, Operator which, const Block& k8, doubl
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
             const std::ptrdiff_t first = e * (v.nodes - 1);
-            const Vector held = stabilised_modulus(v, el, k, dt_s);
+            const Vector stabilised = stabilised_modulus(v, el, k, dt_s);
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
                 const double viscosity = v.viscosity_Pa_s[at] + v.swirl_viscosity_Pa_s[at];
-                const Vector mw = w * shear_modulus(v, which, at, held, rate * viscosity);
+                const Vector mw = w * shear_modulus(v, which, at, stabilised, rate * viscosity);
                 a.add(first + q, first + q, k * k * mw);
                 for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
                     for (std::ptrdiff_t j = 0; j <= i; ++j)

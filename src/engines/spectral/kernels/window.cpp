@@ -109,14 +109,15 @@ struct Sums {
 
     Sums() {
         for (std::ptrdiff_t t = 0; t < together; ++t)
-            re[t] = im[t] = simd::kept(Vector{}); // g++ would fill memory with zeros
+            re[t] = im[t] = simd::in_register(Vector{}); // g++ would fill memory with zeros
     }
     /// Adds the products with the angles of turn n of each block, or with those `shift` behind.
     [[gnu::always_inline]] void add(const Angles<together>& angles, std::ptrdiff_t n,
                                     std::ptrdiff_t shift, Vector real, Vector imaginary) {
         const std::ptrdiff_t at = n * static_cast<std::ptrdiff_t>(sizeof(Turn) / sizeof(double));
         for (std::ptrdiff_t t = 0; t < together; ++t) {
-            const Vector turn = simd::kept(simd::load_aligned(angles.cosine[t] + at + shift));
+            const Vector turn =
+                simd::in_register(simd::load_aligned(angles.cosine[t] + at + shift));
             re[t] += turn * real;
             im[t] += turn * imaginary;
         }

@@ -210,7 +210,7 @@ void BoxResponse::respond(const Values& stress, Values& strain, Precision precis
             multiply(row, block, precision);
         clock_.lap(Phase::solves, static_cast<double>(vectors_.blocks() * entries_ * lane_count) *
                                       (precision == Precision::full ? 2.0 : 1.0) * sizeof(float));
-        planes_.end_row(row, StrainPlanes::Modes::kept);
+        planes_.end_row(row, StrainPlanes::Modes::retained);
     }
     planes_.get(strain);
 }

@@ -162,9 +162,9 @@ void MovingLoad::choose_nodes(std::ptrdiff_t n) {
     }
 }
 
-void MovingLoad::place(Sampled& load, double held_s) {
-    load.held_s = held_s;
-    pattern_.set(held_s);
+void MovingLoad::place(Sampled& load, double updated_s) {
+    load.updated_s = updated_s;
+    pattern_.set(updated_s);
     if (pattern_.changes()) put_shape(load.shape);
     const Vec2 origin = pattern_.origin_m() - Vec2{case_.domain.x_m(0), case_.domain.y_m(0)};
     load.x.resize(static_cast<std::size_t>(vectors_.blocks() * lane_count));
@@ -184,16 +184,16 @@ void MovingLoad::sample(std::ptrdiff_t n) {
     std::swap(loads_, spare_);
     loads_.clear();
     for (const Node& node : nodes_) {
-        const double t_s = node.steps * step_s_, held_s = pattern_.held_s(t_s);
-        auto at = std::ranges::find(loads_, held_s, &Sampled::held_s);
+        const double t_s = node.steps * step_s_, updated_s = pattern_.updated_s(t_s);
+        auto at = std::ranges::find(loads_, updated_s, &Sampled::updated_s);
         if (at == loads_.end()) {
-            const auto former = std::ranges::find(spare_, held_s, &Sampled::held_s);
+            const auto former = std::ranges::find(spare_, updated_s, &Sampled::updated_s);
             if (former != spare_.end()) {
                 loads_.push_back(std::move(*former));
                 spare_.erase(former);
             } else {
                 loads_.emplace_back();
-                place(loads_.back(), held_s);
+                place(loads_.back(), updated_s);
             }
             at = std::prev(loads_.end());
             at->amplitude_Pa = 0.0;

@@ -71,15 +71,15 @@ private:
     struct Sampled {
         std::vector<std::complex<double>> x, y;
         double amplitude_Pa = 0.0;
-        double held_s = 0.0; // time of its focus and pattern
-        Shape shape;         // empty for a constant pattern
+        double updated_s = 0.0; // time of its focus and pattern
+        Shape shape;            // empty for a constant pattern
     };
     /// A time [steps] at which the load contributes to a step.
     struct Node {
         double steps, weight;
     };
     void put_shape(Shape& shape) const;
-    void place(Sampled& load, double held_s);
+    void place(Sampled& load, double updated_s);
     void find_breaks(std::ptrdiff_t n);
     void choose_nodes(std::ptrdiff_t n);
 

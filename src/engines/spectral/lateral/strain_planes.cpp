@@ -163,8 +163,8 @@ void StrainPlanes::begin_row(std::ptrdiff_t row) {
     clock_.lap(Phase::transforms);
 }
 
-void StrainPlanes::end_row(std::ptrdiff_t row, Modes kept) {
-    if (kept == Modes::kept) return end_row_from(row, 0);
+void StrainPlanes::end_row(std::ptrdiff_t row, Modes modes) {
+    if (modes == Modes::retained) return end_row_from(row, 0);
     const std::ptrdiff_t length = window_ ? window_->count() : nx_;
     for (std::ptrdiff_t p = 0; p < count_; ++p)
         std::fill_n(stored(row) + p * stored_stride(), 2 * length, 0.0);

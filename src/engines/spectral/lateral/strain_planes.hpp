@@ -83,9 +83,9 @@ public:
     /// Transform the lines of one ky to spectra and back. With Modes::emptied the Nyquist modes, of
     /// x or of the complete row, are set to zero. Not collective.
     void begin_row(std::ptrdiff_t row);
-    enum class Modes { kept, emptied };
+    enum class Modes { retained, emptied };
     void end_row(std::ptrdiff_t row, Modes modes);
-    /// end_row() with Modes::kept for the planes from `first` on.
+    /// end_row() with Modes::retained for the planes from `first` on.
     void end_row_from(std::ptrdiff_t row, std::ptrdiff_t first);
     /// The spectrum of plane 0 between begin_row() and end_row(); that of the next plane begins
     /// stride() doubles later.

@@ -98,7 +98,7 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         const auto plane = static_cast<std::size_t>(slabs.share().reals);
         plane_.resize(plane);
         compression_.resize(plane);
-        kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
+        before_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
         if (bodies)
             near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
                                                 depths_m_, Corrected::zz});
@@ -109,7 +109,8 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         if (team.any(!surfaces.cells.empty())) surfaces_.push_back(std::move(surfaces));
     together(team, [&] {
         for (Surfaces& surfaces : surfaces_)
-            surfaces.kept.resize(static_cast<std::size_t>(vectors_.pencils() * motion_blocks));
+            surfaces.motion_before.resize(
+                static_cast<std::size_t>(vectors_.pencils() * motion_blocks));
         if (!surfaces_.empty())
             strain_.resize(strain_components * static_cast<std::size_t>(slabs.share().reals));
     });
@@ -117,9 +118,9 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
 
 double ReceptorStress::allocated_B() const {
     const std::size_t reals = plane_.size() + compression_.size() + strain_.size();
-    std::size_t blocks = kept_.size();
+    std::size_t blocks = before_.size();
     for (const Surfaces& surfaces : surfaces_)
-        blocks += surfaces.kept.size();
+        blocks += surfaces.motion_before.size();
     return static_cast<double>(reals * sizeof(double) + blocks * sizeof(Block));
 }
 
@@ -202,22 +203,22 @@ void ReceptorStress::each_pencil(const Part& part, Use use) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
             const std::ptrdiff_t pencil = row * vectors_.blocks() + block;
             use(row, block, pencil * 3 * levels_ * parts,
-                kept_.data() + (number * vectors_.pencils() + pencil) * parts);
+                before_.data() + (number * vectors_.pencils() + pencil) * parts);
         }
 }
 
 void ReceptorStress::remember(const Block* before) {
     for (const Part& part : parts_)
-        each_pencil(part,
-                    [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
-                        std::fill_n(kept, parts, Block{});
-                        add(part, 0, vectors_.waves(row, block).k, before + at, kept);
-                    });
+        each_pencil(part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at,
+                              Block* contribution) {
+            std::fill_n(contribution, parts, Block{});
+            add(part, 0, vectors_.waves(row, block).k, before + at, contribution);
+        });
     for (Surfaces& surfaces : surfaces_) {
-        std::fill(surfaces.kept.begin(), surfaces.kept.end(), Block{});
+        std::fill(surfaces.motion_before.begin(), surfaces.motion_before.end(), Block{});
         for (std::ptrdiff_t pencil = 0; pencil < vectors_.pencils(); ++pencil)
             add_motion(surfaces, 1.0, before + pencil * 3 * levels_ * parts,
-                       surfaces.kept.data() + pencil * motion_blocks);
+                       surfaces.motion_before.data() + pencil * motion_blocks);
     }
 }
 
@@ -280,10 +281,10 @@ void ReceptorStress::add_across(Surfaces& surfaces, const Steps& steps) {
     add_stress(&Surfaces::Cell::mu);
     transform([&](std::ptrdiff_t pencil, Block* motion) {
         const double scale = 0.5 / step_s_;
-        const Block* kept = surfaces.kept.data() + pencil * motion_blocks;
+        const Block* earlier = surfaces.motion_before.data() + pencil * motion_blocks;
         for (std::ptrdiff_t i = 0; i < motion_blocks; ++i)
             for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
-                motion[i][lane] = -scale * kept[i][lane];
+                motion[i][lane] = -scale * earlier[i][lane];
         add_motion(surfaces, scale, steps.now + pencil * size, motion);
     });
     add_stress(&Surfaces::Cell::viscosity);

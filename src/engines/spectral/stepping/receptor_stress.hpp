@@ -67,7 +67,7 @@ private:
         std::ptrdiff_t first;             // first level of the element
         std::vector<double> value, slope; // weights of the nodes
         std::vector<Cell> cells;
-        fft::AlignedVector<Block> kept; // motion at the depth one step before the frame
+        fft::AlignedVector<Block> motion_before; // motion at the depth one step before the frame
     };
     void add_parts(std::size_t depth, double depth_m, std::size_t element, double share);
     void add_motion(const Surfaces& surfaces, double scale, const Block* pencil,
@@ -87,7 +87,7 @@ private:
     std::vector<double> depths_m_;
     std::ptrdiff_t levels_; // number of moving levels
     std::vector<Part> parts_;
-    fft::AlignedVector<Block> kept_; // contribution of the step before the frame, for each part
+    fft::AlignedVector<Block> before_; // contribution of the step before the frame, for each part
     fft::AlignedVector<double> plane_, compression_;
     StrainTransfer strains_; // at the depth of surfaces
     std::vector<Surfaces> surfaces_;

@@ -189,10 +189,10 @@ private:
         double* v = values_.data();
         for (std::ptrdiff_t p = 0; p < planes; ++p)
             for (std::ptrdiff_t i = 0; i < slabs_->share().x_count; ++i) {
-                const double kept_x =
-                    kept_x_[static_cast<std::size_t>(slabs_->share().x_start + i)];
-                for (const double kept_y : kept_y_)
-                    *v++ *= 1.0 - kept_x * kept_y;
+                const double share_x =
+                    share_x_[static_cast<std::size_t>(slabs_->share().x_start + i)];
+                for (const double share_y : share_y_)
+                    *v++ *= 1.0 - share_x * share_y;
             }
     }
 
@@ -206,10 +206,11 @@ private:
     WaveVectors vectors_; // on which the sponge acts
     std::optional<fft::SlabTransform> slabs_;
     std::ptrdiff_t count_ = 0;
-    std::vector<double> kept_x_, kept_y_; // remaining share of the velocity: b = 1 - kept_x kept_y
-    fft::AlignedVector<double> planes_;   // [level][component], lines of ky over x
-    std::vector<double> values_;          // of a few planes
-    std::vector<double> impulses_;        // factor of b (u - u-) for each level
+    std::vector<double> share_x_,
+        share_y_;                       // remaining share of the velocity: b = 1 - share_x share_y
+    fft::AlignedVector<double> planes_; // [level][component], lines of ky over x
+    std::vector<double> values_;        // of a few planes
+    std::vector<double> impulses_;      // factor of b (u - u-) for each level
     std::optional<fft::RunTransform> runs_; // all of this rank's rows
 };
 
@@ -230,7 +231,7 @@ SpongeStage::SpongeStage(StepState& state)
     const double width_m = domain.sponge_m,
                  speed_m_s = edge_speed_m_s(s_.c.scene().medium, width_m);
     const double time_s = static_cast<double>(every) * s_.step_s;
-    const auto kept = [&](std::ptrdiff_t count, double extent_m) {
+    const auto remaining = [&](std::ptrdiff_t count, double extent_m) {
         std::vector<double> shares;
         for (std::ptrdiff_t i = 0; i < count; ++i) {
             const double place_m = static_cast<double>(i) * extent_m / static_cast<double>(count);
@@ -239,8 +240,8 @@ SpongeStage::SpongeStage(StepState& state)
         }
         return shares;
     };
-    kept_x_ = kept(nx, domain.extent_x_m());
-    kept_y_ = kept(ny, domain.extent_y_m());
+    share_x_ = remaining(nx, domain.extent_x_m());
+    share_y_ = remaining(ny, domain.extent_y_m());
     for (std::ptrdiff_t level = 0; level < s_.vertical.levels(); ++level)
         impulses_.push_back(-0.5 * s_.vertical.mass_kg_m2(level) /
                             (static_cast<double>(nx * ny) * s_.step_s * s_.step_s));

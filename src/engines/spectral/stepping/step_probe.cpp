@@ -85,13 +85,13 @@ struct Deviation {
     double relative() const { return all == 0.0 ? 0.0 : 4.0 / 3.0 * std::sqrt(difference / all); }
 };
 
-/// The error after `ratio` times the duration of `whole`, of which `half` is the first half. It
+/// The error after `ratio` times the duration of `full`, of which `half` is the first half. It
 /// remains constant where losses end the memory of the field, and grows at most in proportion to
 /// the time, as the phase error of a wave without losses.
-double extrapolated(const Deviation& half, const Deviation& whole, double ratio) {
-    if (ratio <= 1.0 + 1e-9 || !(half.relative() > 0.0)) return whole.relative();
-    const double power = std::clamp(std::log2(whole.relative() / half.relative()), 0.0, 1.0);
-    return whole.relative() * std::pow(ratio, power);
+double extrapolated(const Deviation& half, const Deviation& full, double ratio) {
+    if (ratio <= 1.0 + 1e-9 || !(half.relative() > 0.0)) return full.relative();
+    const double power = std::clamp(std::log2(full.relative() / half.relative()), 0.0, 1.0);
+    return full.relative() * std::pow(ratio, power);
 }
 
 /// The part of the cell of a sample of |kx| or |ky| that lies above a limit.
@@ -247,16 +247,16 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
     const Case few = with_few_wave_vectors(c, probed_rows);
     const WaveVectors vectors = few_vectors(few.domain);
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
-    Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
+    Probe full(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
     const Waves waves{vectors, {}, without_mean(counts_of(vectors))};
     const long all = steps_to_probe(c, step_s);
     long steps = std::min(all, std::lround(most_work / static_cast<double>(mesh.elements())));
     Deviation sums, half_sums;
     for (long n = 0; n < steps; ++n) {
-        whole.advance();
+        full.advance();
         half.advance();
         half.advance();
-        sums.difference += size_of(whole, &half, waves, {}).square;
+        sums.difference += size_of(full, &half, waves, {}).square;
         sums.all += size_of(half, nullptr, waves, {}).square;
         if (n + 1 == steps / 2) half_sums = sums;
         if (n + 1 == steps && half_sums.all == 0.0) steps = all; // the load begins later
@@ -278,7 +278,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
     const Case sampled = with_few_wave_vectors(c, probed_rows);
     const WaveVectors few = few_vectors(sampled.domain), low = low_vectors(c.domain);
     const double coarse_s = 2.0 * step_s; // suffices for a difference of two absorbers
-    Probe whole(sampled, vertical, few, step_s), half(sampled, finer, few, 0.5 * step_s);
+    Probe full(sampled, vertical, few, step_s), half(sampled, finer, few, 0.5 * step_s);
     Probe here(c, vertical, low, coarse_s), deep(c, deeper, low, coarse_s);
     const auto origin_m = [](const Domain& d) { return Vec2{d.x_m(0), d.y_m(0)}; };
     const Waves each{few, origin_m(sampled.domain), without_mean(counts_of(few))},
@@ -291,14 +291,14 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
     Series by_step, by_absorber, high_field, low_field;
     Deviation half_way;
     for (std::ptrdiff_t n = 1; n <= steps; ++n) {
-        whole.advance();
+        full.advance();
         half.advance();
         half.advance();
         std::vector<Vec2> points; // for maxima, at a frame or the step after it
         if (n % per_frame < 2)
             points = points_near(focus_m(c.scene().load, static_cast<double>(n) * step_s), apart_m);
         if (n % per_frame == 0) { // what lies between two frames is not part of the field
-            by_step.add(size_of(whole, &half, each, points));
+            by_step.add(size_of(full, &half, each, points));
             high_field.add(size_of(half, nullptr, above, points));
         }
         if (n == steps / 2) half_way = {by_step.square, high_field.square};

@@ -212,8 +212,8 @@ void StepState::each_pencil(Reads reads, Begin begin, Use use) {
         for (std::ptrdiff_t block = 0; block < vectors.blocks() && !is_nyquist; ++block)
             use(pencil(row, block));
         if (reads.strain)
-            planes.end_row(row,
-                           is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
+            planes.end_row(row, is_nyquist ? StrainPlanes::Modes::emptied
+                                           : StrainPlanes::Modes::retained);
         if (reads.markers) bodies->end_row(row);
     }
 }

@@ -85,22 +85,22 @@ PlanePropagation::~PlanePropagation() = default;
 PlanePropagation::PlanePropagation(PlanePropagation&&) noexcept = default;
 PlanePropagation& PlanePropagation::operator=(PlanePropagation&&) noexcept = default;
 
-void PlanePropagation::apply(std::span<Complex> pressure, Way way) {
+void PlanePropagation::apply(std::span<Complex> pressure, Direction direction) {
     Lines& work = transforms_->work;
     std::copy(pressure.begin(), pressure.end(), work.begin());
     transform(work, transforms_->forward);
     for (std::size_t n = 0; n < factors_.size(); ++n)
-        work[n] *= way == Way::back ? std::conj(factors_[n]) : factors_[n];
+        work[n] *= direction == Direction::backward ? std::conj(factors_[n]) : factors_[n];
     transform(work, transforms_->backward);
     std::copy(work.begin(), work.end(), pressure.begin());
 }
 
 void PlanePropagation::forward(std::span<Complex> pressure) {
-    apply(pressure, Way::there);
+    apply(pressure, Direction::forward);
 }
 
 void PlanePropagation::adjoint(std::span<Complex> pressure) {
-    apply(pressure, Way::back);
+    apply(pressure, Direction::backward);
 }
 
 std::vector<double> refined(std::span<const double> samples, std::ptrdiff_t side,

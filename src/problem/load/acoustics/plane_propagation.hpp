@@ -45,8 +45,8 @@ public:
 
 private:
     struct Transforms;
-    enum class Way { there, back };
-    void apply(std::span<std::complex<double>> pressure, Way way);
+    enum class Direction { forward, backward };
+    void apply(std::span<std::complex<double>> pressure, Direction direction);
 
     std::ptrdiff_t side_;
     std::unique_ptr<Transforms> transforms_;

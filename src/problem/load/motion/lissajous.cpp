@@ -58,13 +58,13 @@ double Lissajous::piece_m(double from_rad, double to_rad) const {
     return half * sum;
 }
 
-void Lissajous::add_pieces(double from_rad, double to_rad, double whole_m, int depth) {
+void Lissajous::add_pieces(double from_rad, double to_rad, double total_m, int depth) {
     const double middle = 0.5 * (from_rad + to_rad);
     const double first_m = piece_m(from_rad, middle), second_m = piece_m(middle, to_rad);
     const double largest_m =
         std::abs(shape_.amplitudes_m.x * shape_.p) + std::abs(shape_.amplitudes_m.y * shape_.q);
     if (depth < most_halvings &&
-        std::abs(first_m + second_m - whole_m) > agreement * largest_m * two_pi) {
+        std::abs(first_m + second_m - total_m) > agreement * largest_m * two_pi) {
         add_pieces(from_rad, middle, first_m, depth + 1);
         add_pieces(middle, to_rad, second_m, depth + 1);
         return;

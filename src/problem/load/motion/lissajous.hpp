@@ -35,7 +35,7 @@ public:
 private:
     Vec2 slope(double theta_rad) const; // d/d theta
     double piece_m(double from_rad, double to_rad) const;
-    void add_pieces(double from_rad, double to_rad, double whole_m, int depth);
+    void add_pieces(double from_rad, double to_rad, double total_m, int depth);
     double theta_rad(double arc_m) const;
 
     LissajousShape shape_;

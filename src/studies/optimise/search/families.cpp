@@ -89,11 +89,11 @@ std::vector<SmCase> sm_cases(const Case& c, const OptimiseOptions& options) {
 std::vector<SmCase> sm_around(const Case& c, const SmCase& centre, double step,
                               const OptimiseOptions& options) {
     std::vector<SmCase> cases;
-    const double whole = two_pi;
+    const double turn_rad = two_pi;
     for (const double sign : {1.0, -1.0}) {
-        const double phase_rad = centre.phase_rad + sign * step * 0.125 * whole;
+        const double phase_rad = centre.phase_rad + sign * step * 0.125 * turn_rad;
         add_sm(cases, c, centre.frequency_Hz, centre.deviation_m_s,
-               phase_rad - whole * std::floor(phase_rad / whole));
+               phase_rad - turn_rad * std::floor(phase_rad / turn_rad));
         if (!options.sm_deviations_m_s.empty()) continue;
         const double deviation_m_s =
             std::min(centre.deviation_m_s + sign * step * deviation_step * speed_m_s(c),

@@ -237,7 +237,7 @@ Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
     const MatrixXd traces = traces_of(c.time, quotient, knot_files);
     const measures::ShareBands bands = measures::share_bands(c.time, quotient.band);
     return {.numerator = band_form(c.time, traces, bands.part),
-            .denominator = band_form(c.time, traces, bands.whole),
+            .denominator = band_form(c.time, traces, bands.total),
             .focal = focal,
             .path = frames.path()};
 }

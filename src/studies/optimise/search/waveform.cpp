@@ -89,15 +89,15 @@ Waveform waveform_of(const Knots& knots, const Eigen::VectorXd& values, double u
                              .repeat = knots.repeat};
     const double until_s = knots.repeat ? linear.period_s() : knots.at_s(knots.count - 1);
     const double exact_updates = until_s * update_rate_Hz, nearest = std::round(exact_updates);
-    const bool is_whole = std::abs(exact_updates - nearest) <= 1e-9 * exact_updates; // rounding
-    if (knots.repeat && (!is_whole || nearest < 1.0))
+    const bool is_integer = std::abs(exact_updates - nearest) <= 1e-9 * exact_updates; // rounding
+    if (knots.repeat && (!is_integer || nearest < 1.0))
         throw UsageError(
             fmt::format("optimise.update_rate_Hz = {:g} results in {:.6f} updates in the period of "
                         "{:.9g} ms; a display repeats a whole number of updates, so choose a rate "
                         "or a speed with a whole number",
                         update_rate_Hz, exact_updates, 1e3 * until_s),
             ExitCode::bad_job);
-    const double updates = is_whole ? nearest : std::ceil(exact_updates);
+    const double updates = is_integer ? nearest : std::ceil(exact_updates);
     const double count = updates + (knots.repeat ? 0.0 : 1.0);
     if (count > static_cast<double>(most_samples))
         throw UsageError(fmt::format("optimise.update_rate_Hz = {:g} results in {:.0f} updates, "

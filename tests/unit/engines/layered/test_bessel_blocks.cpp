@@ -14,7 +14,7 @@ TEST_CASE("products with kept Bessel functions equal the sums over the wavenumbe
     const std::vector<double> k = {0.0, 10.0, 700.0, 3000.0};
     const double step_m = 0.25e-3;
     const std::size_t radii = layered::radii_together + 40; // two blocks
-    REQUIRE(BesselBlocks<double>::kept_B(k.size(), radii) > 0.0);
+    REQUIRE(BesselBlocks<double>::cached_B(k.size(), radii) > 0.0);
     BesselBlocks<double> blocks(k, step_m, radii);
     for (const double factor : {1.0, -3.0}) { // the second time from the kept blocks
         BesselBlocks<double>::Matrix weights(4, 2);
@@ -42,9 +42,9 @@ TEST_CASE("products with kept Bessel functions equal the sums over the wavenumbe
 }
 
 TEST_CASE("Bessel functions that need too much memory are not kept", "[point_response]") {
-    const auto most = static_cast<std::size_t>(BesselBlocks<double>::most_kept_B / 8.0);
-    CHECK(BesselBlocks<double>::kept_B(most / 1000, 1000) == 8.0 * static_cast<double>(most));
-    CHECK(BesselBlocks<double>::kept_B(most / 1000 + 1, 1000) == 0.0);
+    const auto most = static_cast<std::size_t>(BesselBlocks<double>::most_cached_B / 8.0);
+    CHECK(BesselBlocks<double>::cached_B(most / 1000, 1000) == 8.0 * static_cast<double>(most));
+    CHECK(BesselBlocks<double>::cached_B(most / 1000 + 1, 1000) == 0.0);
 }
 
 } // namespace test_bessel_blocks

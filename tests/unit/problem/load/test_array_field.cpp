@@ -274,11 +274,11 @@ TEST_CASE("an array sets its focus at its update rate", "[array]") {
     const Load load = load_of(array, {{Travel{{{-0.01, 0.0}, {0.01, 0.0}}, ConstantSpeed{7.0}}}});
     const LoadPattern pattern(load, 0.002);
     CHECK(pattern.changes());
-    CHECK(pattern.held_s(0.0) == 0.0);
-    CHECK(pattern.held_s(62.4e-6) == 0.0);
-    CHECK(pattern.held_s(62.5e-6) == Approx(62.5e-6).epsilon(1e-12));
-    CHECK(pattern.held_s(1e-3 + 1e-6) == Approx(1e-3).epsilon(1e-12));
-    CHECK(pattern.held_s(0.5) == Approx(0.002).epsilon(1e-12)); // nobody looks later
+    CHECK(pattern.updated_s(0.0) == 0.0);
+    CHECK(pattern.updated_s(62.4e-6) == 0.0);
+    CHECK(pattern.updated_s(62.5e-6) == Approx(62.5e-6).epsilon(1e-12));
+    CHECK(pattern.updated_s(1e-3 + 1e-6) == Approx(1e-3).epsilon(1e-12));
+    CHECK(pattern.updated_s(0.5) == Approx(0.002).epsilon(1e-12)); // nobody looks later
 }
 
 } // namespace test_array_field

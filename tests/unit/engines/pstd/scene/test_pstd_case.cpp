@@ -205,7 +205,7 @@ TEST_CASE("prescribes the displacement of the skin under the focus only", "[pstd
     options.displacement_m = 4e-6;
     const double step_s = 1e-5;
     pstd::Source source = pstd::load_source(c, options, pstd::case_grid(c, options), step_s);
-    CHECK(source.mode == pstd::SourceMode::whole);
+    CHECK(source.mode == pstd::SourceMode::total);
     CHECK(source.nodes.size() > 30);
     CHECK(source.nodes.size() < 130); // within 1.6 widths of 3 points: pi (4.7)^2 = 70
     std::vector<double> moved(source.nodes.size(), 0.0);
@@ -255,7 +255,7 @@ TEST_CASE("prescribes the motion only where the focus is at the moment, and else
 
 TEST_CASE("interpolates depths between planes and the oscillating surface from five planes",
           "[pstd]") {
-    CHECK(pstd::depth_weights(0.0, 1e-3, pstd::SurfacePlane::kept) == std::vector{1.0});
+    CHECK(pstd::depth_weights(0.0, 1e-3, pstd::SurfacePlane::accurate) == std::vector{1.0});
     CHECK(pstd::depth_weights(2e-3, 1e-3, pstd::SurfacePlane::rings) == std::vector{0.0, 0.0, 1.0});
     const auto between = pstd::depth_weights(1.25e-3, 1e-3, pstd::SurfacePlane::rings);
     REQUIRE(between.size() == 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/observers/kept_fields.hpp"
+#include "pipeline/observers/stored_fields.hpp"
 
 #include "base/error.hpp"
 #include "measures/window.hpp"
@@ -10,30 +10,30 @@
 namespace shearwake::pipeline {
 
 std::vector<std::ptrdiff_t> recorded_frames(const Case& c) {
-    std::vector<std::ptrdiff_t> kept;
+    std::vector<std::ptrdiff_t> stored;
     if (c.record.frames) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-            kept.push_back(n);
-        return kept;
+            stored.push_back(n);
+        return stored;
     }
     for (const double t_s : c.record.snapshots_s)
-        kept.push_back(frame_at(c, t_s));
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-    return kept;
+        stored.push_back(frame_at(c, t_s));
+    std::sort(stored.begin(), stored.end());
+    stored.erase(std::unique(stored.begin(), stored.end()), stored.end());
+    return stored;
 }
 
-KeptFields::KeptFields(const Case& c, storage::CaseFileWriter& writer)
+StoredFields::StoredFields(const Case& c, storage::CaseFileWriter& writer)
     : case_(c), writer_(writer), frames_(recorded_frames(c)) {}
 
-void KeptFields::frame(const engines::Frame& frame) {
-    const auto kept = std::lower_bound(frames_.begin(), frames_.end(), frame.number);
-    if (kept != frames_.end() && *kept == frame.number)
-        writer_.write_surface(static_cast<std::size_t>(kept - frames_.begin()), frame.depth,
+void StoredFields::frame(const engines::Frame& frame) {
+    const auto stored = std::lower_bound(frames_.begin(), frames_.end(), frame.number);
+    if (stored != frames_.end() && *stored == frame.number)
+        writer_.write_surface(static_cast<std::size_t>(stored - frames_.begin()), frame.depth,
                               frame.u_z_m, slab_.x_start);
 }
 
-void KeptFields::volume_levels(const std::vector<double>& z_m) {
+void StoredFields::volume_levels(const std::vector<double>& z_m) {
     if (!case_.record.volumes_s.empty())
         writer_.begin_volume({.domain = case_.domain,
                               .times_s = case_.record.volumes_s,
@@ -42,22 +42,22 @@ void KeptFields::volume_levels(const std::vector<double>& z_m) {
                              slab_.x_count);
 }
 
-void KeptFields::volume(const engines::VolumePlane& plane) {
+void StoredFields::volume(const engines::VolumePlane& plane) {
     writer_.write_volume(writer_.volume().variable(plane.field, plane.component), plane.snapshot,
                          plane.level, plane.values, slab_.x_start);
     volume_planes_ += 1.0;
 }
 
-void KeptFields::save(StateWriter& state) {
+void StoredFields::save(StateWriter& state) {
     writer_.flush();
     state.put("volume_planes", volume_planes_);
 }
 
-void KeptFields::restore(const StateReader& state) {
+void StoredFields::restore(const StateReader& state) {
     volume_planes_ = state.get("volume_planes");
 }
 
-void KeptFields::finish() {
+void StoredFields::finish() {
     if (case_.record.volumes_s.empty()) return;
     const storage::VolumeLayout& layout = writer_.volume();
     const auto wanted =
@@ -80,7 +80,7 @@ void InstantSurface::begin(const engines::Slab& slab) {
 
 void InstantSurface::frame(const engines::Frame& frame) {
     if (frame.depth != 0 || frame.number != instant_) return;
-    is_held_ = true;
+    has_instant_ = true;
     for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
         const auto row = frame.u_z_m.row(i);
         rows_.insert(rows_.end(), row.begin(), row.end());
@@ -88,13 +88,13 @@ void InstantSurface::frame(const engines::Frame& frame) {
 }
 
 void InstantSurface::save(StateWriter& state) {
-    state.put("instant_held", is_held_ ? 1.0 : 0.0);
-    if (is_held_) state.put("instant", surface_rows(case_.domain, slab_), rows_.data());
+    state.put("instant_held", has_instant_ ? 1.0 : 0.0);
+    if (has_instant_) state.put("instant", surface_rows(case_.domain, slab_), rows_.data());
 }
 
 void InstantSurface::restore(const StateReader& state) {
-    is_held_ = state.get("instant_held") != 0.0;
-    if (!is_held_) return;
+    has_instant_ = state.get("instant_held") != 0.0;
+    if (!has_instant_) return;
     rows_.resize(static_cast<std::size_t>(slab_.x_count * case_.domain.ny));
     state.get("instant", surface_rows(case_.domain, slab_), rows_.data());
 }

@@ -13,9 +13,9 @@ namespace shearwake::pipeline {
 std::vector<std::ptrdiff_t> recorded_frames(const Case& c);
 
 /// Passes the frames and volumes that a case stores to its file.
-class KeptFields : public Recording {
+class StoredFields : public Recording {
 public:
-    KeptFields(const Case& c, storage::CaseFileWriter& writer);
+    StoredFields(const Case& c, storage::CaseFileWriter& writer);
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
     void volume_levels(const std::vector<double>& z_m) override;
@@ -55,8 +55,8 @@ private:
     engines::Slab slab_;
     std::ptrdiff_t instant_;
     std::vector<double> rows_;
-    bool is_held_ =
-        false; // the frame of the instant was received; this rank may have no rows of it
+    // Whether the frame of the instant was received; this rank may have no rows of it.
+    bool has_instant_ = false;
     std::optional<measures::MachFit> mach_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/skin/skin_ways.hpp"
+#include "neural/skin/skin_paths.hpp"
 
 #include "neural/hand/hand.hpp"
 
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace test_skin_ways {
+namespace test_skin_paths {
 
 using namespace shearwake;
 using namespace shearwake::neural;
@@ -19,7 +19,7 @@ const Polygon horseshoe = {{0, 0},   {30, 0},  {30, 60}, {20, 60},
                            {20, 10}, {10, 10}, {10, 60}, {0, 60}};
 
 double way_mm(const Polygon& outline, Vec2 from, Vec2 to) {
-    return ways_within(outline, {from})(to).at(0);
+    return paths_within(outline, {from})(to).at(0);
 }
 
 } // namespace
@@ -27,7 +27,7 @@ double way_mm(const Polygon& outline, Vec2 from, Vec2 to) {
 TEST_CASE("path without an obstacle is straight", "[hand]") {
     CHECK(way_mm(horseshoe, {2, 2}, {8, 50}) == norm(Vec2{6, 48}));
     CHECK(way_mm(horseshoe, {2, 2}, {28, 9}) == norm(Vec2{26, 7}));
-    CHECK(straight_ways({{0, 0}, {5, 50}})({25, 50}) == std::vector{norm(Vec2{25, 50}), 20.0});
+    CHECK(straight_paths({{0, 0}, {5, 50}})({25, 50}) == std::vector{norm(Vec2{25, 50}), 20.0});
 }
 
 TEST_CASE("path between fingers bends at the two corners of the gap", "[hand]") {
@@ -63,4 +63,4 @@ TEST_CASE("there is no path from or to points outside of the skin", "[hand]") {
     CHECK(std::isinf(way_mm(horseshoe, {-1, 5}, {5, 5})));
 }
 
-} // namespace test_skin_ways
+} // namespace test_skin_paths

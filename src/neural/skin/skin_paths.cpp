@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/skin/skin_ways.hpp"
+#include "neural/skin/skin_paths.hpp"
 
 #include "base/units.hpp"
 #include "neural/skin/contact.hpp"
@@ -42,21 +42,21 @@ public:
     }
 
     std::vector<double> ways_to(Vec2 receptor) const {
-        std::vector<double> ways(pins_.size(), never);
-        if (!contains(outline_, receptor)) return ways;
+        std::vector<double> paths(pins_.size(), never);
+        if (!contains(outline_, receptor)) return paths;
         std::vector<double> from_corner(corners_.size(), never);
         for (std::size_t c = 0; c < corners_.size(); ++c)
             if (sees(corners_[c], receptor)) from_corner[c] = norm(receptor - corners_[c]);
         for (std::size_t p = 0; p < pins_.size(); ++p) {
             if (!on_skin_[p]) continue;
             if (sees(pins_[p], receptor)) {
-                ways[p] = norm(receptor - pins_[p]);
+                paths[p] = norm(receptor - pins_[p]);
                 continue;
             }
             for (std::size_t c = 0; c < corners_.size(); ++c)
-                ways[p] = std::min(ways[p], to_corners_[p][c] + from_corner[c]);
+                paths[p] = std::min(paths[p], to_corners_[p][c] + from_corner[c]);
         }
-        return ways;
+        return paths;
     }
 
 private:
@@ -100,21 +100,21 @@ private:
 
     /// Shortest paths from a pin to every corner by Dijkstra's algorithm.
     std::vector<double> search(Vec2 pin) const {
-        std::vector<double> way(corners_.size(), never);
-        if (!contains(outline_, pin)) return way;
+        std::vector<double> length(corners_.size(), never);
+        if (!contains(outline_, pin)) return length;
         for (std::size_t c = 0; c < corners_.size(); ++c)
-            if (sees(pin, corners_[c])) way[c] = norm(corners_[c] - pin);
+            if (sees(pin, corners_[c])) length[c] = norm(corners_[c] - pin);
         std::vector<bool> settled(corners_.size(), false);
         for (std::size_t round = 0; round < corners_.size(); ++round) {
             std::size_t nearest = corners_.size();
             for (std::size_t c = 0; c < corners_.size(); ++c)
-                if (!settled[c] && (nearest == corners_.size() || way[c] < way[nearest]))
+                if (!settled[c] && (nearest == corners_.size() || length[c] < length[nearest]))
                     nearest = c;
             settled[nearest] = true;
             for (std::size_t c = 0; c < corners_.size(); ++c)
-                way[c] = std::min(way[c], way[nearest] + between_[nearest][c]);
+                length[c] = std::min(length[c], length[nearest] + between_[nearest][c]);
         }
-        return way;
+        return length;
     }
 
     Polygon outline_;
@@ -126,16 +126,16 @@ private:
 
 } // namespace
 
-SkinWays straight_ways(std::vector<Vec2> pins_mm) {
+SkinPaths straight_paths(std::vector<Vec2> pins_mm) {
     return [pins = std::move(pins_mm)](Vec2 receptor_mm) {
-        std::vector<double> ways;
+        std::vector<double> paths;
         for (const Vec2 pin : pins)
-            ways.push_back(norm(receptor_mm - pin));
-        return ways;
+            paths.push_back(norm(receptor_mm - pin));
+        return paths;
     };
 }
 
-SkinWays ways_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm) {
+SkinPaths paths_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm) {
     const auto skin = std::make_shared<const Skin>(outline_mm, std::move(pins_mm));
     return [skin](Vec2 receptor_mm) { return skin->ways_to(receptor_mm); };
 }
@@ -151,8 +151,8 @@ double stress_per_load(double distance_mm, double depth_mm, double radius_mm) {
 }
 
 std::size_t arrival_samples(double distance_mm, double radius_mm, double rate_Hz) {
-    const double way_mm = std::max(distance_mm - radius_mm, 0.0);
-    const double samples = std::nearbyint(way_mm / wave_speed_mm_s * rate_Hz);
+    const double path_mm = std::max(distance_mm - radius_mm, 0.0);
+    const double samples = std::nearbyint(path_mm / wave_speed_mm_s * rate_Hz);
     if (!(samples < 1e15)) return std::numeric_limits<std::size_t>::max(); // the wave never arrives
     return static_cast<std::size_t>(samples);
 }

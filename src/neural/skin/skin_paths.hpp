@@ -11,16 +11,16 @@
 namespace shearwake::neural {
 
 /// Path lengths of waves from every pin to a receptor [mm]; infinite if there is no path.
-using SkinWays = std::function<std::vector<double>(Vec2 receptor_mm)>;
+using SkinPaths = std::function<std::vector<double>(Vec2 receptor_mm)>;
 
 /// Straight lines on an unbounded flat sheet of skin.
-SkinWays straight_ways(std::vector<Vec2> pins_mm);
+SkinPaths straight_paths(std::vector<Vec2> pins_mm);
 
 /// Shortest paths that stay within an outline: around the corners between fingers, not across the
 /// gap. A shortest path bends only at reflex corners of the outline. The paths are therefore found
 /// exactly by Dijkstra's algorithm on the visibility graph. There are no paths from or to points
 /// outside of the skin. Not collective.
-SkinWays ways_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm);
+SkinPaths paths_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm);
 
 /// Speed of the wave that transports a pin's motion along the skin. No function here is collective.
 inline constexpr double wave_speed_mm_s = 8000.0;
