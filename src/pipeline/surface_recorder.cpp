@@ -16,7 +16,7 @@ SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, storage::CaseF
     : team_(team), tick_(std::move(tick)), sums_(c, team),
       traces_(c, team, "trace", c.record.traces_m), pins_(c, team, "pin", pins_of(c)),
       stresses_(c, team), scan_(c, team), mean_(c, team), instant_(c, team), sensation_(c, team) {
-    if (writer) parts_.push_back(&stored_.emplace(c, *writer));
+    if (writer) parts_.push_back(&stored_.emplace(c, team, *writer));
     parts_.insert(parts_.end(),
                   {&sums_, &traces_, &pins_, &stresses_, &scan_, &mean_, &instant_, &sensation_});
 }

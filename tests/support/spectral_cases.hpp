@@ -67,6 +67,15 @@ inline Case thin_layer(double contrast) {
     return c;
 }
 
+/// A rigid body across the periodic edges of thin_layer().
+inline Body rigid_across_the_edge(const decltype(Body::shape)& shape) {
+    return {.name = "rigid",
+            .shape = shape,
+            .centre_m = {-8.3e-3, -6.1e-3, 3e-3},
+            .density_kg_m3 = 1900.0,
+            .rigid = true};
+}
+
 inline double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
     double above = 0.0, below = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {

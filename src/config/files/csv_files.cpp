@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/files/csv_files.hpp"
 
-#include "base/csv.hpp"
 #include "base/units.hpp"
 #include "config/document/diagnostic.hpp"
 
@@ -13,21 +12,6 @@ namespace shearwake::config {
 namespace {
 
 constexpr std::size_t most_rows = 100'000;
-
-/// Calls `problem_of` for each row, until it returns the reason why it rejects one. Returns that
-/// reason with the number of the line, or an empty text.
-template <class ProblemOf>
-std::string first_problem(std::string_view csv, const ProblemOf& problem_of) {
-    CsvReader reader(csv);
-    try {
-        while (reader.next())
-            if (const std::string problem = problem_of(reader); !problem.empty())
-                return fmt::format("line {}: {}", reader.line(), problem);
-    } catch (const CsvError& error) {
-        return fmt::format("line {}: has {}", error.line, error.what());
-    }
-    return "";
-}
 
 constexpr std::string_view heading = "x_mm,y_mm,class,row";
 
@@ -100,6 +84,19 @@ std::string rests_from_times(std::vector<double>& times_s) {
 }
 
 } // namespace
+
+std::string first_problem(std::string_view csv,
+                          const std::function<std::string(const CsvReader& row)>& problem_of) {
+    CsvReader reader(csv);
+    try {
+        while (reader.next())
+            if (const std::string problem = problem_of(reader); !problem.empty())
+                return fmt::format("line {}: {}", reader.line(), problem);
+    } catch (const CsvError& error) {
+        return fmt::format("line {}: has {}", error.line, error.what());
+    }
+    return "";
+}
 
 AfferentsFile read_listed_afferents(std::string_view csv) {
     AfferentsFile file;

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/csv.hpp"
 #include "base/vectors.hpp"
 #include "problem/case/afferents.hpp"
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace shearwake::config {
+
+/// Reads the rows of a CSV text until `problem_of` states why one of them is rejected. Returns that
+/// reason, or what is wrong with the text, with the number of the line; empty if there is none.
+std::string first_problem(std::string_view csv,
+                          const std::function<std::string(const CsvReader& row)>& problem_of);
 
 /// The afferents of a CSV file, or the reason why it was rejected.
 struct AfferentsFile {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sweep/expand.hpp"
 
-#include "base/csv.hpp"
 #include "config/document/presets.hpp"
 #include "config/document/reader.hpp"
+#include "config/files/csv_files.hpp"
 #include "config/sections/read_case.hpp"
 #include "config/sweep/sweep_axes.hpp"
 
@@ -277,33 +277,24 @@ constexpr std::size_t most_listed_keys = 100;
 
 Listed read_cases(std::string_view csv, const Place& at, DiagnosticList& diagnostics) {
     Listed listed;
-    CsvReader reader(csv);
-    const auto refuse = [&](std::size_t line, const std::string& what) {
-        return Listed{{}, fmt::format("line {}: {}", line, what)};
-    };
-    try {
-        while (reader.next()) {
-            if (listed.axis.keys.empty()) {
-                if (reader.cells().size() > most_listed_keys)
-                    return refuse(reader.line(),
-                                  fmt::format("exceeds the limit of {} keys", most_listed_keys));
-                for (const std::string& key : reader.cells()) {
-                    const auto path = case_path({key, at, nullptr}, "sweep.list", diagnostics);
-                    listed.axis.keys.push_back({key, path.value_or(Path{}), at, {}});
-                }
-                continue;
+    listed.problem = first_problem(csv, [&](const CsvReader& row) -> std::string {
+        if (listed.axis.keys.empty()) {
+            if (row.cells().size() > most_listed_keys)
+                return fmt::format("exceeds the limit of {} keys", most_listed_keys);
+            for (const std::string& key : row.cells()) {
+                const auto path = case_path({key, at, nullptr}, "sweep.list", diagnostics);
+                listed.axis.keys.push_back({key, path.value_or(Path{}), at, {}});
             }
-            if (const std::string problem = bad_cell(reader, listed.axis); !problem.empty())
-                return refuse(reader.line(), problem);
-            if (listed.axis.size() == most_cases)
-                return refuse(reader.line(),
-                              fmt::format("exceeds the limit of {} cases", most_cases));
-            for (std::size_t k = 0; k < listed.axis.keys.size(); ++k)
-                listed.axis.keys[k].values.push_back(value_in(reader.cells()[k], at));
+            return "";
         }
-    } catch (const CsvError& error) {
-        return refuse(error.line, fmt::format("has {}", error.what()));
-    }
+        if (std::string problem = bad_cell(row, listed.axis); !problem.empty()) return problem;
+        if (listed.axis.size() == most_cases)
+            return fmt::format("exceeds the limit of {} cases", most_cases);
+        for (std::size_t k = 0; k < listed.axis.keys.size(); ++k)
+            listed.axis.keys[k].values.push_back(value_in(row.cells()[k], at));
+        return "";
+    });
+    if (!listed.problem.empty()) return {{}, listed.problem};
     if (listed.axis.keys.empty() || listed.axis.size() == 0)
         listed.problem = "must contain a line of full keys and a line of values per case";
     return listed;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sweep/uncertain.hpp"
 
-#include "base/csv.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
+#include "config/files/csv_files.hpp"
 #include "config/sweep/sweep_axes.hpp"
 #include "sampling/design.hpp"
 
@@ -273,33 +273,25 @@ struct Column {
 Column column_of(std::string_view csv, const std::string& name) {
     Column column;
     std::optional<std::size_t> place;
-    CsvReader reader(csv);
-    try {
-        while (reader.next()) {
-            const auto& cells = reader.cells();
-            if (!place) {
-                const auto found = std::ranges::find(cells, name);
-                if (found == cells.end())
-                    throw CsvError(reader.line(), fmt::format("no column \"{}\"; it must name the "
-                                                              "columns",
-                                                              excerpt(name)));
-                place = static_cast<std::size_t>(found - cells.begin());
-                continue;
-            }
-            const auto value =
-                *place < cells.size() ? finite_number_in(cells[*place]) : std::nullopt;
-            if (!value)
-                throw CsvError(reader.line(),
-                               fmt::format("no finite number in the column \"{}\": \"{}\"",
-                                           excerpt(name), excerpt(reader.text())));
-            if (column.values.size() == most_observations)
-                throw CsvError(reader.line(),
-                               fmt::format("more than {} values", most_observations));
-            column.values.push_back(*value);
+    column.problem = first_problem(csv, [&](const CsvReader& row) -> std::string {
+        const auto& cells = row.cells();
+        if (!place) {
+            const auto found = std::ranges::find(cells, name);
+            if (found == cells.end())
+                return fmt::format("has no column \"{}\"; it must name the columns", excerpt(name));
+            place = static_cast<std::size_t>(found - cells.begin());
+            return "";
         }
-    } catch (const CsvError& error) {
-        return {{}, fmt::format("line {}: has {}", error.line, error.what())};
-    }
+        const auto value = *place < cells.size() ? finite_number_in(cells[*place]) : std::nullopt;
+        if (!value)
+            return fmt::format("has no finite number in the column \"{}\": \"{}\"", excerpt(name),
+                               excerpt(row.text()));
+        if (column.values.size() == most_observations)
+            return fmt::format("has more than {} values", most_observations);
+        column.values.push_back(*value);
+        return "";
+    });
+    if (!column.problem.empty()) return column;
     if (!place) return {{}, "is empty; its first line must name the columns"};
     if (column.values.size() < 2)
         return {{}, fmt::format("has fewer than two values in the column \"{}\"", excerpt(name))};

@@ -29,7 +29,7 @@ bool any(measures::Reduction) {
 } // namespace
 
 FrameSums::FrameSums(const Case& c, const Comm& team)
-    : case_(c), team_(team), region_(measures::measured_region(c.domain, c.measure)) {
+    : Recording(c, team), region_(measures::measured_region(c.domain, c.measure)) {
     for (const double depth_m : c.measure.depths_m)
         depths_.push_back(
             {depth_m, std::vector<measures::SurfaceSums>(static_cast<std::size_t>(c.time.frames))});
@@ -105,7 +105,7 @@ std::vector<double> mean_weights(const Case& c) {
 } // namespace
 
 MeanEnergy::MeanEnergy(const Case& c, const Comm& team)
-    : case_(c), team_(team), weights_(mean_weights(c)) {}
+    : Recording(c, team), weights_(mean_weights(c)) {}
 
 void MeanEnergy::begin(const engines::Slab& slab) {
     slab_ = slab;
@@ -133,7 +133,7 @@ void MeanEnergy::restore(const StateReader& state) {
     if (!weights_.empty()) state.get("mean_u2", surface_rows(case_.domain, slab_), rows_.data());
 }
 
-SensationLevels::SensationLevels(const Case& c, const Comm& team) : case_(c), team_(team) {
+SensationLevels::SensationLevels(const Case& c, const Comm& team) : Recording(c, team) {
     const auto& depths_m = c.measure.depths_m;
     surface_ = static_cast<std::size_t>(std::ranges::find(depths_m, 0.0) - depths_m.begin());
 }

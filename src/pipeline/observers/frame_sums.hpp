@@ -13,7 +13,6 @@ namespace shearwake::pipeline {
 class FrameSums : public Recording {
 public:
     FrameSums(const Case& c, const Comm& team);
-    void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
     void save(StateWriter& state) override;
     void restore(const StateReader& state) override;
@@ -23,9 +22,6 @@ public:
     const std::vector<measures::DepthSeries>& depths() const { return depths_; }
 
 private:
-    const Case& case_;
-    const Comm& team_;
-    engines::Slab slab_;
     measures::Region region_;
     std::vector<measures::DepthSeries> depths_;
 };
@@ -44,9 +40,6 @@ public:
     const std::vector<double>& all() const { return all_; }
 
 private:
-    const Case& case_;
-    const Comm& team_;
-    engines::Slab slab_;
     std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits
     std::vector<double> rows_;    // of this rank so far
     std::vector<double> all_;
@@ -68,8 +61,6 @@ public:
 private:
     DistributedRows rows() const;
 
-    const Case& case_;
-    const Comm& team_;
     std::size_t surface_ = 0; // index of the depth 0
     std::optional<measures::SensationSums> sums_;
     measures::SensationMap map_;

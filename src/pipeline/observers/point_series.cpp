@@ -62,7 +62,7 @@ double value_at(Vec2 at_m, View2<const double> values, const Domain& domain,
 
 PointSeries::PointSeries(const Case& c, const Comm& team, std::string name,
                          const std::vector<Vec2>& at_m)
-    : case_(c), team_(team), name_(std::move(name)), series_(empty_series(at_m, c.time)) {}
+    : Recording(c, team), name_(std::move(name)), series_(empty_series(at_m, c.time)) {}
 
 void PointSeries::frame(const engines::Frame& frame) {
     if (frame.depth != 0) return;
@@ -146,7 +146,7 @@ std::vector<SpotSample> spot_samples(double diameter_m) {
 
 } // namespace
 
-ScanSeries::ScanSeries(const Case& c, const Comm& team) : case_(c), team_(team) {
+ScanSeries::ScanSeries(const Case& c, const Comm& team) : Recording(c, team) {
     if (c.vibrometer)
         displacements_m_.resize(c.vibrometer->points_m.size() *
                                 static_cast<std::size_t>(c.time.frames));

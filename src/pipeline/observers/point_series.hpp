@@ -20,7 +20,6 @@ class PointSeries : public Recording {
 public:
     /// `name`: that of the series in checkpoints.
     PointSeries(const Case& c, const Comm& team, std::string name, const std::vector<Vec2>& at_m);
-    void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
     void save(StateWriter& state) override;
     void restore(const StateReader& state) override;
@@ -29,20 +28,16 @@ public:
     const std::vector<measures::TraceSeries>& series() const { return series_; }
 
 private:
-    const Case& case_;
-    const Comm& team_;
     std::string name_;
-    engines::Slab slab_;
     std::vector<measures::TraceSeries> series_;
 };
 
 /// The stress at the receptors of a case [Pa], compression positive; 0 off the domain.
 class ReceptorSeries : public Recording {
 public:
-    ReceptorSeries(const Case& c, const Comm& team) : case_(c), team_(team) {}
+    using Recording::Recording;
     /// Positions and, for each, the index of its depth. Call before the run. Collective.
     void record_at(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
-    void begin(const engines::Slab& slab) override { slab_ = slab; }
     void stress(const engines::StressFrame& frame) override;
     void save(StateWriter& state) override;
     void restore(const StateReader& state) override;
@@ -51,9 +46,6 @@ public:
     const std::vector<measures::TraceSeries>& series() const { return series_; }
 
 private:
-    const Case& case_;
-    const Comm& team_;
-    engines::Slab slab_;
     std::vector<measures::TraceSeries> series_;
     std::vector<std::size_t> depths_; // of each
 };
@@ -63,7 +55,6 @@ private:
 class ScanSeries : public Recording {
 public:
     ScanSeries(const Case& c, const Comm& team);
-    void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
     void tangential(const engines::TangentialFrame& frame) override;
     void save(StateWriter& state) override;
@@ -76,9 +67,6 @@ public:
 private:
     void add(std::ptrdiff_t number, double factor, View2<const double> values);
 
-    const Case& case_;
-    const Comm& team_;
-    engines::Slab slab_;
     std::vector<double> displacements_m_;
 };
 

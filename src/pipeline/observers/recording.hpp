@@ -16,7 +16,8 @@ namespace shearwake::pipeline {
 /// at the end.
 class Recording : public engines::Observer {
 public:
-    void begin(const engines::Slab&) override {}
+    Recording(const Case& c, const Comm& team) : case_(c), team_(team) {}
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame&) override {}
     void stress(const engines::StressFrame&) override {}
     void tangential(const engines::TangentialFrame&) override {}
@@ -27,6 +28,11 @@ public:
     void restore(const StateReader&) override {}
     /// Collective, once, after the engine. Throws CaseFailure on all ranks together.
     virtual void finish() = 0;
+
+protected:
+    const Case& case_;
+    const Comm& team_;
+    engines::Slab slab_; // of this rank
 };
 
 /// The frame nearest to a time, from 0.

@@ -23,8 +23,8 @@ std::vector<std::ptrdiff_t> recorded_frames(const Case& c) {
     return stored;
 }
 
-StoredFields::StoredFields(const Case& c, storage::CaseFileWriter& writer)
-    : case_(c), writer_(writer), frames_(recorded_frames(c)) {}
+StoredFields::StoredFields(const Case& c, const Comm& team, storage::CaseFileWriter& writer)
+    : Recording(c, team), writer_(writer), frames_(recorded_frames(c)) {}
 
 void StoredFields::frame(const engines::Frame& frame) {
     const auto stored = std::lower_bound(frames_.begin(), frames_.end(), frame.number);
@@ -68,7 +68,7 @@ void StoredFields::finish() {
 }
 
 InstantSurface::InstantSurface(const Case& c, const Comm& team)
-    : case_(c), team_(team), instant_(frame_at(c, c.measure.at_s)) {}
+    : Recording(c, team), instant_(frame_at(c, c.measure.at_s)) {}
 
 void InstantSurface::begin(const engines::Slab& slab) {
     slab_ = slab;

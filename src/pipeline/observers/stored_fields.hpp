@@ -15,8 +15,7 @@ std::vector<std::ptrdiff_t> recorded_frames(const Case& c);
 /// Passes the frames and volumes that a case stores to its file.
 class StoredFields : public Recording {
 public:
-    StoredFields(const Case& c, storage::CaseFileWriter& writer);
-    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    StoredFields(const Case& c, const Comm& team, storage::CaseFileWriter& writer);
     void frame(const engines::Frame& frame) override;
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const engines::VolumePlane& plane) override;
@@ -27,9 +26,7 @@ public:
     void finish() override;
 
 private:
-    const Case& case_;
     storage::CaseFileWriter& writer_;
-    engines::Slab slab_;
     std::vector<std::ptrdiff_t> frames_;
     double volume_planes_ = 0.0; // so far
 };
@@ -50,9 +47,6 @@ public:
 private:
     measures::MachFit fit(const std::vector<double>& surface) const;
 
-    const Case& case_;
-    const Comm& team_;
-    engines::Slab slab_;
     std::ptrdiff_t instant_;
     std::vector<double> rows_;
     // Whether the frame of the instant was received; this rank may have no rows of it.

@@ -97,22 +97,11 @@ void CaseFileWriter::create_surface() const {
     h5::Id file = h5::open_file(part_, h5::Access::create);
     if (!surface_.empty()) {
         const h5::Id group = h5::create_group(file.raw(), "surface");
-        const Domain& d = surface_.domain;
         const std::vector<Variable> axes = {
             {"time", {"time"}, surface_.times_s, "s", "time since the load began", ""},
             {"depth", {"depth"}, surface_.depths_m, "m", "depth below the skin surface", ""},
-            {"x",
-             {"x"},
-             coordinate(d.nx, [&](auto i) { return d.x_m(i); }),
-             "m",
-             "position along x, the scan direction",
-             ""},
-            {"y",
-             {"y"},
-             coordinate(d.ny, [&](auto j) { return d.y_m(j); }),
-             "m",
-             "position along y",
-             ""}};
+            x_coordinate(surface_.domain),
+            y_coordinate(surface_.domain)};
         write_group(group.raw(), axes);
         create_field(group.raw(),
                      {.name = "u_z",

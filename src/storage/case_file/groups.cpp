@@ -128,24 +128,24 @@ std::size_t VolumeLayout::variable(std::size_t field, std::size_t component) con
     return before + component;
 }
 
+Variable x_coordinate(const Domain& domain) {
+    const auto x_m = [&](auto i) { return domain.x_m(i); };
+    return {"x", {"x"}, coordinate(domain.nx, x_m), "m", "position along x, the scan direction",
+            ""};
+}
+
+Variable y_coordinate(const Domain& domain) {
+    const auto y_m = [&](auto j) { return domain.y_m(j); };
+    return {"y", {"y"}, coordinate(domain.ny, y_m), "m", "position along y", ""};
+}
+
 void create_volume_group(hid_t file, const VolumeLayout& layout) {
     const h5::Id group = h5::create_group(file, "volume");
-    const Domain& d = layout.domain;
     write_group(group.raw(),
                 {{"time", {"time"}, layout.times_s, "s", "time since the load began", ""},
                  {"z", {"z"}, layout.z_m, "m", "depth below the skin surface", ""},
-                 {"y",
-                  {"y"},
-                  coordinate(d.ny, [&](auto j) { return d.y_m(j); }),
-                  "m",
-                  "position along y",
-                  ""},
-                 {"x",
-                  {"x"},
-                  coordinate(d.nx, [&](auto i) { return d.x_m(i); }),
-                  "m",
-                  "position along x, the scan direction",
-                  ""}});
+                 y_coordinate(layout.domain),
+                 x_coordinate(layout.domain)});
     for (const Variable& variable : layout.variables())
         create_field(group.raw(), variable, layout.shape());
 }

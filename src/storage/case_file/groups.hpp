@@ -26,6 +26,10 @@ std::vector<double> coordinate(std::ptrdiff_t count, const auto& at) {
     return values;
 }
 
+/// The coordinates x and y of a domain. Not collective.
+Variable x_coordinate(const Domain& domain);
+Variable y_coordinate(const Domain& domain);
+
 /// The attribute `warnings` of a case file: a JSON array of {severity, key, message}. The severity
 /// "error" marks a case whose readings are not valid.
 std::string warnings_text(const std::vector<Remark>& warnings);
