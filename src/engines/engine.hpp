@@ -7,7 +7,6 @@
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

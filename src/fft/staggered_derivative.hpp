@@ -6,7 +6,6 @@
 #include "fft/kernels/staggered.hpp"
 #include "parallel/comm.hpp"
 
-#include <algorithm>
 #include <complex>
 #include <cstddef>
 

@@ -4,7 +4,6 @@
 #include "engines/pstd/scheme/stepper.hpp"
 #include "problem/case/study_data.hpp"
 
-#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>

@@ -4,7 +4,6 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "neural/fibre/neuron.hpp"
 #include "neural/skin/check_stimulus.hpp"
 #include "neural/skin/resample.hpp"
 

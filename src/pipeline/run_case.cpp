@@ -8,7 +8,6 @@
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/memory.hpp"
-#include "pipeline/run_case.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/journal/journal.hpp"

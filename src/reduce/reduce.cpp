@@ -14,7 +14,6 @@
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>

@@ -3,7 +3,6 @@
 
 #include "problem/case/plan.hpp"
 
-#include <string>
 #include <vector>
 
 namespace shearwake::adapt {

@@ -15,7 +15,6 @@
 
 #include <atomic>
 #include <cstdlib>
-#include <fmt/format.h>
 #include <limits>
 #include <new>
 

@@ -5,7 +5,6 @@
         page = browser.open(path, width=390, height=844)
         page.run("document.title")
 """
-import base64
 import json
 import os
 import select
@@ -187,6 +186,3 @@ class Page:
                 if e.get("method") == "Network.requestWillBeSent"]
         return [url for url in urls if not url.startswith(("data:", "file:"))]
 
-    def screenshot(self, path, whole=True):
-        shot = self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
-        path.write_bytes(base64.b64decode(shot["data"]))

@@ -8,7 +8,6 @@
 #include "support/on_root.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <string>

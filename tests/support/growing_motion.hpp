@@ -4,7 +4,6 @@
 #include "engines/spectral/depth/vertical_operator.hpp"
 
 #include <cmath>
-#include <numbers>
 
 // A rigid body of 3 mm radius in a solid, evaluated at real exponential growth e^{st} instead of
 // e^{i omega t}, where the engine's implicit operator is that of a viscoelastic medium.

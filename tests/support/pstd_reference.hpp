@@ -9,7 +9,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <string>
 
 namespace shearwake::test {
 

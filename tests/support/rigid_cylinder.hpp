@@ -11,7 +11,6 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 

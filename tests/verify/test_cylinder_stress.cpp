@@ -5,7 +5,6 @@
 
 #include <array>
 #include <catch2/catch.hpp>
-#include <functional>
 
 namespace test_cylinder_stress {
 

@@ -13,7 +13,6 @@
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
-#include <fmt/format.h>
 #include <limits>
 #include <string>
 #include <string_view>

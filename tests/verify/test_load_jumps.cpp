@@ -17,7 +17,6 @@
 
 #include <catch2/catch.hpp>
 #include <complex>
-#include <map>
 #include <numbers>
 
 namespace test_load_jumps {

@@ -9,8 +9,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
-
 namespace test_neural_scan {
 
 using namespace shearwake;

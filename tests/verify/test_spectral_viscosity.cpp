@@ -2,7 +2,6 @@
 // Engine "spectral" with bodies and maps that are less viscous than the layer around them.
 #include "support/spectral_cases.hpp"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 
 namespace test_spectral_viscosity {

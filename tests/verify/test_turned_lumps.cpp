@@ -4,7 +4,6 @@
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
 namespace test_turned_lumps {
 

@@ -4,7 +4,6 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engines/layered/energy_balance.hpp"
-#include "engines/layered/layered_engine.hpp"
 #include "engines/layered/load/jump_tail.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"

@@ -6,8 +6,6 @@
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/spectral/spectral_engine.hpp"
 
-#include <type_traits>
-
 namespace shearwake::engines {
 
 std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {

@@ -9,7 +9,6 @@
 #include "problem/load/load.hpp"
 #include "problem/medium/medium.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <optional>
-#include <type_traits>
 #include <variant>
 
 namespace shearwake {

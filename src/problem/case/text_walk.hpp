@@ -8,8 +8,6 @@
 #include "problem/case/case.hpp"
 #include "problem/case/toml_text.hpp"
 
-#include <fmt/format.h>
-
 namespace shearwake {
 
 /// A walk that writes all fields as TOML in SI units: the canonical text of a case.

@@ -7,7 +7,6 @@
 #include <complex>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace shearwake {
 

@@ -51,11 +51,6 @@ Complex p_wave_modulus(const Layer& layer, Complex omega_rad_s) {
     return lambda + 2.0 * shear_modulus(layer, omega_rad_s);
 }
 
-double poisson_ratio(const Layer& layer) {
-    const double r = layer.c_s_m_s * layer.c_s_m_s / (layer.c_p_m_s * layer.c_p_m_s);
-    return (1.0 - 2.0 * r) / (2.0 * (1.0 - r));
-}
-
 double rayleigh_speed_m_s(const Layer& layer) {
     // With s = (c/c_s)^2: (2 - s)^2 = 4 sqrt(1 - s) sqrt(1 - s c_s^2/c_p^2); s = 0 is a trivial
     // root; the Rayleigh root lies in (0, 1), where the left side minus the right side changes

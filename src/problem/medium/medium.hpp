@@ -181,9 +181,6 @@ double static_shear_modulus(const Layer& layer);
 /// lambda + 2 mu with lambda of the lossless layer, which does not depend on viscosity [Pa].
 std::complex<double> p_wave_modulus(const Layer& layer, std::complex<double> omega_rad_s);
 
-/// Poisson's ratio of the lossless layer.
-double poisson_ratio(const Layer& layer);
-
 /// Speed of the Rayleigh wave over a lossless half-space of this layer [m/s]: the root of the
 /// Rayleigh equation below c_s. Throws Error when there is none.
 double rayleigh_speed_m_s(const Layer& layer);

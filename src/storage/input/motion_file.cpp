@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <limits>
-#include <optional>
 
 namespace shearwake::storage {
 namespace {

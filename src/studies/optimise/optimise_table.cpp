@@ -10,7 +10,6 @@
 #include "studies/tables.hpp"
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace shearwake::optimise {

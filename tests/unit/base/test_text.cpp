@@ -2,7 +2,6 @@
 #include "base/text.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <new>
 #include <sstream>
 

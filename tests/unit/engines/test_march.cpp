@@ -2,7 +2,6 @@
 #include "engines/march.hpp"
 
 #include "support/cases.hpp"
-#include "support/memory_state.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,6 @@
 #include "reduce/table.hpp"
 
 #include "base/error.hpp"
-#include "reduce/table.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

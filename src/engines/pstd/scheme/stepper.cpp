@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/stepper.hpp"
 
-#include "engines/pstd/scheme/stepper.hpp"
-
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
 

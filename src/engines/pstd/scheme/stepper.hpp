@@ -11,7 +11,6 @@
 #include "fft/staggered_derivative.hpp"
 #include "parallel/comm.hpp"
 
-#include <memory>
 #include <optional>
 
 namespace shearwake::pstd {

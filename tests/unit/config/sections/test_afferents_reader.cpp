@@ -3,8 +3,6 @@
 #include "config/job.hpp"
 #include "unit/config/jobs.hpp"
 
-#include <algorithm>
-
 namespace test_afferents_reader {
 
 using namespace shearwake;

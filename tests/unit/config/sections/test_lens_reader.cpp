@@ -3,8 +3,6 @@
 #include "problem/load/acoustics/lens_design.hpp"
 #include "unit/config/jobs.hpp"
 
-#include <cmath>
-
 namespace test_lens_reader {
 
 using namespace shearwake;

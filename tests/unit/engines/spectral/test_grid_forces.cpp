@@ -2,7 +2,6 @@
 #include "engines/spectral/bodies/stress/grid_forces.hpp"
 
 #include "engines/spectral/bodies/lump_markers.hpp"
-#include "engines/spectral/bodies/stress/grid_forces.hpp"
 #include "engines/spectral/bodies/stress/surface_patches.hpp"
 
 #include <catch2/catch.hpp>

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <numbers>
 
 namespace test_contact {

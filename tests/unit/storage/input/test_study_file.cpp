@@ -6,7 +6,6 @@
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <functional>
 #include <map>
 

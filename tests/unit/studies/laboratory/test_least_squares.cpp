@@ -2,7 +2,6 @@
 #include "studies/laboratory/least_squares.hpp"
 
 #include "base/error.hpp"
-#include "studies/laboratory/least_squares.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
