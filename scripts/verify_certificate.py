@@ -51,11 +51,11 @@ def main(folder):
         optimum = json.loads(path.read_text(encoding="utf-8"))
         forms, base = (json.loads((path.parent / f"{optimum[of]}.forms.json").read_text(encoding="utf-8"))
                        for of in ("forms", "case"))
-        trouble = list(problems(forms, np.array(base["focal"]).sum(), optimum))
+        found = list(problems(forms, np.array(base["focal"]).sum(), optimum))
         print(f"{path.stem}: eta {optimum['found']['eta']:.4f}, upper bound {optimum['ceiling']['eta']:.4f}: "
-              f"{'; '.join(trouble) or 'verified'}")
+              f"{'; '.join(found) or 'verified'}")
         checked += 1
-        failed += bool(trouble)
+        failed += bool(found)
     if checked == 0:
         print(f"{folder} contains no results of shearwake optimise", file=sys.stderr)
     return 1 if failed or not checked else 0

@@ -147,9 +147,9 @@ def store(source, target):
     sys.exit(f"{target} is larger than {LIMIT_B} bytes")
 
 
-def draw_job(job, keep):
+def draw_job(job, use_existing):
     out = ROOT / "out" / (f"{job}-short" if job in OVERRIDES else f"{job}.optimise" if job in OPTIMISED else job)
-    if not keep:
+    if not use_existing:
         run(job, out)
     pictures = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
     for page, figures in PAGES.items():
@@ -183,7 +183,7 @@ def draw_modulations():
 
 
 def main(arguments):
-    keep = "--keep" in arguments
+    use_existing = "--keep" in arguments
     jobs = sorted(path.stem for path in (ROOT / "jobs").glob("*.toml") if path.stem not in WITHOUT_PICTURE)
     studies = [name for name in GALLERY if "/" in name]
     if set(jobs) != set(GALLERY) - set(studies):
@@ -197,7 +197,7 @@ def main(arguments):
             for path in diagrams.draw_all(DOCS / "developer" / "architecture"):
                 print(path.relative_to(ROOT))
         elif name in GALLERY:
-            draw_job(name, keep)
+            draw_job(name, use_existing)
         else:
             sys.exit(f"{name} is not a known figure; known: {', '.join([*jobs, 'modulations', 'diagrams'])}")
 

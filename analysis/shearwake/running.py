@@ -123,5 +123,5 @@ def watch(process: subprocess.Popen[bytes], log: Path, report: Callable[[Progres
 
 def relevant(text: str) -> str:
     """The text of the program without the lines that state progress."""
-    kept = [line for line in text.splitlines() if " cases done, " not in line and "cases to compute on" not in line]
-    return "\n".join(kept)
+    other_lines = [line for line in text.splitlines() if " cases done, " not in line and "cases to compute on" not in line]
+    return "\n".join(other_lines)

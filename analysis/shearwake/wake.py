@@ -35,12 +35,12 @@ def runs_straight_on(case: Case) -> bool:
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
     path: np.ndarray = np.column_stack([case.focus["focus_x"], case.focus["focus_y"]])
-    way = path[-1] - path[0]
-    length = float(np.hypot(*way))
+    direction = path[-1] - path[0]
+    length = float(np.hypot(*direction))
     if not length > 0:
         return False
-    off = np.abs((path - path[0]) @ np.array([-way[1], way[0]])) / length
-    on = np.diff(path @ way)
+    off = np.abs((path - path[0]) @ np.array([-direction[1], direction[0]])) / length
+    on = np.diff(path @ direction)
     return bool(off.max() < 1e-6 * length and (on >= 0).all())
 
 

@@ -16,7 +16,7 @@ from . import page
 from .engine import Engine
 
 LARGEST_B = 5_000_000
-KEPT = ("time", "depth", "force", "focus_x", "focus_y", "eta")  # in addition to the surface
+STORED = ("time", "depth", "force", "focus_x", "focus_y", "eta")  # in addition to the surface
 NOTE = ("A demonstration with computed settings. shearwake explore computes any other setting on your machine. The frames of this "
         "page have steps of 1/1023 of the peak.")
 
@@ -72,7 +72,7 @@ def stored(title: str, job: str, message: dict, arrays: bytes) -> dict:
     """One setting for the page: its header, and its arrays compressed, with the surface in steps of 1/1023 of its peak."""
     header = {name: message[name] for name in ("case", "spacing_m", "fwhm_m", "foci_m", "surface_wave_m_s", "seconds", "warnings",
                                                "columns")}
-    kept, parts, offset = [], [], 0
+    selected, parts, offset = [], [], 0
     for array in message["arrays"]:
         kind = np.dtype(array["type"]).newbyteorder("<")
         count = int(np.prod(array["shape"], dtype=int))
@@ -81,12 +81,12 @@ def stored(title: str, job: str, message: dict, arrays: bytes) -> dict:
         if array["name"] == "u_z":
             peak_m = float(np.abs(values).max())
             parts.append(np.rint(1023.0 * values / (peak_m or 1.0)).astype("<i2").tobytes())
-        elif array["name"] in KEPT:
+        elif array["name"] in STORED:
             parts.append(values.tobytes())
         else:
             continue
-        kept.append(array)
-    header["arrays"] = kept
+        selected.append(array)
+    header["arrays"] = selected
     data = base64.b64encode(gzip.compress(b"".join(parts), 9, mtime=0)).decode("ascii")
     return {"title": title, "settings": {}, "job": job, "header": header, "peak_m": peak_m, "data": data}
 

@@ -104,20 +104,20 @@ def read_results(file, study, records, order):
     """A dictionary of the output file, or one for each cuboid."""
     grid = tuple(slice(f, f + n) for f, n in zip(study.first, study.points - 2 * study.first))
     names = results_of(sorted(records))
-    whole = {name: file[name][()].T[grid] for name in names if name.endswith(GRID)}
-    flat = {name: file[name][0].T for name in names if name not in whole}  # (point, time); one time for statistics
+    grids = {name: file[name][()].T[grid] for name in names if name.endswith(GRID)}
+    flat = {name: file[name][0].T for name in names if name not in grids}  # (point, time); one time for statistics
     flat = {name: values[:, 0] if name.endswith((*SENSOR, "_avg")) else values for name, values in flat.items()}
     if study.cuboids is None:
         if order == "C":
             rows = np.lexsort(study.sensor_nodes.T[::-1])
             flat = {name: values[rows] for name, values in flat.items()}
-        return {**{name: np.ascontiguousarray(values) for name, values in flat.items()}, **whole}
+        return {**{name: np.ascontiguousarray(values) for name, values in flat.items()}, **grids}
     results, first = [], 0
     for box in study.cuboids:
         shape = tuple(box[3:] - box[:3] + 1)
         part = slice(first, first := first + int(np.prod(shape)))
         results.append({name: values[part].reshape(*shape, *values.shape[1:], order="F") for name, values in flat.items()})
-    results[0].update(whole)
+    results[0].update(grids)
     return results
 
 

@@ -40,12 +40,12 @@ def check_fields(structure, notes):
                            f"{', '.join(sorted(known))}")
 
 
-def three(value, name, whole=False):
+def three(value, name, integer=False):
     if np.size(value) == 2:  # k-Wave: the second value belongs to y and z
         value = np.ravel(value)[[0, 1, 1]]
     values = np.broadcast_to(np.ravel(value), 3) if np.size(value) in (1, 3) else None
-    if values is None or np.any(values < 0) or (whole and np.any(values != np.floor(values))):
-        raise BadInput(f"{name} must be one {'whole ' if whole else ''}number or three, 0 or more")
+    if values is None or np.any(values < 0) or (integer and np.any(values != np.floor(values))):
+        raise BadInput(f"{name} must be one {'whole ' if integer else ''}number or three, 0 or more")
     return np.array(values, dtype=float)
 
 

@@ -31,8 +31,8 @@ def side(s: np.ndarray, velocity: np.ndarray, source: float) -> tuple[np.ndarray
         chosen = right
     order = np.argsort(s[chosen])
     distance, rows = (s[chosen] - source)[order], velocity[chosen][order]
-    keep = distance >= NEAR_FIELD * (distance[-1] if len(distance) else 0.0)
-    return distance[keep], rows[keep]
+    is_far = distance >= NEAR_FIELD * (distance[-1] if len(distance) else 0.0)
+    return distance[is_far], rows[is_far]
 
 
 def peak_wavenumber(distance: np.ndarray, row: np.ndarray, frequency_Hz: float) -> float:

@@ -120,12 +120,12 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
             yield from full.frames(measured)
             return
         rng = np.random.default_rng([request["seed"], n])
-        kept = np.sort(rng.permutation(len(velocity))[:max(4, round((1.0 - LEFT_OUT) * len(velocity)))])
+        used = np.sort(rng.permutation(len(velocity))[:max(4, round((1.0 - LEFT_OUT) * len(velocity)))])
         noisy = velocity + noise[:, None] * rng.normal(size=velocity.shape)
-        part = Surface(x[good][kept], y[good][kept], grid_x, grid_y)
+        part = Surface(x[good][used], y[good][used], grid_x, grid_y)
         if masks:
             part.without(bad, MASK_RADII * full.point_spacing)
-        yield from part.frames(motion(noisy[kept]))
+        yield from part.frames(motion(noisy[used]))
 
     nodes = full.nodes[full.covered]
     about: dict = {"notes": [*alignment.notes,

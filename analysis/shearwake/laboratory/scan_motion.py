@@ -134,8 +134,8 @@ class Surface:
 
         far = cKDTree(places).query(self.nodes)[0] > radius
         self.covered &= far
-        keep = far[self.exact]
-        self.exact, self.source = self.exact[keep], self.source[keep]
+        exact = far[self.exact]
+        self.exact, self.source = self.exact[exact], self.source[exact]
         self.between = self.between[far[self.between]]
 
     def frames(self, u: np.ndarray) -> Iterator[np.ndarray]:

@@ -131,10 +131,10 @@ def speed_section(history: History, nights: list[tuple], slower: list[str]) -> s
 
 
 def job_section(result: night.Result, history: History, nights: list[tuple]) -> str:
-    trouble = ""
+    error = ""
     if result.verdict in (night.BROKEN, night.NO_BASELINE):
-        trouble = f"<pre>{escape(result.message)}</pre>"
-    return (f"<h2>{escape(result.name)}: {VERDICTS[result.verdict]}</h2>{trouble}"
+        error = f"<pre>{escape(result.message)}</pre>"
+    return (f"<h2>{escape(result.name)}: {VERDICTS[result.verdict]}</h2>{error}"
             f"{moved_table(result.differences)}{other_differences(result.differences)}"
             f"{trends(result, history, nights)}")
 

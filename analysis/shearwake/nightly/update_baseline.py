@@ -29,11 +29,11 @@ def arguments() -> argparse.Namespace:
 def write_baseline(source: Path, target: Path) -> None:
     """Writes the table without the columns that depend on the machine. The file is replaced atomically."""
     columns, rows = table.read_rows(source)
-    kept = [c for c in columns if c not in table.NOT_COMPARED]
+    compared = [c for c in columns if c not in table.NOT_COMPARED]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(target.name + ".part")
     with open(part, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, kept, extrasaction="ignore", lineterminator="\n")
+        writer = csv.DictWriter(file, compared, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     part.replace(target)

@@ -217,11 +217,11 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
     numeric = layout.is_numeric(selection)
     figure, made = panels(len(rows), curves)
     for axes, column in zip(made, rows):
-        whole_periods = column == period
+        over_periods = column == period
         for (group, colour, marker), aside in zip(curves, asides(selection, curves)):
-            look: dict[str, Any] = {"clip_on": False} if whole_periods else {"markerfacecolor": "white"}
+            look: dict[str, Any] = {"clip_on": False} if over_periods else {"markerfacecolor": "white"}
             x, y = draw_curve(axes, selection, group, column, measure["name"], aside, marker=marker, color=colour,
-                              linestyle="-" if numeric and whole_periods else "none", **look)
+                              linestyle="-" if numeric and over_periods else "none", **look)
             draw_errors(axes, x, y, group.cases, column, colour)
         if measure.get("log") and spans_decades(selection, column):
             axes.set_yscale("log")
@@ -231,7 +231,7 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
         axes.set_ylabel(measure["label"])
         move_power_to_label(axes)
         axes.yaxis.set_label_coords(-0.105, 0.5)
-        axes.set_title("mean over periods" if whole_periods else instant_title(selection), loc="left",
+        axes.set_title("mean over periods" if over_periods else instant_title(selection), loc="left",
                        color="#555555")
         style.label_right(axes, ends)
     set_x_axis(made[-1], selection)

@@ -44,11 +44,11 @@ def lead_mm(selection: Selection, case: Case) -> np.ndarray | None:
         return None
     own, other = (1e3 * np.column_stack([c.over_time["focus_x"], c.over_time["focus_y"]])
                   for c in (case, reference))
-    way = other[-1] - other[0]
-    length = float(np.hypot(*way))
+    direction = other[-1] - other[0]
+    length = float(np.hypot(*direction))
     if not length > 0 or np.abs(own - other).max() < LEAD * length:
         return None
-    return (own - other) @ way / length
+    return (own - other) @ direction / length
 
 
 def draw_place(axes: Axes, case: Case) -> None:

@@ -32,7 +32,7 @@ class Band:
 
 
 # The perceptible vibration, if the job has no `measure.bands_Hz`.
-FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
+PERCEIVED = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
 
 
 def bands(selection: Selection) -> list[Band]:
@@ -43,7 +43,7 @@ def bands(selection: Selection) -> list[Band]:
             return [Band(f"share_{low:g}_{high:g}_1", f"velocity_share_{low:g}_{high:g}_1",
                          f"energy within {low:g} to {high:g} Hz", "share (1)")
                     for low, high in zip(edges[::2], edges[1::2])]
-    return [FELT]
+    return [PERCEIVED]
 
 
 def has_values(selection: Selection, column: str) -> bool:

@@ -44,7 +44,7 @@ MEASURES = [
     ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}",
      "frequency of du/dt (Hz)"),
 ]
-HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
+LEAST_KNOWN = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
 def measure_label(selection: Selection, column: str) -> str:
@@ -223,8 +223,8 @@ def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: A
                 interpolation="nearest")
     for row, column in np.argwhere(invalid):
         ends = np.array([-0.5, 0.5])
-        for way in (1, -1):
-            axes.plot(column + ends, row + way * ends, color=style.GREY, linewidth=1.0, zorder=1.5,
+        for sign in (1, -1):
+            axes.plot(column + ends, row + sign * ends, color=style.GREY, linewidth=1.0, zorder=1.5,
                       scalex=False, scaley=False)
     for row, column in np.argwhere(~np.isfinite(grid)):
         mark = "xxxx" if failed[row, column] else "////"
@@ -252,7 +252,7 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
     every = [cells(selection, column, x, y, others, v) for v in shown]
     grids = [np.where(invalid, math.nan, g) for g, _, invalid in every]
     known = [c.value(column, math.nan) for c in layout.ordinary(selection)]
-    if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
+    if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < LEAST_KNOWN:
         return None
     reference = layout.reference_name(layout.all_references(selection))
     place = layout.place_words(traces(c).measured_m for c in layout.ordinary(selection) if traces(c))

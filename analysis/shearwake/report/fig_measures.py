@@ -46,7 +46,7 @@ SHARPNESS: dict[str, Any] = {
     "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
-FELT: dict[str, Any] = {
+PERCEIVED: dict[str, Any] = {
     "name": "felt", "title": "Level of sensation against {x}",
     "period": "felt_path_dB", "instant": None, "label": "level (dB)",
     "caption": "The mean over the drawn shape of the level of the acceleration above the threshold of perception. The skin feels "
@@ -159,8 +159,8 @@ def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
 
 def impulse_caption(selection: Selection, name: str) -> str:
     """States the impulse relative to the reference, since half the mean force halves the displacement."""
-    shares = [c.value("impulse_mN_ms", math.nan) / whole for c in layout.ordinary(selection)
-              if (r := selection.reference_of(c)) and (whole := r.value("impulse_mN_ms", math.nan))]
+    shares = [c.value("impulse_mN_ms", math.nan) / full for c in layout.ordinary(selection)
+              if (r := selection.reference_of(c)) and (full := r.value("impulse_mN_ms", math.nan))]
     shares = [s for s in shares if not math.isnan(s)]
     if not shares or (min(shares) > 0.99 and max(shares) < 1.01):
         return ""
@@ -177,7 +177,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
              displacement_figure(selection, folder)]
     if not all(map(wake.runs_straight_on, layout.ordinary(selection))):
         made.append(curves_module.measure_figure(selection, folder, SHARPNESS))
-    if curves_module.has_any(selection, FELT["period"]):
-        made.append(curves_module.measure_figure(selection, folder, FELT))
+    if curves_module.has_any(selection, PERCEIVED["period"]):
+        made.append(curves_module.measure_figure(selection, folder, PERCEIVED))
     made += [curves_module.measure_figure(selection, folder, m) for m in MEASURES[1:]]
     return [f for f in made if f]

@@ -50,13 +50,13 @@ def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.nda
     """Distances from the focus in mm and u in um on a line through the focus. A focus at rest has no direction of
     motion: its lines are parallel to x and y."""
     focus, direction = focus_mm(shot), wake.focus_at(shot.case, shot.t_s)[1]
-    way = np.array([1.0, 0.0]) if direction is None else np.asarray(direction)
+    unit = np.array([1.0, 0.0]) if direction is None else np.asarray(direction)
     if not along:
-        way = np.array([-way[1], way[0]])
+        unit = np.array([-unit[1], unit[0]])
     step = min(shot.x_mm[1] - shot.x_mm[0], shot.y_mm[1] - shot.y_mm[0])
     reach = math.hypot(shot.x_mm[-1] - shot.x_mm[0], shot.y_mm[-1] - shot.y_mm[0])
     distance = step * np.arange(-math.ceil(reach / step), math.ceil(reach / step) + 1)
-    u = sample(shot, focus[0] + distance * way[0], focus[1] + distance * way[1])
+    u = sample(shot, focus[0] + distance * unit[0], focus[1] + distance * unit[1])
     return distance[np.isfinite(u)], u[np.isfinite(u)]
 
 

@@ -145,11 +145,11 @@ def colour_scale(curves: list[list[Snapshot]]) -> tuple[float, Any]:
 
 def root_ticks(end: Any, norm: Any) -> Any:
     """Ticks of a colour bar that follows the root of u: those of a linear axis whose labels do not touch."""
-    kept: list[float] = []
+    chosen: list[float] = []
     for value in plt.MaxNLocator(4).tick_values(0.0, end)[::-1]:
-        if 0.0 < value <= end and min([norm(last) for last in kept], default=2.0) - norm(value) > 0.09 < norm(value) - 0.5:
-            kept.append(value)
-    return [*(-value for value in kept), 0.0, *reversed(kept)]
+        if 0.0 < value <= end and min([norm(last) for last in chosen], default=2.0) - norm(value) > 0.09 < norm(value) - 0.5:
+            chosen.append(value)
+    return [*(-value for value in chosen), 0.0, *reversed(chosen)]
 
 
 def arrange(selection: load.Selection, shots: list[Any], columns: int,

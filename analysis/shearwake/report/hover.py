@@ -37,9 +37,9 @@ def stored(values: np.ndarray) -> dict[str, Any]:
         rounded = [None if not math.isfinite(v) else float(f"{v:.5g}") for v in values.ravel()]
         return {"shape": list(values.shape), "values": rounded}
     largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
-    whole = np.where(np.isfinite(values), np.round(np.nan_to_num(values) / largest * STEPS), -STEPS - 1)
+    steps = np.where(np.isfinite(values), np.round(np.nan_to_num(values) / largest * STEPS), -STEPS - 1)
     return {"shape": list(values.shape), "scale": largest / STEPS,
-            "packed": base64.b64encode(whole.astype("<i2").tobytes()).decode("ascii")}
+            "packed": base64.b64encode(steps.astype("<i2").tobytes()).decode("ascii")}
 
 
 def maps_of(figure: Any) -> list[dict[str, Any]]:

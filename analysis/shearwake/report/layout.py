@@ -146,15 +146,15 @@ def is_reading(key: str) -> bool:
 def axes(selection: Selection) -> list[str]:
     """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
     cases = swept_cases(selection)
-    kept: list[str] = []
+    independent: list[str] = []
     for key in dict.fromkeys([selection.x, *selection.sweep.series_keys, *selection.sweep.swept_keys]):
         if not key or len(values_of(selection, key)) < 2:
             continue
         follows = any(len({(str(c.settings.get(other)), str(c.settings.get(key))) for c in cases})
-                      == len({str(c.settings.get(other)) for c in cases}) for other in kept)
+                      == len({str(c.settings.get(other)) for c in cases}) for other in independent)
         if not follows:
-            kept.append(key)
-    return kept
+            independent.append(key)
+    return independent
 
 
 def evenly(items: Sequence, most: int) -> list:
@@ -167,8 +167,8 @@ def evenly(items: Sequence, most: int) -> list:
 
 def only(selection: Selection, ids: Sequence[str]) -> Selection:
     """The selection with the cases of these ids and their references."""
-    kept = {*ids, *(selection.by_id[i].reference_id for i in ids)}
-    return replace(selection, cases=[c for c in selection.cases if c.id in kept], label_keys=group_keys(selection))
+    remaining = {*ids, *(selection.by_id[i].reference_id for i in ids)}
+    return replace(selection, cases=[c for c in selection.cases if c.id in remaining], label_keys=group_keys(selection))
 
 
 def few(selection: Selection, most: int = 40) -> Selection:
@@ -177,19 +177,19 @@ def few(selection: Selection, most: int = 40) -> Selection:
         return selection
     chosen = evenly(groups(selection), 3)
     values = set(evenly(x_values(selection), 24 // len(chosen)))
-    kept = {c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values}
-    kept |= {selection.by_id[i].reference_id for i in kept}
-    return replace(selection, cases=[c for c in selection.cases if c.id in kept],
+    remaining = {c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values}
+    remaining |= {selection.by_id[i].reference_id for i in remaining}
+    return replace(selection, cases=[c for c in selection.cases if c.id in remaining],
                    label_keys=group_keys(selection))  # keys that no longer vary remain in the labels
 
 
-def fewer_lines(selection: Selection, most: int = 8, kept: int = 6) -> Selection:
+def fewer_lines(selection: Selection, most: int = 8, shown: int = 6) -> Selection:
     """The selection; if it has too many values of x for a line or a panel each, reduced to some of them, spread
     evenly."""
     values = x_values(selection)
     if not selection.x or not is_numeric(selection) or len(values) <= most:
         return selection
-    return with_some(selection, set(evenly(values, kept)))
+    return with_some(selection, set(evenly(values, shown)))
 
 
 def with_some(selection: Selection, some: set) -> Selection:

@@ -196,18 +196,18 @@ def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -
     state(case, times_s, indices, picture.part)
     progress = Progress(name="movie")
     first = picture.draw(0)
-    whole = name.with_name(f".{name.name}.part.mkv")
+    lossless = name.with_name(f".{name.name}.part.mkv")
     movie, gif = name.with_name(name.name + ".mp4"), name.with_name(name.name + ".gif")
     try:
-        encode((picture.draw(i) for i in watched(indices, progress)), first.shape[1::-1], rate, whole)
+        encode((picture.draw(i) for i in watched(indices, progress)), first.shape[1::-1], rate, lossless)
         smooth, slower = (f"fps={min(most, max(rate, LEAST_FPS)):.6f}" for most in (FPS, GIF_FPS))
-        convert(whole, movie, "-vf", smooth, "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
+        convert(lossless, movie, "-vf", smooth, "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
                 "+faststart")
         scale = f"scale='min({GIF_px},iw)':-1:flags=lanczos"
-        convert(whole, gif, "-vf", f"{slower},{scale},split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0")
+        convert(lossless, gif, "-vf", f"{slower},{scale},split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0")
     finally:
         progress.end()
-        whole.unlink(missing_ok=True)
+        lossless.unlink(missing_ok=True)
     return movie, gif
 
 

@@ -110,7 +110,7 @@ def picture(figure: Figure, level: str, stated: set[int]) -> str:
             f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
 
 
-def trouble(selection: Selection, problems: list[Any], state: str = "") -> str:
+def problem_list(selection: Selection, problems: list[Any], state: str = "") -> str:
     """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
     for case in selection.cases:
@@ -133,17 +133,17 @@ def moment(stamp: str) -> str:
 
 
 def provenance(selection: Selection) -> str:
-    whole = [c.attributes for c in selection.cases if c.is_complete]
+    complete = [c.attributes for c in selection.cases if c.is_complete]
     rows = []
     for name, attribute in FACTS:
-        values = list(dict.fromkeys(str(a[attribute]) for a in whole if attribute in a))
+        values = list(dict.fromkeys(str(a[attribute]) for a in complete if attribute in a))
         if values:
             rows.append((name, ", ".join(values)))
-    started = sorted(a["started"] for a in whole if "started" in a)
-    ended = sorted(a["ended"] for a in whole if "ended" in a)
+    started = sorted(a["started"] for a in complete if "started" in a)
+    ended = sorted(a["ended"] for a in complete if "ended" in a)
     if started and ended:
         rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
-    rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
+    rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in complete), 3)))
     rows.append(("folder", selection.sweep.folder.resolve().name))
     rows.append(("interactive figures", f"uPlot {read('uplot/VERSION').strip()}, MIT licence"))
     cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
@@ -195,7 +195,7 @@ def parts(selection: Selection, figures: list[Figure], problems: list[Any], movi
     if optima.is_study(selection):
         made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(selection)}', []))
     state = "" if made else "open"
-    if notice := trouble(selection, problems, state):
+    if notice := problem_list(selection, problems, state):
         made.append(("missing", "Not in the figures", notice, []))
     if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))

@@ -217,7 +217,7 @@ def controls(data: dict[str, Any], last: int) -> str:
 
 
 def caption(cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
-    kept = max(len(load.surface_times(c)) for c in cases)
+    stored = max(len(load.surface_times(c)) for c in cases)
     text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
             "focal disc. Dotted line: path of the focus. Choose "
             "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
@@ -225,8 +225,8 @@ def caption(cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
     if all(c["period"] for c in data["cases"]):
         text += " The load repeats for ever: the pictures cover one period and start again."
     shown = max(len(c["times"]) for c in data["cases"])
-    if shown < kept:
-        text += f" The page contains {shown} of {counted(kept, 'frame')}."
+    if shown < stored:
+        text += f" The page contains {shown} of {counted(stored, 'frame')}."
     if not detail.lossless:
         text += " The pictures are compressed; values are accurate to about 3 % of the largest |u|."
     return text

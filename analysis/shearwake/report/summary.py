@@ -92,8 +92,8 @@ def caveats(selection: Selection, is_used: bool = False) -> str:
     """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
     valid, which are used in the tables of the optima."""
     missing = [c for c in selection.cases if not c.is_complete]
-    whole = [c for c in selection.cases if c.is_complete]
-    invalid = [c for c in whole if not is_valid(c)]
+    complete = [c for c in selection.cases if c.is_complete]
+    invalid = [c for c in complete if not is_valid(c)]
     text = ""
     if missing:
         has = "has" if len(missing) == 1 else "have"
@@ -102,7 +102,7 @@ def caveats(selection: Selection, is_used: bool = False) -> str:
         among = layout.references_among(invalid)
         them = f" ({among})" if among else ""
         are = "is" if len(invalid) == 1 else "are"
-        text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}{them}: "
+        text += (f" {len(invalid)} of {counted(len(complete), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}{them}: "
                  f"{warnings_of.reasons(invalid)}.")
     without = [c for c in layout.ordinary(selection) if is_valid(c) and math.isnan(c.value("eta_period_1", math.nan))]
     if without and len(without) < len(layout.ordinary(selection)):
