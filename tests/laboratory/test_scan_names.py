@@ -201,8 +201,9 @@ class Names(ScanTest):
 
     def test_names_that_contradict_what_is_read_are_refused(self):
         for name, value in (("scale", 1e-3), ("velocity_scale", "0.001"), ("scale_factor", 2), ("add_offset", 0.1), ("x_offset", 0.01),
-                            ("sign", -1), ("polarity", "inverted"), ("positive", "up"), ("direction", "-Z"), ("direction", "x"), ("delay", 0.01),
-                            ("delay_ms", 5.0), ("velocity_units", "mm/s"), ("coordinateUnit", "mm"), ("length_unit", "cm")):
+                            ("sign", -1), ("sign_of_velocity", -1), ("polarity", "inverted"), ("positive", "up"), ("direction", "-Z"),
+                            ("direction", "x"), ("delay", 0.01), ("delay", "5 ms"), ("delay_ms", 5.0), ("velocity_units", "mm/s"),
+                            ("coordinateUnit", "mm"), ("length_unit", "cm")):
             for path in self.stated_everywhere(name, value):
                 with self.subTest(name=name, value=value, path=path.name), self.assertRaisesRegex(BadScan, name):
                     read_scan(path)

@@ -175,10 +175,11 @@ def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
     """A line "name = number" or "name: number" of a CSV file; other remarks are noted."""
     name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
     name = name.strip()
-    if not is_pair:
+    if is_pair:
+        is_ignored(name, value)  # rejects contradictions
+    else:
         name, _, value = " ".join(text.split()).rpartition(" ")
     check_unit(name, value)
-    is_ignored(name, value)  # rejects contradictions
     for quantity, unit in re.findall(IN_UNIT, text.lower()):
         if is_foreign(plain_unit(unit)):
             raise BadScan(f"the remark \"{text[:60]}\" states the unit of {quantity}, but values are read in m, s and m/s; convert them "

@@ -17,7 +17,8 @@ DELAYS = {f"trigger_delay{unit}": to_s for unit, to_s in (("", 1.0), ("_s", 1.0)
 # Words of names that state how values are meant, and the numbers that change nothing.
 UNCHANGED: dict[str, Any] = {"direction": (0.0, 0.0, 1.0), **dict.fromkeys(("delay", "pretrigger", "offset"), 0.0),
                              **dict.fromkeys(("scale", "scaling", "factor", "sign", "polarity", "positive"), 1.0)}
-BESIDE = {*QUANTITIES, "z", "add", "trigger", "s", "ms", "us", "ns", "min"}  # next to such words; others make another quantity of them
+# Words next to them; others make another quantity of them: crest factor.
+BESIDE = {*QUANTITIES, "z", "of", "the", "add", "trigger", "s", "ms", "us", "ns", "min"}
 AGAINST = r"\s*-|.*\b(neg|inv|rev|flip|oppos|outward|out of the|up\b|upward|[xy]\b)"  # texts about directions
 
 
@@ -42,7 +43,7 @@ def is_ignored(name: str, value: Any, of: str = "") -> bool:
     try:
         differs = not np.allclose(np.ravel(np.asarray(value, dtype=float)), UNCHANGED[kind], rtol=0.0, atol=0.0)
     except (TypeError, ValueError):  # a text, or another number of components
-        differs = UNCHANGED[kind] != 0.0 and re.match(AGAINST, text_of(value).lower()) is not None
+        differs = re.match(AGAINST if UNCHANGED[kind] else ".*[1-9]", text_of(value).lower()) is not None  # "5 ms"
         if not differs:
             return True
     if differs and words <= {*UNCHANGED, *BESIDE}:
