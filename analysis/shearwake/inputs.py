@@ -20,25 +20,27 @@ AXES = ("x_m", "y_m", "z_m")
 ALLOWED_B, MOST_COMPRESSION = 64_000_000, 100  # as in src/storage/hdf5/h5_block.cpp
 MOST_DEFLATE, MOST_CHUNKS = 1032, 200_000  # gzip compresses by at most this factor; the chunks are examined in about 1 s
 
+MOST_DIMENSIONS = 4  # of files of this program: volumes over time
 
-examined: set[tuple[int, ...]] = set()  # device, inode, size and time of change of files without such links
+examined: set[tuple[int, ...]] = set()  # whether numbers only; device, inode, size and time of change of files without such links
 
 
 class BadLink(OSError):
     """A file refers to another file, or claims far more values than it stores."""
 
 
-def open_self_contained(path: Path) -> h5py.File:
+def open_self_contained(path: Path, must_be_numbers: bool = False) -> h5py.File:
     """Opens an HDF5 file for reading. Raises OSError, and BadLink if one of its links leads to another file, if the values of
     a dataset are in other files, if a compressed or unwritten dataset claims more than ALLOWED_B and MOST_COMPRESSION times
-    what it stores, if a chunk has or decompresses to more than its dataset, or if the file is sparse."""
+    what it stores, if a chunk has or decompresses to more than its dataset, or if the file is sparse. Files of this program
+    contain nothing but arrays of numbers, and no soft links."""
     require_regular(path)
     refuse_holes(path)
     file, status = h5py.File(path, "r"), os.stat(path)
-    stamp = (status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
+    stamp = (must_be_numbers, status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
     try:
         if stamp not in examined:
-            _refuse_links(file)
+            _refuse_links(file, must_be_numbers)
             examined.add(stamp)
     except (KeyError, ValueError, TypeError) as error:  # raised by h5py for damaged files
         file.close()
@@ -83,12 +85,14 @@ def refuse_holes(path: Path) -> None:
             stored += end - start
 
 
-def _refuse_links(file: h5py.File) -> None:
+def _refuse_links(file: h5py.File, must_be_numbers: bool) -> None:
     total = [0, 0]
 
     def visit(name: bytes, link: Any) -> Exception | None:
         try:
             _refuse_link(file, name, link.type, total)
+            if must_be_numbers:
+                _refuse_other_contents(file, name, link.type)
         except Exception as error:  # noqa: BLE001 - h5py 3.7 requires that the function returns
             return error
         return None
@@ -119,6 +123,13 @@ def _refuse_link(file: h5py.File, name: bytes, kind: int, total: list[int]) -> N
         _refuse_claims(f"the dataset {where} has {values} values", claimed, stored, ALLOWED_B)
         total[0] += claimed
         total[1] += stored
+
+
+def _refuse_other_contents(file: h5py.File, name: bytes, kind: int) -> None:
+    item = h5py.h5o.open(file.id, name) if kind == h5py.h5l.TYPE_HARD else None
+    is_number = isinstance(item, h5py.h5d.DatasetID) and item.get_type().get_class() in (h5py.h5t.FLOAT, h5py.h5t.INTEGER)
+    if not isinstance(item, h5py.h5g.GroupID) and not (is_number and item.rank <= MOST_DIMENSIONS):
+        raise OSError(f"/{_shown(name)} is not an array of numbers with at most {MOST_DIMENSIONS} dimensions")
 
 
 def _refuse_storage(data: h5py.h5d.DatasetID, where: str, claimed: int) -> None:

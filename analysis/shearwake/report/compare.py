@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
+from ..checksum import Damaged
 from ..errors import NotAnOutputFolder
 from ..plan import first_line
 from . import compare_fields, compare_words
@@ -210,8 +211,11 @@ def main(arguments: list[str]) -> int:
     except Incomparable as error:
         print(f"error: {error}", file=sys.stderr)
         return USAGE
-    except (NotAnOutputFolder, NotACase, OSError) as error:
+    except (NotAnOutputFolder, NotACase, OSError, Damaged) as error:
         print(f"error: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    except (KeyError, IndexError, TypeError, ValueError) as error:  # for other contents, numpy and xarray raise many types
+        print(f"error: one of the files has other contents than a case file: {error!r}", file=sys.stderr)
         return ENVIRONMENT
     if given.json:
         if picture.startswith("no "):

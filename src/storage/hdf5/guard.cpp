@@ -107,6 +107,8 @@ void must_survive(const std::filesystem::path& file, const std::function<void()>
     // A library that needs longer is caught in a loop.
     constexpr double slowest_B_s = 20e6;
     std::error_code unknown;
+    if (!std::filesystem::is_regular_file(file, unknown))
+        throw UsageError(file.string() + " is not a regular file");
     const auto size_B = static_cast<double>(std::filesystem::file_size(file, unknown));
     refuse_holes(file, unknown ? 0.0 : size_B);
     const double seconds = 5.0 + (unknown ? 0.0 : size_B / slowest_B_s);
