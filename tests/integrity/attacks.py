@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The number of attacks in the short and in the long form of the tests, attacks on HDF5 files, and commands with limits."""
 import os
+import random
 import signal
 import subprocess
 import threading
@@ -43,13 +44,21 @@ def accepted_or_refused(test, call, codes, most_s, about):
 ELSEWHERE = {"external link", "link over a link", "external storage", "virtual dataset"}  # the values are in other files
 
 
+def sampled(attacks, seed, short=3):
+    """Some of the attacks, with one of ELSEWHERE; all of them in the long form."""
+    rng = random.Random(seed)
+    order = [rng.choice(sorted(ELSEWHERE)), *rng.sample(sorted(attacks), len(attacks))]
+    return [(kind, attacks[kind]) for kind in list(dict.fromkeys(order))[:times(short, len(attacks))]]
+
+
 def attacks_on_hdf5(folder):
     """Changes of an HDF5 file that replace one of its datasets, by name: functions of the file, the name, and the shape. The files
     that some refer to are in the folder."""
     other = folder / "secret.h5"
     with h5py.File(other, "w") as file:
         file["d"] = numpy.full(5, 12345.6875)
-    os.mkfifo(folder / "pipe.h5")  # opening it would block
+    if not (folder / "pipe.h5").exists():
+        os.mkfifo(folder / "pipe.h5")  # opening it would block
 
     def linked(file, name, shape):
         file["away"], file[name] = h5py.ExternalLink("pipe.h5", "/"), h5py.SoftLink("/away/d")
@@ -72,7 +81,8 @@ def attacks_on_hdf5(folder):
     return {
         "external link": lambda file, name, shape: file.__setitem__(name, h5py.ExternalLink(other, "/d")),
         "link over a link": linked, "virtual dataset": virtual,
-        "external storage": made(external=[(other, 0, h5py.h5s.UNLIMITED)]),
+        "external storage": lambda file, name, shape: file.create_dataset(  # which h5py ignores for a number without dimensions
+            name, shape or (1,), "f8", external=[(other, 0, h5py.h5s.UNLIMITED)]),
         "loop of links": loop, "group in itself": own_parent,
         "huge chunk": made((10,), chunks=(400_000_000,), maxshape=(None,), compression="gzip"),
         "huge claim": made((4_000_000_000,), chunks=(100_000,), compression="gzip"),

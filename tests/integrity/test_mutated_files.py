@@ -9,8 +9,8 @@ import unittest
 import h5py
 import numpy as np
 
-from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, times
-from program import ROOT, ProgramTest, changed, command
+from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, sampled, times
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, command, seal, without_reference
 
 CORPUS = ROOT / "tests" / "fuzz" / "corpus"
 MOST_s = 10.0
@@ -18,6 +18,19 @@ SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
 MAP = ('base = "rigid"\n', 'base = "rigid"\nmap = "input.h5"\n')
 LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
 RECEPTORS = ("-S", 'afferents.where="fingertip"')
+
+
+ONE_CASE = without_reference((f"[sweep]\n{SWEEP}\n", ""), ('x = "load.modulation.am_frequency_Hz"\n', ""))
+
+
+def import_small_study(test):
+    """Makes study.toml and study.h5."""
+    from kwave import import_kwave, save
+    from small_study import study
+    structures = study()
+    structures["sensor"]["record"] = ["p", "uz"]
+    save(test.folder / "input.mat", structures)
+    test.assertEqual(import_kwave(test.folder, "input.mat", "--out", "study")[0], 0)
 
 
 def mutated(content, rng):
@@ -40,15 +53,16 @@ def mutated(content, rng):
 
 class MutatedFiles(ProgramTest):
     def accepted_or_refused(self, call, about):
-        return accepted_or_refused(self, call, (0, 2, 3, 6), MOST_s, about)[1]
+        return accepted_or_refused(self, call, (0, 2, 3, 5, 6), MOST_s, about)[1]
 
-    def attack(self, name, content, call):
+    def attack(self, name, content, call, finish=lambda path: None):
         rng = random.Random(name)
         (self.folder / name).write_bytes(content)
         self.assertEqual(self.accepted_or_refused(call, f"{name} without changes"), 0)
         refused = 0
         for number in range(times(5, 200)):
             (self.folder / name).write_bytes(mutated(content, rng))
+            finish(self.folder / name)
             with self.subTest(name=name, number=number):
                 refused += self.accepted_or_refused(call, f"{name} number {number}") != 0
         self.assertGreater(refused, times(5, 200) // 10)
@@ -68,6 +82,30 @@ class MutatedFiles(ProgramTest):
         points = "x_mm,y_mm\n" + "".join(f"{-14 + n},{n % 3}\n" for n in range(29))
         self.attack("input.csv", points.encode(), command("check", "job.toml", "--elsewhere"))
 
+    def test_lists_of_sweeps(self):
+        self.write_job(without_reference((SWEEP, 'list = "list.csv"'), ('x = "load.modulation.am_frequency_Hz"\n', "")))
+        lines = "".join(f"{100 + n},{7 + n % 3}\n" for n in range(20))
+        self.attack("list.csv", f"load.peak_Pa,load.modulation.speed_m_s\n{lines}".encode(), command("check", "job.toml", "--elsewhere"))
+
+    def test_tables(self):
+        table = (ROOT / "tests" / "baselines" / "quickstart.csv").read_bytes()
+        (self.folder / "good.csv").write_bytes(table)
+        self.attack("table.csv", table, command("diff", "table.csv", "good.csv"))
+
+    def test_case_files_with_valid_checksums(self):
+        self.write_job(ONE_CASE)
+        self.shearwake("run", "job.toml")
+        case = case_files(self.out)[0].read_bytes()
+        self.attack("show.h5", case, command("show", "show.h5"), seal)
+        (self.folder / "good.h5").write_bytes(case)
+        self.attack("compare.h5", case, command("compare", "compare.h5", "good.h5"), seal)
+
+    def test_studies(self):
+        import_small_study(self)
+        study = (self.folder / "study.h5").read_bytes()
+        self.attack("study.h5", study, command("check", "study.toml", "--elsewhere"))
+        self.attack("study.h5", study, HostileFiles.python("inputs.read_study(sys.argv[1])", "study.h5"))
+
     def test_scans(self):
         program = ("import sys; from fuzz_scan import BadScan, read_scan\n"
                    "try: read_scan(sys.argv[1])\nexcept BadScan as error: sys.exit(3)")
@@ -85,7 +123,7 @@ class HostileFiles(ProgramTest):
     def attack(self, name, datasets, *calls):
         good, attacks = (self.folder / name).read_bytes(), attacks_on_hdf5(self.folder)
         for dataset in datasets:
-            for kind, change in random.Random(name + dataset).sample(sorted(attacks.items()), times(6, len(attacks))):
+            for kind, change in sampled(attacks, name + dataset):
                 (self.folder / name).write_bytes(good)
                 with h5py.File(self.folder / name, "r+") as file:
                     shape = file[dataset].shape
@@ -122,12 +160,7 @@ class HostileFiles(ProgramTest):
         self.attack("input.h5", ("Nt", "mu"), command("kwave", "-i", "input.h5", "-o", "out.h5"))
 
     def test_studies(self):
-        from kwave import import_kwave, save
-        from small_study import study
-        structures = study()
-        structures["sensor"]["record"] = ["p", "uz"]
-        save(self.folder / "input.mat", structures)
-        self.assertEqual(import_kwave(self.folder, "input.mat", "--out", "study")[0], 0)
+        import_small_study(self)
         self.attack("study.h5", ("medium/c_s_m_s", "grid/points"), command("check", "study.toml", "--elsewhere"),
                     self.python("inputs.read_study(sys.argv[1])", "study.h5"))
 

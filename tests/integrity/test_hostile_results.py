@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hostile files in place of results: case files with valid checksums, checkpoints and baselines."""
+import os
+import signal
+import sys
+import unittest
+
+import h5py
+
+from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, sampled, times
+from program import ROOT, ProgramTest, case_files, command, journal, seal
+from test_checkpoint import STEPPED
+from test_mutated_files import ONE_CASE
+
+MOST_s = 10.0
+READ = f"""
+import sys
+import warnings
+sys.path.insert(0, {str(ROOT / "analysis")!r})
+import shearwake
+import xarray
+warnings.simplefilter("ignore")
+try:
+    case = shearwake.open_case(sys.argv[1])
+    print(case.groups, case.series.load(), case.traces.values, case.surface.values, case.focus, case.over_time)
+    print(case.arrays("/"), xarray.open_dataset(sys.argv[1], engine="shearwake", group="traces").load())
+    shearwake.open_sweep(sys.argv[2]).dataset("eta_period_1").load()
+except (OSError, ValueError, KeyError, shearwake.NotRecorded) as error:
+    print(ascii(str(error)))
+    sys.exit(3)
+"""
+
+
+class HostileResults(ProgramTest):
+    def read(self, call, about):
+        said, _ = accepted_or_refused(self, call, (0, 2, 3, 4, 5, 6), MOST_s, about)
+        self.assertNotIn("\x1b", said)
+        self.assertNotIn("12345.6", said)
+        return said
+
+    def replaced(self, path, name):
+        """The attacks on a dataset of a file, each of which has been made."""
+        good = path.read_bytes()
+        for kind, change in sampled(attacks_on_hdf5(self.folder), name, 2):
+            path.write_bytes(good)
+            with h5py.File(path, "r+") as file:
+                shape = file[name].shape
+                if kind != "name of control characters":
+                    del file[name]
+                change(file, name, shape)
+            yield kind
+        path.write_bytes(good)
+
+    def test_case_files_with_valid_checksums(self):
+        self.write_job(ONE_CASE)
+        self.shearwake("run", "job.toml")
+        path = case_files(self.out)[0]
+        (self.folder / "good.h5").write_bytes(path.read_bytes())
+        for name in ("traces/u_z", "eta_period_1", "surface/u_z", "time")[:times(2, 4)]:
+            for kind in self.replaced(path, name):
+                seal(path)
+                for call in (command("show", path), command("compare", path, "good.h5"), command("reduce", self.out),
+                             [sys.executable, "-c", READ, str(path), str(self.out)]):
+                    with self.subTest(name=name, kind=kind, call=call[-3:]):
+                        said = self.read(call, f"{name} {kind} {call[1]}")
+                        if kind in ELSEWHERE and call[1] in ("-c", "show", "compare"):
+                            self.says(said, "another file")
+
+    def test_what_is_not_a_file_in_place_of_results(self):
+        self.write_job(ONE_CASE)
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        table = next((self.out / "tables").glob("*.csv"))
+        path = case_files(self.out)[0]
+        path.unlink()
+        for kind, make, remove in (("pipe", os.mkfifo, os.unlink), ("folder", os.mkdir, os.rmdir),
+                                   ("device", lambda path: os.symlink("/dev/zero", path), os.unlink)):
+            odd = self.folder / f"{kind}.csv"
+            for target in (path, odd):
+                make(target)
+            for call in (command("show", path), command("reduce", self.out), command("verify", self.out),
+                         command("status", self.out), command("compare", path, self.out), command("diff", table, odd),
+                         command("diff", table, table, "--tolerances", odd), command("respond", path),
+                         [sys.executable, "-c", READ, str(path), str(self.out)]):
+                with self.subTest(kind=kind, call=call[-3:]):
+                    self.read(call, f"{kind} {call[1]}")
+            remove(path)
+
+    def test_checkpoints(self):
+        self.write_job(STEPPED)
+        process = self.start("run", "job.toml", "--checkpoint-steps", 20)
+        self.wait_for(lambda: any(line["event"] == "checkpointed" for line in journal(self.out)), "a checkpoint")
+        process.send_signal(signal.SIGTERM)
+        process.wait()
+        path = max((self.out / "checkpoints").iterdir(), key=os.path.getmtime)
+        with h5py.File(path) as file:
+            name = next(name for name, item in file.items() if isinstance(item, h5py.Dataset))
+        part = next((self.out / "cases").glob("*.part"))
+        written = part.read_bytes()
+        for kind in self.replaced(path, name):
+            with self.subTest(kind=kind):
+                self.read(command("status", self.out), kind)
+                said = self.read(command("run", "job.toml", "--only", path.name.split(".")[0]), kind)
+                self.assertRegex(said, "it is not used|cannot open dataset")
+            for computed in case_files(self.out):
+                computed.unlink()
+            path.parent.mkdir(exist_ok=True)
+            part.write_bytes(written)
+
+
+if __name__ == "__main__":
+    unittest.main()
