@@ -35,11 +35,12 @@ class JoinedWorlds(ProgramTest):
         other = self.folder / "other"
         other.mkdir()
         (other / "job.toml").write_text((self.folder / "job.toml").read_text())
-        run = [str(PROGRAM), "run", "job.toml"]
-        code, said = self.joined("-n", "1", *run, "--out", "a", ":", "-n", "1", *run, "--out", "b")
+        # By the shell: mpirun of Open MPI 5 in Debian 13 crashes if programs are separated by a colon (open-mpi/ompi issue 13303).
+        other_rank, run = '[ "$OMPI_COMM_WORLD_RANK" = 1 ]', f"exec {PROGRAM} run job.toml"
+        code, said = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then {run} --out b; else {run} --out a; fi")
         self.assertEqual(code, 2, said)
         self.says(said, "have different arguments", "env -u OMPI_COMM_WORLD_SIZE")
-        code, said = self.joined("-n", "1", *run, ":", "-n", "1", "-wdir", str(other), *run)
+        code, said = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then cd other; fi; {run}")
         self.assertEqual(code, 2, said)
         self.says(said, "have different working folders")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
