@@ -15,6 +15,7 @@
 #include <cmath>
 #include <ctime>
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -45,14 +46,8 @@ std::string label_of(const std::string& key, const std::vector<Setting>& setting
 std::string settings_of(const PlannedCase& planned) {
     std::string text = planned.is_reference ? "reference" : "";
     for (const Setting& setting : planned.settings) {
-        const std::string value = std::visit(
-            [](const auto& v) {
-                if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>)
-                    return exact(v);
-                else
-                    return v;
-            },
-            setting.value);
+        const std::string value =
+            std::visit([](const auto& v) { return fmt::format("{}", v); }, setting.value);
         text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
                             label_of(setting.key, planned.settings), value);
     }
@@ -137,8 +132,7 @@ void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseC
         for (std::string& choice : costs.engine_of(c).choices(c))
             notes.push_back(std::move(choice));
         for (const std::string& note : notes) {
-            const auto known = std::find_if(e.choices.begin(), e.choices.end(),
-                                            [&](const Choice& n) { return n.text == note; });
+            const auto known = std::ranges::find(e.choices, note, &Choice::text);
             if (known == e.choices.end())
                 e.choices.push_back({note, 1});
             else
@@ -178,8 +172,7 @@ void print_case(const PlannedCost& cost) {
         settings_of(*cost.planned));
 }
 
-/// All cases of a short plan. Of a long one, the first and the longest cases, unless all are
-/// wanted.
+/// All cases of a short plan. Of a long one, the first and the longest, unless all are wanted.
 void print_cases(const std::vector<PlannedCost>& cases, bool all) {
     constexpr std::size_t most = 30, first = 15, longest = 5;
     fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
@@ -190,9 +183,8 @@ void print_cases(const std::vector<PlannedCost>& cases, bool all) {
         print_case(cases[i]);
     if (listed == cases.size()) return;
     std::vector<PlannedCost> others(cases.begin() + first, cases.end());
-    std::partial_sort(
-        others.begin(), others.begin() + longest, others.end(),
-        [](const PlannedCost& a, const PlannedCost& b) { return a.seconds > b.seconds; });
+    std::ranges::partial_sort(others, others.begin() + longest, std::greater(),
+                              &PlannedCost::seconds);
     fmt::print("{} further cases, of which the longest {} are:\n", others.size(), longest);
     for (std::size_t i = 0; i < longest; ++i)
         print_case(others[i]);
@@ -206,8 +198,7 @@ void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& wa
         const auto is_note = [ending = ": " + note](const config::Diagnostic& warning) {
             return warning.message.find(ending) != std::string::npos;
         };
-        const bool known = std::ranges::any_of(warnings, is_note);
-        if (known) continue;
+        if (std::ranges::any_of(warnings, is_note)) continue;
         fmt::print("{}{}\n", note,
                    count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
     }

@@ -12,7 +12,6 @@ namespace shearwake::config {
 namespace {
 
 constexpr std::size_t most_rows = 100'000;
-
 constexpr std::string_view heading = "x_mm,y_mm,class,row";
 
 std::optional<ListedAfferent> afferent(const std::vector<std::string>& cells) {

@@ -53,8 +53,7 @@ constexpr int out_of_memory = 2; // exit code of such a child
     } catch (const std::bad_alloc&) {
         ::_exit(out_of_memory);
     } catch (const std::exception& error) { // is the expected result
-        // Words of HDF5 up to 1.12, and of 1.14, which does not tell damaged chunks from large
-        // ones.
+        // Words of HDF5 up to 1.12, and of 1.14, which does not distinguish damaged chunks.
         const std::string_view text = error.what();
         const bool is_full = text.find(": memory allocation failed") != text.npos ||
                              text.find(": filter returned failure") != text.npos;
