@@ -5,6 +5,8 @@ import re
 import subprocess
 import unittest
 
+import pytest
+
 from blocks import DOCS, ROOT, pages
 from program import PATIENCE_s, PROGRAM, ProgramTest
 
@@ -20,6 +22,7 @@ class Site(ProgramTest):
                               capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    @pytest.mark.long
     def test_every_page_is_in_the_site(self):
         self.build()
         for page in pages():

@@ -119,6 +119,7 @@ class Adaptive(ProgramTest):
     def first_id(self):
         return self.first_ids()[0]
 
+    @pytest.mark.long
     def test_shards_work_together_and_in_turn(self):
         self.write_job(CURVE)
         self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
@@ -222,6 +223,7 @@ class Adaptive(ProgramTest):
         self.assertNotIn("exceed the tolerance", said)
         self.assertLess(len(plan(self.folder / "sliding")["cases"]), len(plan(self.out)["cases"]))
 
+    @pytest.mark.long
     def test_the_job_searches_the_gain_with_a_tenth_of_a_grid(self):
         self.shearwake("run", ROOT / "jobs" / "adaptive-gain.toml", "--out", "gain", "--quiet", ranks=2)
         self.assertLess(len(plan(self.folder / "gain")["cases"]), 71)  # a grid has 701 and the reference

@@ -281,6 +281,7 @@ class CheckpointWithLevels(SavedCase):
            .replace("at_ms = 1.0", "at_ms = 9.6\nsensation = true")
            .replace("speed_m_s = 7.0", "speed_m_s = 2.5"))
 
+    @pytest.mark.long
     def test_levels_of_sensation_are_resumed_on_another_number_of_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=15)  # of 25
         self.go_on(ranks=3)  # which compares the tables

@@ -4,6 +4,8 @@ import json
 import subprocess
 import unittest
 
+import pytest
+
 import h5py
 
 from program import SWEEP, ProgramTest, case_files, command, environment, without_reference
@@ -92,6 +94,7 @@ class Compare(ProgramTest):
         self.says(said, "2 surfaces: equal", "all columns are equal")
         self.assertNotIn("change", said[said.index("2 surfaces"):])  # no heading of an empty table
 
+    @pytest.mark.long
     def test_many_frames_are_summarised(self):
         self.shearwake("run", "job.toml", "-S", "record.frames=true", "--out", "a", "--quiet")
         self.shearwake("run", "job.toml", "-S", "record.frames=true", "-S", "load.peak_Pa=101", "--out", "b", "--quiet")

@@ -98,9 +98,11 @@ class Converge(ProgramTest):
                                    "-S", "measure.region_center_mm=[-0.75, -0.75]")
         self.assertLess(abs(case["columns"]["ipr_abs_period_mm2"]["changes"]["domain"]), 1e-5 * 600.0)
 
+    @pytest.mark.long
     def test_errors_bracket_the_true_ones_of_a_region_on_a_periodic_domain(self):
         self.check_brackets(AROUND_PATH, "[192.0, 144.0]")
 
+    @pytest.mark.long
     def test_errors_of_engine_spectral_bracket_the_difference_from_layered(self):
         rigid = changed(('engine = "layered"', 'engine = "spectral"'), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"), text=ONE)
         half_space = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=rigid)

@@ -93,6 +93,7 @@ class EnginesAgree(ProgramTest):
         exact, *others = table(self.folder / base)
         return max(abs(float(other[name]) - float(exact[name])) for other in others for name in ("felt_peak_dB", "felt_path_dB"))
 
+    @pytest.mark.long
     def test_the_level_of_sensation_of_spectral_is_that_of_layered(self):
         for base in ("half-space", "rigid"):
             with self.subTest(base):

@@ -37,6 +37,7 @@ class ImportTest(ProgramTest):
 
 
 class Imported(ImportTest):
+    @pytest.mark.long
     def test_double_precision_agrees_with_kwave(self):
         for run, ranks in (("a_additive_pml10", 1), ("c_dirichlet_pml10", 2), ("c_dirichlet_pmloff", 1)):
             with self.subTest(run=run):
@@ -133,6 +134,7 @@ class Records(ImportTest):
         self.assertEqual(len(of_kwave), 20)
         self.equal(of_kwave, 1e-12)
 
+    @pytest.mark.long
     def test_cartesian_points_on_several_ranks(self):
         at_m = numpy.array([[0.5e-3, 0.0, 1.1e-3], [-2.7e-3, 3e-3, -1.3e-3], [4e-3, 5e-3, 0.0]]).T
         structures, expected = self.results(mask=at_m, record=[name for name in KWAVE if name != "u_split_field"])
@@ -225,6 +227,7 @@ class Studies(ImportTest):
             numpy.testing.assert_array_equal(study["sensor/nodes"][0],
                                              reference("a_additive_pml10")["points_ijk0"][0] + [4, 5, 6])
 
+    @pytest.mark.long
     def test_any_field_can_be_recorded(self):
         with self.study({"sensor": {"record": ["syz", "uy", "sxy"]}}) as study:
             self.assertEqual(study["sensor"].attrs["fields"], b"uy sxy syz")

@@ -4,6 +4,8 @@ import shutil
 import subprocess
 import unittest
 
+import pytest
+
 import h5py
 import numpy
 import scipy.io
@@ -126,6 +128,7 @@ class Errors(FilesTest):
         scipy.io.savemat(self.folder / "small.mat", structures, do_compression=True)
         self.refused("small.mat", "kB for more than 64 MB", "save them without compression")
 
+    @pytest.mark.long
     def test_structures_that_contain_themselves_or_an_array_many_times_are_refused(self):
         """A few links and references lead to any number of values."""
         path = self.folder / "study.h5"

@@ -3,6 +3,8 @@
 import json
 import unittest
 
+import pytest
+
 import jsonschema
 
 from program import JOB, ROOT, UNRECORDED, ProgramTest, case_files, changed, plan_ids
@@ -89,6 +91,7 @@ class Json(ProgramTest):
         self.assertIsNotNone(refused["error"])
         self.assertIsNone(refused["next"])
 
+    @pytest.mark.long
     def test_results_are_described(self):
         self.write_job()
         plan = self.document("plan", "job.toml", "-n", 3, "--ranks-per-case", 1, "--probe")

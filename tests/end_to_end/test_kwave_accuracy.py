@@ -4,6 +4,8 @@ docs/explanation/kwave-speed.md is printed."""
 import math
 import os
 
+import pytest
+
 import numpy
 
 from program import PROGRAM, ProgramTest, environment
@@ -53,6 +55,7 @@ def errors(points_per_wavelength, layered, cfl=0.3):
 
 
 class Accuracy(ProgramTest):
+    @pytest.mark.long
     def test_error_at_equal_points_per_wavelength(self):
         """One medium reaches 1 % between 4 and 6 points per wavelength, with an error that is of second order in time; the transmitted
         wave of two layers reaches it between 16 and 24, with an error of first order at the interface."""

@@ -243,6 +243,7 @@ class Checks(KWaveTest):
     def cases_2d(self):
         return itertools.product((False, True), (("p0", False), ("s", False), ("s", True), ("u", False), ("u", True)), (False, True))
 
+    @pytest.mark.long
     def test_line_source_equals_two_dimensions(self):
         for number, (lossy, (kind, fixed), layered) in enumerate(self.cases_2d()):
             self.compare_2d(lossy, kind, fixed, layered, number % 3, {"file": OF_FILES})

@@ -3,6 +3,7 @@
 import os
 import random
 import subprocess
+import pytest
 import zlib
 
 import h5py
@@ -160,6 +161,7 @@ class Errors(KWaveTest):
         self.assertEqual(done.returncode, 3)
         self.says(done.stderr, "homogeneous_input.h5 is an elastic input file of k-Wave", "shearwake kwave -i")
 
+    @pytest.mark.long
     def test_a_hundred_mutated_files(self):
         """Single bytes, blocks and lengths of a valid file are changed. The program either refuses the file with exit code 1 and
         writes nothing, or computes a valid file, whose change is within the numbers of a field."""

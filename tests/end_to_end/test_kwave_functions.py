@@ -10,6 +10,8 @@ import types
 import unittest
 import unittest.mock
 
+import pytest
+
 import h5py
 import numpy
 import scipy.io
@@ -136,6 +138,7 @@ class Functions(FunctionsTest):
         self.assertLess(difference, 1e-5)     # k-Wave's own results with single precision differ by up to 4e-6 in this case
         self.assertGreater(difference, 1e-9)  # it was used
 
+    @pytest.mark.long
     def test_deprecated_interface_has_one_meaning_by_position_and_by_name(self):
         found, keywords = study("stress_lossy")
         expected = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], quiet=True, **keywords)["p"]
@@ -335,6 +338,7 @@ print(result["p"].shape)
         self.assertLess(errors[1], 0.005)
         self.assertAlmostEqual(errors[0] / errors[1], 4.0, delta=0.3)
 
+    @pytest.mark.long
     def test_multi_axial_layer_is_stable_where_the_plain_layer_is_not(self):
         """As in a unit test of k-Wave: a fluid over a solid with the layer outside, in single precision. The final velocity is above or
         below 1/(c_p rho) = 4e-7 m/s; after 1500 steps 2e-3 and 1e-10 m/s were measured for 1 Pa."""

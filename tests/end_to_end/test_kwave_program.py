@@ -6,6 +6,8 @@ import signal
 import subprocess
 import time
 
+import pytest
+
 import h5py
 import numpy
 
@@ -145,6 +147,7 @@ class Program(KWaveTest):
         for option in ("--help", "-h", "--version"):
             subprocess.run([PROGRAM, "kwave", option], env=environment(), capture_output=True, check=True)
 
+    @pytest.mark.long
     def test_resumed_run_is_bit_identical(self):
         """Legs that end by themselves, on other numbers of ranks, and one that is killed."""
         records = ["-p", "-u", "--p_rms", "--u_max_all", "--u_final", "--p_min", "--u_non_staggered_raw",

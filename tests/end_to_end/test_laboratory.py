@@ -121,6 +121,7 @@ class Measure(LaboratoryTest):
         failed = self.fails("measure", case, "--options", job, "-S", "measure.depths_mm=[0, 1]", "--no-report")
         self.assertIn("a scan contains the surface only", failed.stderr)
 
+    @pytest.mark.long
     def test_hostile_files_are_refused_with_a_reason(self):
         job, case = self.scanned(LINE)
         exported = self.folder / "scan.uff"
@@ -205,6 +206,7 @@ class Fit(LaboratoryTest):
         with h5py.File(out / "fit.h5", "r") as file:
             self.assertEqual(file["measured"].shape, file["predicted"].shape)
 
+    @pytest.mark.long
     def test_a_scan_against_z_gives_the_pressure_and_the_delay_back(self):
         job, case = self.scanned(LINE)
         scan = read_scan(case)

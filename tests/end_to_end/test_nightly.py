@@ -210,6 +210,7 @@ class Nightly(ProgramTest):
         (self.folder / "baselines" / "nothing.csv").write_text("id\n", encoding="utf-8")
         self.says(self.script("nightly", "--no-bench", expect=2), "nothing", "no such job")
 
+    @pytest.mark.long
     def test_a_failed_case_is_rejected_as_baseline(self):
         self.first_baseline()
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")

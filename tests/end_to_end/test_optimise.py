@@ -178,6 +178,7 @@ class Optimise(ProgramTest):
             found[case.settings.get(name)] = rms.min() / rms.mean()
         return found
 
+    @pytest.mark.long
     def test_a_required_uniformity_keeps_the_circle_closed(self):
         least = 0.9
         self.job(ONE)

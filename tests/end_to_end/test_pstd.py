@@ -26,6 +26,7 @@ SAVED = without_reference(
 
 
 class Pstd(ProgramTest):
+    @pytest.mark.long
     def test_a_sweep_compares_it_with_engine_layered(self):
         self.write_job(BOTH)
         said = self.shearwake("plan", "job.toml").said

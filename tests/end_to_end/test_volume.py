@@ -2,6 +2,7 @@
 """Volume snapshots for xarray and ParaView."""
 import shutil
 import unittest
+import pytest
 import xml.etree.ElementTree as ElementTree
 
 import h5py
@@ -62,6 +63,7 @@ class Volume(ProgramTest):
             # The surface is interpolated between levels with weights that are exact to rounding.
             self.assertLess(numpy.abs(top - kept).max(), 1e-12 * scale)
 
+    @pytest.mark.long
     def test_strains_match_the_displacement_also_above_an_absorbing_bottom(self):
         endless = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=KEPT)
         for job, ranks in ((KEPT, 1), (endless, 2)):

@@ -47,6 +47,7 @@ class Warnings(ProgramTest):
         with open(self.out / "tables" / "small.csv", encoding="utf-8") as file:
             return [row["note"] for row in csv.DictReader(file)]
 
+    @pytest.mark.long
     def test_returning_waves_make_a_reading_invalid_everywhere(self):
         self.write_job(WAVES_RETURN)
         invalid = "the readings of 1 case are not valid"

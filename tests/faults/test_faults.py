@@ -172,6 +172,7 @@ class Failing(FaultTest):
             self.assertEqual(table_bytes(self.out), reference)
         self.assertGreater(again, 0, "no case has met a failure")
 
+    @pytest.mark.long
     def test_persistent_file_errors_are_reported_and_the_next_run_continues(self):
         reference = self.reference()
         done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000,
@@ -265,6 +266,7 @@ class Failing(FaultTest):
         self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
         self.assertEqual(rows[good]["status"], "complete")
 
+    @pytest.mark.long
     def test_removal_of_the_folder_during_a_run_is_reported(self):
         self.write_job(MANY)
         process = self.start("run", "job.toml", ranks=2)

@@ -8,6 +8,7 @@ from faults import FaultTest, both_engines
 
 
 class Kills(FaultTest):
+    @pytest.mark.long
     def test_kills_do_not_change_the_table(self):
         self.write_job(both_engines(3))
         reference = self.undisturbed(1)

@@ -5,6 +5,8 @@ import json
 import random
 import unittest
 
+import pytest
+
 import h5py
 
 from attacks import times
@@ -74,6 +76,7 @@ class CaseFiles(ProgramTest):
             self.victim.write_bytes(self.sound[:keep])
             self.notice("truncated case file", self.readers())
 
+    @pytest.mark.long
     def test_a_changed_measure_is_moved_aside_and_computed_again(self):
         with h5py.File(self.victim, "r") as file:
             offset = file["eta_period_1"].id.get_offset()

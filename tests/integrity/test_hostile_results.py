@@ -15,6 +15,7 @@ from test_mutated_files import ONE_CASE
 MOST_s = 10.0
 READ = f"""
 import sys
+import pytest
 import warnings
 sys.path.insert(0, {str(ROOT / "analysis")!r})
 import shearwake
@@ -66,6 +67,7 @@ class HostileResults(ProgramTest):
                         if kind in ELSEWHERE and call[1] in ("-c", "show", "compare"):
                             self.says(said, "another file")
 
+    @pytest.mark.long
     def test_what_is_not_a_file_in_place_of_results(self):
         self.write_job(ONE_CASE)
         self.shearwake("run", "job.toml")

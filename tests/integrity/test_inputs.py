@@ -173,6 +173,7 @@ class Files(ProgramTest):
         done = self.shearwake("respond", "motion.h5", expect=2, timeout_s=60.0)
         self.says(done.said, '"trace_mm" contains 200000000 numbers (1600 MB)', "at most 64 MB, or 100 times what is stored")
 
+    @pytest.mark.long
     def test_chunks_that_are_larger_than_they_state_are_refused(self):
         """The bytes of a chunk of 64 kB decompress to 1 GB, and a dataset of 64 kB has a chunk of 1 GB."""
         bomb = zlib.compressobj(9)

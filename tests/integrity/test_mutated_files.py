@@ -6,6 +6,8 @@ import shutil
 import sys
 import unittest
 
+import pytest
+
 import h5py
 import numpy as np
 
@@ -92,6 +94,7 @@ class MutatedFiles(ProgramTest):
         (self.folder / "good.csv").write_bytes(table)
         self.attack("table.csv", table, command("diff", "table.csv", "good.csv"))
 
+    @pytest.mark.long
     def test_case_files_with_valid_checksums(self):
         self.write_job(ONE_CASE)
         self.shearwake("run", "job.toml")
@@ -106,6 +109,7 @@ class MutatedFiles(ProgramTest):
         self.attack("study.h5", study, command("check", "study.toml", "--elsewhere"))
         self.attack("study.h5", study, HostileFiles.python("inputs.read_study(sys.argv[1])", "study.h5"))
 
+    @pytest.mark.long
     def test_scans(self):
         program = ("import sys; from fuzz_scan import BadScan, read_scan\n"
                    "try: read_scan(sys.argv[1])\nexcept BadScan as error: sys.exit(3)")
@@ -194,6 +198,7 @@ class LargeFiles(ProgramTest):
         self.assertIn(name, said, about)
         return said
 
+    @pytest.mark.long
     def test_long_lines_and_many_rows_of_csv_files(self):
         (self.folder / "other.csv").write_text("id,a\nx,1\n", encoding="utf-8")
         check = command("check", "job.toml", "--elsewhere")
@@ -209,6 +214,7 @@ class LargeFiles(ProgramTest):
                 with self.subTest(door=door, kind=kind):
                     self.refused(call, "input.csv", f"{door} {kind}")
 
+    @pytest.mark.long
     def test_scans(self):
         job = self.write_job(changed(SPECTRAL))
         header = "x_m,y_m,quality," + ",".join(f"{k}e-4" for k in range(6))

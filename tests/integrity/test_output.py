@@ -50,6 +50,7 @@ class Output(ProgramTest):
                 os.close(writer)
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    @pytest.mark.long
     def test_a_reader_of_a_report_may_end_first(self):
         self.write_job()
         self.shearwake("run", "job.toml")
@@ -244,6 +245,7 @@ class Kills(ProgramTest):
         self.kill_often(command("report", self.out), "killing `report`", is_complete)
         self.assertEqual(list(self.out.glob(".report-*")), [])
 
+    @pytest.mark.long
     def test_a_killed_import_leaves_a_complete_study(self):
         run = "a_additive_pml10"
         save(self.folder / "study.mat", structures_of(run, reference(run)))
@@ -258,6 +260,7 @@ class Kills(ProgramTest):
 
 
 class Clocks(ProgramTest):
+    @pytest.mark.long
     def test_a_clock_that_jumps_loses_nothing(self):
         from faults import failing_library
         library = failing_library(self.folder)

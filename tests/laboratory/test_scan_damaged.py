@@ -5,7 +5,10 @@ import random
 import signal
 import unittest
 
+import pytest
+
 import numpy as np
+from attacks import times
 from scans import KINDS, ScanTest, some_scan
 
 from shearwake.laboratory.child import in_child
@@ -14,6 +17,8 @@ from shearwake.laboratory.scan_files import read_scan, write_scan
 
 
 class Hostile(ScanTest):
+    reads = staticmethod(in_child)
+
     def test_truncated_files_are_refused(self):
         for kind in ("uff", "uffb"):
             content = self.written(kind).read_bytes()
@@ -70,6 +75,7 @@ class Hostile(ScanTest):
                 read_scan(path)
             self.assertIn(words, str(caught.exception))
 
+    @pytest.mark.long
     def test_files_that_grow_by_decompression_are_refused(self):
         import h5py
         import scipy.io
@@ -161,7 +167,7 @@ class Hostile(ScanTest):
         rng = random.Random(3)
         for kind, suffix in KINDS.items():
             content = self.written(kind).read_bytes()
-            for n in range(150):
+            for n in range(times(15, 150)):
                 changed = bytearray(content)
                 for _ in range(rng.choice((1, 3, 20))):
                     at = rng.randrange(len(changed))

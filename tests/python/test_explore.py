@@ -11,6 +11,8 @@ import time
 import unittest
 from pathlib import Path
 
+import pytest
+
 import aiohttp
 
 from exploring import Page
@@ -184,6 +186,7 @@ class Explore(InFolder):
             self.assertLess(resident_kB(pids[0]) - before, 20000)
         self.connected(talk)
 
+    @pytest.mark.long
     def test_closed_tabs_leave_no_memory_behind(self):
         async def tabs(session, first):
             for n in range(first, first + 40):

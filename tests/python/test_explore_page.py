@@ -173,6 +173,7 @@ class ExplorePage(InFolder):
         page.run("document.querySelector('#sweep-table button').click()")
         self.assertTrue(page.wait("!explorer.active && explorer.shown.speed === 4"))
 
+    @pytest.mark.long
     def test_a_finer_grid_changes_neither_the_view_nor_the_path(self):
         page = self.open()
         views = []
@@ -211,6 +212,7 @@ class ExplorePage(InFolder):
                          r"dB (above|below) threshold from \S+ Hz on$")
         self.assertEqual(page.errors(), [])
 
+    @pytest.mark.long
     def test_mach_lines_need_a_straight_path_that_is_supersonic(self):
         page = self.open()
         angle = "(explorer.play(false), explorer.show(60), explorer.overlay.mach_deg)"
@@ -221,6 +223,7 @@ class ExplorePage(InFolder):
         self.assertTrue(page.wait("explorer.waits_ms.length"))
         self.assertIsNone(page.run(angle))
 
+    @pytest.mark.long
     def test_a_dragged_slider_yields_results_steadily(self):
         page = self.open()
         results = page.run("""(async () => {
@@ -243,6 +246,7 @@ class ExplorePage(InFolder):
         self.assertIn("Not connected", page.run("document.getElementById('state').textContent"))
         self.assertTrue(page.wait("!explorer.is_offline && !explorer.active && !document.querySelector('main').classList.contains('outdated')"))
 
+    @pytest.mark.long
     def test_receptors_have_valid_readings(self):
         page = self.open()
         page.run("(() => { const s = structuredClone(explorer.settings); s.receptors = true; explorer.waits_ms.length = 0; explorer.use(s); })()")

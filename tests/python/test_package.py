@@ -6,6 +6,8 @@ import sys
 import unittest
 from pathlib import Path
 
+import pytest
+
 from study import InFolder, program
 
 ANALYSIS = program.ROOT / "analysis"
@@ -18,6 +20,7 @@ class Package(InFolder):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
+    @pytest.mark.long
     def test_pip_installs_it_without_network(self):
         shutil.copytree(ANALYSIS, "analysis", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
         self.command("/usr/bin/python3", "-m", "venv", "--system-site-packages", "env")

@@ -9,6 +9,8 @@ import os
 import tempfile
 import unittest
 
+import pytest
+
 import browser
 from test_figures import grid
 from synthetic import AM, Folder, case_id, sweep
@@ -95,6 +97,7 @@ class BrowserTest(Pages):
                 self.fits(page, width)
                 self.assertTrue(page.run(f'!!document.querySelector("#{figure} + figure img")'))
 
+    @pytest.mark.long
     def test_heat_maps_fit_a_desktop_and_a_phone(self):
         self.shows(self.page_of_heat_maps(), "heat_eta_period_1")
 

@@ -8,6 +8,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
+
 
 from synthetic import AM, FWHM, Folder, Page, case_id, reduce, sweep
 
@@ -37,6 +39,7 @@ class CasesAloneTest(unittest.TestCase):
             self.assertEqual([getattr(c, name) for c in first.cases],
                              [getattr(c, name) for c in second.cases], name)
 
+    @pytest.mark.long
     def test_case_files_give_the_same_page_and_figures(self):
         folder = sweep(self.whole, job='[job]\nname = "s"\n# <& job>\n')
         self.assert_same(*self.cases_alone(folder))

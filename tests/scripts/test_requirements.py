@@ -7,6 +7,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 
 
@@ -42,6 +44,7 @@ class Requirements(unittest.TestCase):
              *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in disabled)],
             env={**os.environ, "LC_ALL": "C"}, capture_output=True, text=True, check=False)
 
+    @pytest.mark.long
     def test_all_missing_libraries_are_listed_with_their_options(self):
         done = self.configure("HDF5", "fmt")
         self.assertEqual(done.returncode, 1, done.stdout)
@@ -49,6 +52,7 @@ class Requirements(unittest.TestCase):
             self.assertIn(line, done.stderr)
         self.assertNotIn("FFTW", done.stderr)
 
+    @pytest.mark.long
     def test_a_library_of_one_command_is_optional(self):
         done = self.configure("Ceres", "Catch2")
         self.assertEqual(done.returncode, 0, done.stderr)
