@@ -4,9 +4,8 @@ import json
 import subprocess
 import unittest
 
-import pytest
-
 import h5py
+import pytest
 
 from program import SWEEP, ProgramTest, case_files, command, environment, without_reference
 

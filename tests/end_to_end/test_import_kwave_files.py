@@ -4,10 +4,9 @@ import shutil
 import subprocess
 import unittest
 
-import pytest
-
 import h5py
 import numpy
+import pytest
 import scipy.io
 import scipy.sparse
 

@@ -3,9 +3,8 @@
 import json
 import unittest
 
-import pytest
-
 import jsonschema
+import pytest
 
 from program import JOB, ROOT, UNRECORDED, ProgramTest, case_files, changed, plan_ids
 

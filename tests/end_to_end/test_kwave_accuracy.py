@@ -4,9 +4,8 @@ docs/explanation/kwave-speed.md is printed."""
 import math
 import os
 
-import pytest
-
 import numpy
+import pytest
 
 from program import PROGRAM, ProgramTest, environment
 from shearwake.kwave import pstd_elastic_3d

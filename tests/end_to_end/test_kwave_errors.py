@@ -3,11 +3,11 @@
 import os
 import random
 import subprocess
-import pytest
 import zlib
 
 import h5py
 import numpy
+import pytest
 
 from program import PROGRAM, ROOT, environment
 from test_kwave_program import DATA, KWaveTest, put

@@ -10,10 +10,9 @@ import types
 import unittest
 import unittest.mock
 
-import pytest
-
 import h5py
 import numpy
+import pytest
 import scipy.io
 
 import shearwake

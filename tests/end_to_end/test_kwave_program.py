@@ -6,10 +6,9 @@ import signal
 import subprocess
 import time
 
-import pytest
-
 import h5py
 import numpy
+import pytest
 
 from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, environment, launch
 

@@ -2,11 +2,11 @@
 """Volume snapshots for xarray and ParaView."""
 import shutil
 import unittest
-import pytest
 import xml.etree.ElementTree as ElementTree
 
 import h5py
 import numpy
+import pytest
 import xarray
 
 from program import SWEEP, ProgramTest, case_files, changed, without_reference

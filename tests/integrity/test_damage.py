@@ -5,9 +5,8 @@ import json
 import random
 import unittest
 
-import pytest
-
 import h5py
+import pytest
 
 from attacks import times
 from program import JOB, ProgramTest, case_files, plan, table

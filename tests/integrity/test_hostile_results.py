@@ -6,6 +6,7 @@ import sys
 import unittest
 
 import h5py
+import pytest
 
 from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, sampled, times
 from program import ROOT, ProgramTest, case_files, command, journal, seal
@@ -15,7 +16,6 @@ from test_mutated_files import ONE_CASE
 MOST_s = 10.0
 READ = f"""
 import sys
-import pytest
 import warnings
 sys.path.insert(0, {str(ROOT / "analysis")!r})
 import shearwake

@@ -6,10 +6,9 @@ import shutil
 import sys
 import unittest
 
-import pytest
-
 import h5py
 import numpy as np
+import pytest
 
 from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, sampled, times
 from program import ROOT, SWEEP, ProgramTest, case_files, changed, command, seal, without_reference

@@ -5,9 +5,8 @@ import random
 import signal
 import unittest
 
-import pytest
-
 import numpy as np
+import pytest
 from attacks import times
 from scans import KINDS, ScanTest, some_scan
 
