@@ -40,7 +40,7 @@ PHRASES = {
 # (end of a path, text of the line): occurrences in another, correct sense.
 EXCEPTIONS = [
     ("scripts/check_wording.py", ""),
-    ("analysis/shearwake/report/player.py", "as many as fit"),
+    ("analysis/shearwake/report/page/player.py", "as many as fit"),
 ]
 _STRING = re.compile(r'R"(?P<mark>[^(]*)\((?P<raw>.*?)\)(?P=mark)"|"(?P<text>(?:[^"\\\n]|\\.)*)"', re.DOTALL)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from shearwake import wake
 from shearwake.report import style
-from shearwake.report.fig_surface import snapshot
+from shearwake.report.figures.fig_surface import snapshot
 from shearwake.report.load import load
 from shearwake.report.words import number
 

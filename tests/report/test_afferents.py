@@ -15,7 +15,8 @@ import numpy as np
 
 from synthetic import AM, Folder, fixed
 
-from shearwake.report import fig_afferents, fig_hand, load, style
+from shearwake.report import load, style
+from shearwake.report.figures import fig_afferents, fig_hand
 from shearwake.sweep import case_of_file
 import texts
 

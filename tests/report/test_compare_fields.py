@@ -15,11 +15,11 @@ import numpy as np
 
 from synthetic import lone_case
 
-from shearwake.report import compare_picture, compare_words
-from shearwake.report.compare import compare_columns
-from shearwake.report.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
-                                             place_of_largest, relative_l2)
-from shearwake.report.compare_sensors import compare_sensors
+from shearwake.report.compare import compare_picture, compare_words
+from shearwake.report.compare.__main__ import compare_columns
+from shearwake.report.compare.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
+                                                     place_of_largest, relative_l2)
+from shearwake.report.compare.compare_sensors import compare_sensors
 
 
 def axis(count, spacing):

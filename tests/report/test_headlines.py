@@ -13,7 +13,8 @@ from unittest import mock
 
 from synthetic import AM, Folder, Page, case_id
 
-from shearwake.report import curve_chart, layout, load, opening, sample, validity, warnings_of
+from shearwake.report import layout, load, sample, validity, warnings_of
+from shearwake.report.page import curve_chart, opening
 from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"

@@ -11,7 +11,8 @@ from unittest import mock
 
 from synthetic import AM, FWHM, Folder, case_id, sweep
 
-from shearwake.report import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface, layout, load, style
+from shearwake.report import layout, load, style
+from shearwake.report.figures import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface
 from shearwake.report.style import plt
 from shearwake.report.words import number
 import texts

@@ -14,7 +14,8 @@ import numpy as np
 
 from synthetic import Folder, case_id, lone_case
 
-from shearwake.report import fig_drive, fig_medium, load, medium_files
+from shearwake.report import load, medium_files
+from shearwake.report.figures import fig_drive, fig_medium
 
 LAYER = """
 [medium]

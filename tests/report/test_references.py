@@ -6,7 +6,9 @@ from pathlib import Path
 
 from synthetic import AM, FWHM, Folder, case_id
 
-from shearwake.report import curve_chart, fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time, layout, load, references
+from shearwake.report import layout, load, references
+from shearwake.report.figures import fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time
+from shearwake.report.page import curve_chart
 
 
 class ReferencesTest(unittest.TestCase):

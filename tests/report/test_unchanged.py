@@ -13,7 +13,8 @@ import h5py
 
 from synthetic import case_id, sweep, with_pdf
 
-from shearwake.report import fig_frequency, fig_measures, load
+from shearwake.report import load
+from shearwake.report.figures import fig_frequency, fig_measures
 from shearwake.report.progress import Progress
 from shearwake.report.unchanged import Drawn
 

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-UPLOT = HERE.parent / "report" / "uplot"
+UPLOT = HERE.parent / "report" / "page" / "uplot"
 SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js", "plots.js", "controls.js", "drawing.js",
            "pins.js", "sweeps.js", "tour.js", "main.js")
 

@@ -20,15 +20,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import NotAnOutputFolder
-from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
-               fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
-               fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
+from . import layout, style, warnings_of
 from .figure import Figure
+from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
+                      fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
+                      fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume)
 from .in_one_piece import in_one_piece
 from .in_two import in_two
 from .load import Selection, load
-from .page import page
-from .player import player
+from .page.page import page
+from .page.player import player
 from .progress import Progress
 from .summary import summary
 from .unchanged import Drawn

@@ -19,7 +19,10 @@ import numpy as np
 
 from ..case import Case
 from ..plan import first_line
-from . import compare_words, fig_surface, layout, load, player
+from . import layout, load
+from .compare import compare_words
+from .figures import fig_surface
+from .page import player
 from .progress import Progress
 from .style import plain, plt
 from .words import counted, number

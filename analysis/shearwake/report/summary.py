@@ -10,8 +10,8 @@ from typing import Any
 from ..case import Case
 from . import contrast, labels, layout, optima, sample, warnings_of
 from .load import Selection
-from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants,
-                              relative_error, settings_that_differ, spread_of, valid, with_error)
+from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants, relative_error,
+                              settings_that_differ, spread_of, valid, with_error)
 from .warnings_of import is_valid
 from .words import counted, listed, number
 

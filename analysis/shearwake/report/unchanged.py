@@ -18,9 +18,9 @@ import matplotlib
 import numpy as np
 
 from . import layout, medium_files
-from .chart import Chart, chart_data
 from .figure import Figure, small_picture
 from .load import Selection, remembered
+from .page.chart import Chart, chart_data
 
 NAME = "figures.json"
 MEDIUM_FILES = ("medium.map", "solver.pstd.study")
@@ -30,7 +30,7 @@ HERE = Path(__file__).resolve().parent
 def code_hash() -> str:
     """Of all modules of the report and of the package, and of the version of matplotlib."""
     parts = [matplotlib.__version__.encode()]
-    parts += [path.read_bytes() for path in sorted([*HERE.glob("*.py"), *HERE.parent.glob("*.py")])]
+    parts += [path.read_bytes() for path in sorted([*HERE.rglob("*.py"), *HERE.parent.glob("*.py")])]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..case import Case
-from . import layout, topics
+from . import layout
 from .load import Selection
+from .page import topics
 
 OF_DRIVE = ("drive",)  # shows the prescribed load alone
 OF_MEDIA = ("medium",)  # shows the medium alone

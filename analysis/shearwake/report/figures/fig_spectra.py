@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spectra of the displacement at the trace point of the columns, for all cases and their reference."""
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from ... import wake
+from ...case import Case
+from .. import labels, layout, style, warnings_of
+from ..figure import Figure
+from ..load import Selection, amplitude_spectrum, traces
+from ..page.chart import Chart, Line, Mark
+from ..words import listed, millimetres, number, split_unit
+from . import fig_frequency, fig_time
+
+SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
+SEEN = 0.02  # smallest visible amplitude relative to the largest
+UNLIKE = 3.0  # largest ratio of the largest amplitudes of panels with a common scale
+MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
+
+
+def own_frequency_Hz(selection: Selection, case: Case) -> float:
+    """The modulation frequency of the case if x is a modulation frequency, else NaN."""
+    name, unit = split_unit(selection.x or "")
+    factor = {"Hz": 1.0, "kHz": 1e3}.get(unit)
+    value: Any = case.settings.get(selection.x)
+    if name not in MODULATIONS or factor is None or not layout.is_number(value):
+        return math.nan
+    return factor * value
+
+
+def spectrum(case: Case) -> tuple[np.ndarray, np.ndarray]:
+    """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
+    found = traces(case)
+    shown = found.frequency_Hz > 0
+    return found.frequency_Hz[shown], found.amplitude_m[found.measured, shown]
+
+
+def unit_of(cases: list[Case]) -> tuple[str, float]:
+    """Unit and factor of the amplitudes: nm below 1 um, else um."""
+    largest = max(np.nanmax(spectrum(c)[1], initial=0.0) for c in cases)
+    return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
+
+
+def velocity_spectrum(case: Case) -> Any:
+    """One-sided spectrum of du/dt at the trace point of the columns in Hz and mm/s. The skin is at rest at t = 0 or, in the
+    periodic regime, moves as at the end of the period."""
+    u = traces(case).u_z_m[traces(case).measured]
+    interval_s = float(case.over_time["time"][1] - case.over_time["time"][0])
+    velocity = np.diff(u, prepend=0.0) / interval_s
+    if layout.repeats(case):
+        velocity[0] = (u[0] - u[-1]) / interval_s
+        return np.fft.rfftfreq(len(velocity), interval_s)[1:], 2e3 * np.abs(np.fft.rfft(velocity))[1:] / len(velocity)
+    frequency, amplitude = amplitude_spectrum(velocity, interval_s)
+    return frequency[1:], 1e3 * amplitude[1:]
+
+
+def of_one_period(cases: list[Case]) -> bool:
+    """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
+    ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
+    return all(layout.repeats(c) for c in cases) and len(ends) == 1
+
+
+def draw_spectrum(axes: Axes, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool, **look: Any) -> None:
+    """A curve. In the periodic regime a dot per line of the spectrum, with a bar per visible line; if the lines of all
+    cases coincide, bars would hide each other, and thin lines join the dots."""
+    if coincide:
+        axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+        axes.plot(frequency, values, color=look["color"], linewidth=0.4, linestyle=look.get("linestyle", "-"))
+        return
+    if not layout.repeats(case):
+        axes.plot(frequency, values, **look)
+        return
+    seen = values > 0.2 * SEEN * np.nanmax(values, initial=0.0)
+    frequency, values = frequency[seen], values[seen]
+    axes.vlines(frequency, 0.0, values, colors=look["color"], linewidth=look["linewidth"],
+                linestyles=look.get("linestyle", "-"))
+    axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+
+
+def draw_case(axes: Axes, selection: Selection, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool,
+              colour: str | tuple[float, float, float, float], **look: Any) -> None:
+    draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
+    own = own_frequency_Hz(selection, case)
+    if own <= SHOWN_Hz:
+        axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
+                  transform=axes.get_xaxis_transform())
+
+
+def plain_of(selection: Selection, case: Case) -> Case | None:
+    """The case with which a case is compared: its reference, or STM in a sweep over the modulation. A
+    reference and STM are compared with themselves. None if there is no such case."""
+    if reference := selection.reference_of(case):
+        return reference
+    if case.is_reference or kind_of(case) == "STM":
+        return case
+    same = {k: v for k, v in case.settings.items() if "modulation" not in k or "speed_m_s" in k}
+    return next((c for c in layout.ordinary(selection) if kind_of(c) == "STM"
+                 and all(c.settings.get(k) == v for k, v in same.items())), None)
+
+
+def kind_of(case: Case) -> str:
+    return case.setting("load", "modulation", "kind", default="")
+
+
+def largest(case: Case | None) -> float:
+    return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and traces(case) else 0.0
+
+
+def rows_of(selection: Selection) -> list[Any]:
+    """The panels that contain a spectrum: (title, cases, reference or None)."""
+    rows = [(title, [c for c in drawn if traces(c)], reference)
+            for title, drawn, reference in layout.rows(selection)]
+    return [row for row in rows if row[1]]
+
+
+def highest(curves: list[tuple[np.ndarray, np.ndarray]], own_Hz: list[float], end_Hz: float) -> float:
+    """The end of the frequency axis: a half or a quarter of the range if all curves and the modulation
+    frequencies of the cases fit, else the range."""
+    above = max((f for f in own_Hz if f <= end_Hz), default=0.0)
+    for frequency, values in curves:
+        seen = frequency[values > SEEN * np.nanmax(values)]
+        above = max(above, seen[seen <= end_Hz].max(initial=0.0))
+    return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
+
+
+def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Callable[..., Any], path: Path, end_Hz: float = SHOWN_Hz,
+              peaks: bool = False) -> tuple[bool, list[Chart]]:
+    """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
+    value. Returns whether the panels share their scale, and the charts of the panels."""
+    cases = [c for _, drawn, _ in rows for c in drawn]
+    colours = fig_time.colours_by_x(selection, cases)
+    few = len(layout.x_values(selection)) <= style.DIRECT_LABELS if selection.x else True
+    height = 3.4 if len(rows) == 1 else 2.3
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and traces(reference) else [])])
+            for _, drawn, reference in rows]
+    alike = bool(max(tops) <= UNLIKE * min(tops))
+    own_Hz = [own_frequency_Hz(selection, c) for c in cases]
+    coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
+    shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
+    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        for low, high in bands(drawn):
+            axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
+        if reference and traces(reference):
+            frequency, values = curve_of(reference)
+            draw_spectrum(axes, reference, frequency, values, coincide, color="black", linewidth=1.4,
+                          linestyle=fig_time.DASHED)
+        for case in drawn:
+            frequency, values = curve_of(case)
+            draw_case(axes, selection, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
+                      linestyle=fig_time.DASHED if case.is_reference else "-")
+            if peaks:
+                top = np.nanargmax(values)
+                axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
+        axes.set_xlim(0.0, min(shown_Hz, traces(drawn[0]).frequency_Hz[-1]))
+        axes.set_ylabel(label)
+        axes.set_title(title, loc="left", color="#555555")
+    for axes in made[:, 0]:
+        axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
+    made[-1, 0].set_xlabel("frequency (Hz)")
+    if selection.x:
+        fig_time.add_x_key(figure, list(made[:, 0]), selection, colours)
+    style.save(figure, path)
+    y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
+    marks = [row_marks(selection, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
+    return alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
+
+
+def row_marks(selection: Selection, drawn: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
+              peaks: bool) -> list[Mark]:
+    """The band of the table, the modulation frequencies of the cases, and the largest values."""
+    marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
+    for case in drawn:
+        own = own_frequency_Hz(selection, case)
+        if own <= end_Hz:
+            marks.append(Mark("tick", own, colour=colours[case.id], case=case.id))
+        if peaks:
+            frequency, values = curve_of(case)
+            top = int(np.nanargmax(values))
+            marks.append(Mark("dot", float(frequency[top]), y=float(values[top]), colour=colours[case.id], case=case.id))
+    return marks
+
+
+def row_chart(selection: Selection, row: tuple[Any, ...], colours: dict[str, Any], label: str, curve_of: Callable[..., Any],
+              y_limits: tuple[float, float] | None, marks: list[Mark], end_Hz: float) -> Chart:
+    """The interactive version of one panel."""
+    title, drawn, reference = row
+    lines = []
+    for case in [*drawn, *([reference] if reference and traces(reference) else [])]:
+        frequency, values = curve_of(case)
+        shown = frequency <= end_Hz
+        lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency[shown], values[shown],
+                          "black" if case is reference else colours[case.id], case.id, dashed=case.is_reference,
+                          dots=layout.repeats(case)))
+    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title,
+                 y_limits=y_limits, marks=marks)
+
+
+def bands(cases: list[Case]) -> list[Any]:
+    """The band of `measure.bands_Hz` in Hz if all cases have the same single band, else none."""
+    edges = {tuple(c.setting("measure", "bands_Hz", default=())) for c in cases}
+    return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
+
+
+def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
+    """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
+    of the references do not pass the point."""
+    drawn = [c for _, cases, _ in rows for c in cases]
+    plain = {c.id: plain_of(selection, c) for c in drawn}
+    references = [c for c in plain.values() if c and largest(c)]
+    if (len(references) < len(plain) or all(plain[c.id] is c for c in drawn)
+            or not all(wake.is_passed(c, *traces(c).measured_m) for c in references)):
+        return None
+    name = layout.reference_name(references)
+
+    def relative(case: Case) -> tuple[np.ndarray, np.ndarray]:
+        frequency, amplitude = spectrum(case)
+        return frequency, amplitude / largest(plain.get(case.id, case))
+
+    _, charts = draw_rows(selection, rows, f"amplitude / largest of {name} (1)", relative,
+                          folder / "spectra_relative.png")
+    text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
+            "how much of the strength each case preserves, and at which frequencies.")
+    return Figure("spectra_relative", f"Spectra relative to {name}", text,
+                  f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
+
+
+def velocity_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
+    """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
+    if [of for _, of in fig_frequency.peaks(selection)] != ["du/dt"]:
+        return None
+    if not all(traces(c) for _, cases, _ in rows for c in cases):
+        return None
+    alike, charts = draw_rows(selection, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
+                      folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
+    how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
+    text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
+            f"largest.{own_scale(alike)}")
+    where = layout.place_words(traces(c).measured_m for _, cases, _ in rows for c in cases)
+    return Figure("spectra_velocity", f"Spectra of the velocity {where}", text,
+                  "Amplitude spectra of the velocity at one point, one line per case", charts)
+
+
+def own_scale(alike: bool) -> str:
+    return "" if alike else " Each panel has its own scale."
+
+
+def figures(selection: Selection, folder: Path) -> list[Figure]:
+    selection = layout.fewer_lines(selection)
+    cases = [c for c in layout.ordinary(selection) if traces(c)]
+    rows = rows_of(selection)
+    if not cases or not rows:
+        return []
+    unit, factor = unit_of(cases + [r for r in layout.all_references(selection) if traces(r)])
+
+    def shown(case: Case) -> tuple[np.ndarray, np.ndarray]:
+        frequency, amplitude = spectrum(case)
+        return frequency, factor * amplitude
+
+    alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    text = caption(selection, cases) + own_scale(alike)
+    where = layout.place_words(traces(c).measured_m for c in cases)
+    made = [Figure("spectra", f"Spectra {where}", text, "Amplitude spectra of the displacement "
+                   "at one point, one line per case", charts),
+            velocity_figure(selection, folder, rows), relative_figure(selection, folder, rows)]
+    ids = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
+    return [replace(f, cases=ids) for f in made if f]
+
+
+def caption(selection: Selection, cases: list[Case]) -> str:
+    places = sorted({tuple(millimetres(1e3 * v) for v in traces(c).measured_m) for c in cases})
+    duration = {round(c.over_time["time"][-1], 9) for c in cases}
+    where = listed(f"({x}, {y}) mm" for x, y in places)
+    where += "" if (plane := layout.plane_name(cases)) == "the surface" else f" in {plane}"
+    if all(layout.repeats(c) for c in cases):
+        text = f"One-sided amplitude of u at {where}: the lines at the multiples of 1 / period of the load."
+    else:
+        text = f"One-sided amplitude of u at {where} over the complete run, without its mean and with a Hann window."
+    if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
+        run = duration.pop()
+        text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(2 / run, 2)} Hz apart."
+    passing = {number(t, 3) if (t := wake.passing_ms(c, *traces(c).measured_m)) is not None else None for c in cases}
+    if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
+        text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
+        if any(kind_of(c) != "STM" for c in cases):
+            text += " Their heights depend on the phase of the modulation at that time."
+    if any(not math.isnan(own_frequency_Hz(selection, c)) for c in cases):
+        text += f" Ticks on the axis: the {labels.name(selection, selection.x)} of each case."
+    if bands(cases):
+        low, high = bands(cases)[0]
+        text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."
+    if references := layout.all_references(selection):
+        text += f" Dashed: {layout.reference_name(references)}."
+    return text

@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A measure over time for every case: one small panel per case, or a common panel for many cases."""
+from __future__ import annotations
+
+import math
+import textwrap
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from ...case import Case
+from .. import labels, layout, style, warnings_of
+from ..figure import Figure
+from ..load import Selection
+from ..page.chart import Chart, Line, Mark
+from ..words import number
+from . import periods
+
+PANELS = 12  # largest number of cases with a panel each
+COLUMNS = 2
+DASHED = (0, (4.0, 2.0))  # the line of a reference
+DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
+
+
+def in_mm2(case: Case, name: str) -> np.ndarray:
+    spacing_mm = 1e3 * case.setting("domain", "spacing_m")
+    return case.over_time[name] * spacing_mm**2
+
+
+MEASURES = [
+    {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
+     "value": lambda case: case.over_time["eta"], "needs": "eta",
+     "caption": "η(t), the fraction of Σu² within the focal disc."},
+    {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
+     "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
+     "needs": "ipr_abs",
+     "caption": "The area over which the displacement is spread.",
+     "transient": " It increases while waves propagate away from the path."},
+    {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
+     "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
+     "log": True,
+     "caption": "ipr(t) as the thesis defines it. In nearly incompressible tissue it measures compressibility, not spread, and "
+                "it drops whenever Σu changes its sign."},
+]
+
+
+def time_ms(case: Case) -> np.ndarray:
+    return 1e3 * case.over_time["time"]
+
+
+def settled(case: Case) -> np.ndarray:
+    after, at = case.setting("measure", "settled_after_s"), case.setting("measure", "at_s")
+    time = case.over_time["time"]
+    return (time >= after) & (time <= at * (1 + 1e-9))
+
+
+def limits(cases: list[Case], measure: dict[str, Any]) -> tuple[float, float] | None:
+    """Limits of the y axis from the settled part only: while the waves are still close to the focus, the
+    measures are meaningless."""
+    values = np.concatenate([measure["value"](c)[settled(c)] for c in cases])
+    values = values[np.isfinite(values)]
+    if not measure.get("log"):
+        return (0.0, 1.08 * values.max()) if len(values) and values.max() > 0 else None
+    values = values[values > 0]
+    if not len(values):
+        return None
+    low, high = np.percentile(values, [1.0, 100.0])
+    return max(low / 2.0, high / DECADES), high * 2.0
+
+
+def colours_by_x(selection: Selection, cases: list[Case]) -> dict[str, Any]:
+    """The colours of the cases. Few numeric values of x are coloured by rank, many by value; strings get
+    distinct colours. A reference that has an x gets the colour of x, other references are black."""
+    if not selection.x:
+        return {c.id: style.PALETTE[0] for c in cases}
+    colours = dict.fromkeys((c.id for c in layout.all_references(selection)), "black")
+    cases = [c for c in [*layout.all_references(selection), *cases] if selection.x in c.settings]
+    values = layout.x_values(selection)
+    if not layout.is_numeric(selection):
+        table = dict(zip(values, style.distinct(len(values))))
+        return colours | {c.id: table[c.settings[selection.x]] for c in cases}
+    if len(values) <= style.DIRECT_LABELS:
+        fractions = {v: i / max(1, len(values) - 1) for i, v in enumerate(values)}
+        return colours | {c.id: style.sequential(fractions[c.settings[selection.x]]) for c in cases}
+    norm = x_norm(selection)
+    return colours | {c.id: style.sequential(float(norm(c.settings[selection.x]))) for c in cases}
+
+
+def colours_in_one_panel(selection: Selection, cases: list[Case]) -> dict[str, Any]:
+    """The colours of cases that share a panel: those of x, or different ones if there are several curves. A reference
+    has the colour of its first case if there are several, otherwise it is black."""
+    if len(layout.groups(selection)) > 1:
+        ordinary = [c for c in cases if not c.is_reference]
+        colours = dict(zip((c.id for c in ordinary), style.distinct(len(ordinary))))
+        several = sum(c.is_reference for c in cases) > 1
+        own = {c.reference_id: colours[c.id] for c in reversed(ordinary)} if several else {}
+        return {c.id: colours.get(c.id, own.get(c.id, "black")) for c in cases}
+    return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(selection, cases)}
+
+
+def x_norm(selection: Selection) -> Any:
+    values = layout.x_values(selection)
+    kind = plt.matplotlib.colors.LogNorm if layout.is_logarithmic(values) else plt.Normalize
+    return kind(values[0], values[-1])
+
+
+def mark_times(axes: Axes, cases: list[Case]) -> None:
+    """Grey where the run is not settled, a line at each instant."""
+    after, instants = marked_times(cases)
+    if after > 0:
+        axes.axvspan(0.0, after, color="#f1f1f1", zorder=0, linewidth=0)
+    for at in instants:
+        axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
+
+
+def draw(axes: Axes, case: Case, measure: dict[str, Any], **look: Any) -> None:
+    axes.plot(time_ms(case), positive(measure, case), **look)
+
+
+def positive(measure: dict[str, Any], case: Case) -> np.ndarray:
+    """The values of a measure over time; a logarithmic axis shows only positive values."""
+    values = np.array(measure["value"](case), dtype=float)
+    if measure.get("log"):
+        values[values <= 0] = math.nan
+    return values
+
+
+def frame(axes: Axes, cases: list[Case], measure: dict[str, Any], y_limits: tuple[float, float] | None) -> None:
+    axes.set_xlim(0.0, max(time_ms(c)[-1] for c in cases) * 1.005)
+    if measure.get("log") and y_limits:
+        axes.set_yscale("log")
+    if y_limits:
+        axes.set_ylim(*y_limits)
+
+
+def small_panels(selection: Selection, measure: dict[str, Any], cases: list[Case], colours: dict[str, Any]) -> Any:
+    """One panel per case on shared axes, with its reference dashed."""
+    columns = min(COLUMNS, len(cases))
+    rows = math.ceil(len(cases) / columns)
+    height = 1.25 if rows > 1 else 2.4
+    figure, made = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False,
+                                figsize=(style.WIDTH_in, 0.95 + rows * (height + 0.24)))
+    y_limits = limits(cases + [r for c in cases if (r := selection.reference_of(c))], measure)
+    for axes, case in zip(made.flat, cases):
+        reference = selection.reference_of(case)
+        if reference and reference is not case:
+            draw(axes, reference, measure, color="black", linewidth=0.9, linestyle=DASHED)
+        draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
+        mark_times(axes, [case])
+        frame(axes, cases, measure, y_limits)
+        title = layout.wrapped(warnings_of.label(selection, case, measure["name"]), 2.8)
+        axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
+    for axes in made.flat[len(cases):]:
+        axes.set_visible(False)
+    for column in range(columns):
+        last = made[(len(cases) - 1 - column) // columns, column]
+        last.tick_params(labelbottom=True)
+        last.set_xlabel("time (ms)")
+    figure.supylabel(measure["label"], fontsize=9.5, x=0.012)
+    add_key(figure, selection, cases)
+    arrange(figure, [axes.get_title(loc="left") for axes in made.flat], rows, columns)
+    return figure
+
+
+def arrange(figure: Any, titles: list[str], rows: int, columns: int) -> None:
+    """Places the panels below the legend, with room for the longest title; lengths are in inches."""
+    lines = max(title.count("\n") + 1 for title in titles)
+    above = 0.1 + 0.16 * lines  # a panel: its title
+    total = figure.get_figheight()
+    height = (total - 0.32 - 0.55 - rows * above) / rows
+    width = (style.WIDTH_in - 0.98 - 0.34 * (columns - 1)) / columns
+    figure.subplots_adjust(left=0.72 / style.WIDTH_in, right=1.0 - 0.26 / style.WIDTH_in, bottom=0.55 / total,
+                           top=1.0 - (0.32 + above) / total, hspace=above / height, wspace=0.34 / width)
+
+
+def add_key(figure: Any, selection: Selection, cases: list[Case]) -> None:
+    starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
+    at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
+    reference = layout.reference_name(layout.all_references(selection))
+    dashed = [plt.Line2D([], [], color="black", linewidth=0.9, linestyle=DASHED, label=reference)]
+    has_reference = any(selection.reference_of(c) for c in cases)
+    figure.legend(handles=(dashed if has_reference else []) + after + at, ncol=3, loc="upper center",
+                  bbox_to_anchor=(0.5, 1.0))
+
+
+def overlay(selection: Selection, measure: Any, cases: list[Case], colours: Any) -> Any:
+    """One panel per series with its cases as thin lines coloured by x."""
+    rows = layout.rows(selection)
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
+                                figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
+                                layout="constrained")
+    y_limits = limits(cases + layout.all_references(selection), measure)
+    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        for case in drawn:
+            draw(axes, case, measure, color=colours[case.id], linewidth=0.9,
+                 linestyle=DASHED if case.is_reference else "-")
+        if reference:
+            draw(axes, reference, measure, color="black", linewidth=1.5, linestyle=DASHED)
+        mark_times(axes, drawn)
+        frame(axes, cases, measure, y_limits)
+        axes.set_title(title, loc="left", color="#555555")
+        axes.set_ylabel(measure["label"])
+    made[-1, 0].set_xlabel("time (ms)")
+    add_x_key(figure, list(made[:, 0]), selection, colours)
+    return figure
+
+
+def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: dict[str, Any]) -> None:
+    """Adds the key of the colours: a legend for few values, a colour bar for many."""
+    values = layout.x_values(selection)
+    if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
+        shown = plt.cm.ScalarMappable(norm=x_norm(selection), cmap=style.sequential_map())
+        bar = figure.colorbar(shown, ax=all_axes, label=labels.axis_label(selection, selection.x),
+                              aspect=30, pad=0.02)
+        bar.outline.set_visible(False)
+        bar.ax.grid(False)
+        if layout.is_logarithmic(values):
+            bar.set_ticks(values[:: max(1, len(values) // 8)])
+            bar.minorticks_off()
+            bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
+        return
+    found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
+    handles = [plt.Line2D([], [], color=found[v], label=labels.value_text(selection, selection.x, v)) for v in values]
+    title = textwrap.fill(labels.name(selection, selection.x), 18)
+    if any(reference for _, _, reference in layout.rows(selection)):
+        name = layout.reference_name(layout.all_references(selection))
+        handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
+    all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
+                       bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
+
+
+def in_columns(selection: Selection) -> list[Case]:
+    """The cases in the order of their panels: two curves have one column each."""
+    found = [group.cases for group in layout.groups(selection)]
+    if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
+        found = list(zip(*found))
+    return [c for cases in found for c in cases]
+
+
+def time_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> list[Figure]:
+    selection = layout.fewer_lines(selection)
+    cases = [c for c in in_columns(selection)
+             if measure["needs"] in c.over_time and len(c.over_time["time"])]
+    if not cases:
+        return []
+    colours = colours_by_x(selection, cases)
+    many = len(cases) > PANELS and len(layout.groups(selection)) <= PANELS
+    figure = (overlay if many else small_panels)(selection, measure, cases, colours)
+    style.save(figure, folder / (measure["name"] + ".png"))
+    marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
+    if not all(layout.repeats(c) for c in cases):
+        marks = measure.get("transient", "") + marks
+    last = last_periods(figure, cases, measure, folder, marks)
+    shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
+    made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
+                  f"{measure['title']}, one line per case", time_charts(selection, colours, measure))
+    return [replace(f, cases=shown) for f in (made, *last)]
+
+
+def last_periods(figure: Any, cases: list[Case], measure: dict[str, Any], folder: Path, marks: str) -> list[Figure]:
+    """The figure once more with the last periods of a long run; `marks` describes its lines."""
+    span = periods.last_span_ms(cases)
+    if not span:
+        return []
+    for axes in figure.axes:
+        if axes.get_xlabel() == "time (ms)":
+            axes.set_xlim(*span)  # all panels share their x axis
+    name, title = measure["name"] + "_last", measure["title"] + ": the last periods"
+    style.save(figure, folder / (name + ".png"))
+    return [Figure(name, title, f"{measure['caption']} The last {periods.LAST} periods of the modulation.{marks}", title)]
+
+
+def marked_times(cases: list[Case]) -> tuple[float, list[float]]:
+    """The longest part of the runs that is not settled, and the different instants, in ms."""
+    after, at = ([1e3 * c.setting("measure", k) for c in cases] for k in ("settled_after_s", "at_s"))
+    return max(after), sorted({round(t, 9) for t in at})
+
+
+def time_marks(cases: list[Case]) -> list[Mark]:
+    """The part of the run that is not settled, and the instants."""
+    after, instants = marked_times(cases)
+    return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
+
+
+def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any]) -> list[Chart]:
+    """One panel per curve and for references that differ within a curve, with a line per case; the vertical axis shows
+    the settled part."""
+    panels = [(title, [c for c in [*drawn, *([reference] if reference else [])]
+                       if measure["needs"] in c.over_time and len(c.over_time["time"])])
+              for title, drawn, reference in layout.rows(selection)]
+    panels = [(title, shown) for title, shown in panels if shown]
+    y_limits = limits([c for _, shown in panels for c in shown], measure)
+    return [Chart("time (ms)", measure["label"],
+                  [Line(warnings_of.label(selection, c, measure["name"]), time_ms(c), positive(measure, c),
+                        colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in shown], title,
+                  y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(shown))
+            for title, shown in panels]
+
+
+def span(values: list[float]) -> str:
+    return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
+
+
+def key_caption(selection: Selection, cases: list[Case]) -> str:
+    after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
+    at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
+    text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
+    if after[-1] > 0:
+        text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms).{text} The limits of "
+                "the vertical axis follow from the settled part; earlier values may exceed them.")
+    if all(layout.repeats(c) for c in cases):
+        text = f" One period of the load.{text}"
+    if any(selection.reference_of(c) for c in cases):
+        text += f" Dashed: {layout.reference_name(layout.all_references(selection))}."
+    if selection.x:
+        text += f" The colour is the {labels.name(selection, selection.x)}."
+    return text
+
+
+def figures(selection: Selection, folder: Path) -> list[Figure]:
+    return [f for m in MEASURES for f in time_figure(selection, folder, m)]
