@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <queue>
 #include <unordered_map>
 
 namespace shearwake::schedule {
@@ -38,15 +39,6 @@ std::vector<double> group_sizes(const std::vector<const PlannedCase*>& cases,
     return sizes;
 }
 
-/// Estimated times of a sweep on teams of one size.
-struct SweepTime {
-    double longest_s = 0.0; // of a case with its shared data
-    double work_s = 0.0;    // of all teams together
-
-    /// Time of the sweep on a number of busy teams.
-    double on(int busy) const { return std::max(longest_s, work_s / busy); }
-};
-
 /// The part of a sweep from which its time is estimated.
 struct Sample {
     const std::vector<const PlannedCase*>& cases; // of the sweep
@@ -64,30 +56,41 @@ double teams_of_group(double share, double cases, int busy) {
                       std::min(static_cast<double>(busy), cases));
 }
 
-SweepTime time_of(const Sample& sample, int size, int busy, cost::CaseCosts& costs) {
-    SweepTime time;
-    struct Seconds {
-        double own, shared;
-    };
-    std::vector<Seconds> of_cases;
+/// Estimated times of all cases of a sweep on teams of one size, the longest first: each with its
+/// part of the data that its group shares.
+std::vector<double> times_of(const Sample& sample, int size, int busy, cost::CaseCosts& costs) {
+    std::vector<cost::CaseTime> expected;
     double sample_s = 0.0; // with each shared part once
     for (const std::size_t place : sample.places) {
-        const cost::CaseTime expected = costs.time(sample.cases[place]->physics, size);
-        of_cases.push_back({expected.own_s, expected.shared_s});
-        sample_s += of_cases.back().own + of_cases.back().shared / sample.group_sizes[place];
+        expected.push_back(costs.time(sample.cases[place]->physics, size));
+        sample_s += expected.back().own_s + expected.back().shared_s / sample.group_sizes[place];
     }
-    const double all_s = sample_s * static_cast<double>(sample.cases.size()) /
-                         static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
-    for (std::size_t n = 0; n < of_cases.size(); ++n) {
-        const auto [own, shared] = of_cases[n];
-        const double group = sample.group_sizes[sample.places[n]];
-        const double teams = teams_of_group((group * own + shared) / all_s, group, busy);
-        time.longest_s = std::max(time.longest_s, own + shared);
-        time.work_s += own + shared * teams / group;
+    const auto all = static_cast<double>(sample.cases.size());
+    const double all_s = sample_s * all / static_cast<double>(sample.places.size());
+    std::vector<double> times;
+    for (std::size_t n = 0; n < sample.cases.size(); ++n) {
+        const std::size_t nearest = n * sample.places.size() / sample.cases.size();
+        const auto& [own_s, shared_s, origin] = expected[nearest];
+        const double group = sample.group_sizes[sample.places[nearest]];
+        const double teams = teams_of_group((group * own_s + shared_s) / all_s, group, busy);
+        times.push_back(own_s + shared_s * teams / group);
     }
-    time.work_s *= static_cast<double>(sample.cases.size()) /
-                   static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
-    return time;
+    std::ranges::sort(times, std::greater<>{});
+    return times;
+}
+
+/// The time until all teams have finished, if each takes the next case when it is free.
+double seconds_of(const std::vector<double>& cases, int teams) {
+    std::priority_queue<double, std::vector<double>, std::greater<>> ends(
+        {}, std::vector<double>(static_cast<std::size_t>(teams), 0.0));
+    double last_s = 0.0;
+    for (const double seconds : cases) {
+        const double end_s = ends.top() + seconds;
+        ends.pop();
+        ends.push(end_s);
+        last_s = std::max(last_s, end_s);
+    }
+    return last_s;
 }
 
 } // namespace
@@ -104,13 +107,14 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
         TeamLayout layout{.ranks_per_case = size, .teams = ranks / size};
         const int busy = std::max(
             1, static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size())));
-        const SweepTime time = time_of(sample, size, busy, costs);
+        const std::vector<double> times = times_of(sample, size, busy, costs);
         const bool useful = std::ranges::all_of(sample.places, [&](std::size_t place) {
             return size <= costs.of(cases[place]->physics).useful_ranks;
         });
         if (!useful && wanted <= 0) continue;
-        layout.seconds = time.on(busy);
-        layout.busy = layout.seconds > 0.0 ? time.work_s / busy / layout.seconds : 1.0;
+        layout.seconds = seconds_of(times, busy);
+        const double work_s = std::accumulate(times.begin(), times.end(), 0.0);
+        layout.busy = layout.seconds > 0.0 ? work_s / busy / layout.seconds : 1.0;
         const auto unfit = std::ranges::count_if(sample.places, [&](std::size_t place) {
             return std::isfinite(memory_per_rank_B) &&
                    costs.memory_per_rank_B(cases[place]->physics, size) > memory_per_rank_B;

@@ -98,6 +98,18 @@ TEST_CASE("every medium of a sweep costs its own transfer function", "[teams]") 
           Approx(150.0 * one.own_s + one.shared_s).epsilon(1e-9));
 }
 
+TEST_CASE("a team that has one case more than the others determines the time", "[teams]") {
+    Cases three = alike(3);
+    for (std::size_t i = 0; i < 3; ++i)
+        three.planned[i].physics.scene().medium.layers[0].c_s_m_s =
+            5.0 + 1e-4 * static_cast<double>(i);
+    const double one_s = laid_out({{three.planned.front()}}, 1, 1, plenty_B).seconds;
+    const schedule::TeamLayout two = laid_out(three, 2, 1, plenty_B);
+    CHECK(two.seconds == Approx(2.0 * one_s).epsilon(1e-3)); // the media differ by as much
+    CHECK(two.busy == Approx(0.75).epsilon(1e-3));
+    CHECK(laid_out(three, 2, 0, plenty_B).ranks_per_case == 2); // so all ranks share each case
+}
+
 TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
     Cases cases = alike(6);
     cases.planned[1].physics.domain.nx = 512; // long
