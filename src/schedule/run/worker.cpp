@@ -92,6 +92,7 @@ void Worker::work() {
         std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
             .count();
     if (!team_.is_root()) return;
+    save_rates();
     counters_.fetch_add(teams_us, worked_us_);
     counters_.fetch_add(teams_ended, 1);
 }
@@ -200,7 +201,7 @@ bool Worker::compute(const PlannedCase& planned) {
         {[this] { return stop_asked(); }, [this](const auto& text) { report(text); },
          [this](double share) { progressed(share); }});
     const auto began = std::chrono::steady_clock::now();
-    const auto outcome =
+    auto outcome =
         pipeline::run_case(planned, list_.facts, *engine_, team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
     if (!outcome) {
@@ -211,6 +212,7 @@ bool Worker::compute(const PlannedCase& planned) {
                             std::chrono::round<std::chrono::microseconds>(solving).count());
         return false;
     }
+    const auto written = Clock::now();
     const storage::CaseTimes times{outcome->seconds, estimated_s(planned),
                                    engine_name(planned.physics.solver)};
     on_root(team_, [&] {
@@ -224,18 +226,17 @@ bool Worker::compute(const PlannedCase& planned) {
     report(planned, outcome->solver);
     if (!team_.is_root()) return true;
     times_.learn(at_, times.seconds);
-    save_rates(outcome->times);
+    outcome->times.back().seconds += seconds_since(written); // journal and index are files as well
+    for (const engines::TimedWork& part : outcome->times)
+        rates_.add(part, list_.ranks_per_case, false);
+    if (Clock::now() - rates_saved_ > 5s) save_rates();
     counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
     counters_.fetch_add(done, 1);
     return true;
 }
 
-void Worker::save_rates(const std::vector<engines::TimedWork>& times) {
-    for (const engines::TimedWork& part : times)
-        rates_.add(part, list_.ranks_per_case, false);
-    const auto now = std::chrono::steady_clock::now();
-    if (times.empty() || now - rates_saved_ < 5s) return; // of short cases, some are enough
-    rates_saved_ = now;
+void Worker::save_rates() {
+    rates_saved_ = Clock::now();
     if (const auto file = cost::rates_file(world_.size())) cost::save_rates(rates_, *file);
 }
 

@@ -92,7 +92,7 @@ private:
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
     /// Adds the rates of a complete case to the file of this machine. On the root of the team.
-    void save_rates(const std::vector<engines::TimedWork>& times);
+    void save_rates();
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
