@@ -2,6 +2,7 @@
 #include "parallel/session.hpp"
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "simd/instruction_set.hpp"
 
@@ -206,7 +207,13 @@ void warn_of_lone_tasks(const Comm& world, int argc, char** argv) {
 
 } // namespace
 
+double seconds_since_start() {
+    static const Clock::time_point began = Clock::now(); // guarded_main() makes the first call
+    return seconds_since(began);
+}
+
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
+    seconds_since_start();
     secure_streams();
     if (is_inside_of_rank()) {
         fmt::print(stderr,

@@ -14,6 +14,9 @@ namespace shearwake {
 /// all ranks. All ranks return the same exit code. Only this function ends the process.
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program);
 
+/// Seconds since guarded_main() began. Not collective.
+double seconds_since_start();
+
 /// Name and version of the linked MPI library, for example "Open MPI v4.1.4". Not collective.
 std::string mpi_version();
 

@@ -171,7 +171,7 @@ CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine) {
         all.arrays.push_back({"receptors", afferents_memory_B(c, *plan.receptors, ranks)});
         all.work.push_back(receptors_work(c, *plan.receptors));
     }
-    all.work.push_back({files_kind, all.written_B});
+    all.work.push_back({files_kind, all.written_B}); // the last part
     return plan;
 }
 

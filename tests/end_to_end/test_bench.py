@@ -29,6 +29,11 @@ class Bench(ProgramTest):
     def planned(self, *words):
         return json.loads(self.shearwake("plan", *words, "--json").stdout)
 
+    def rates(self, cache, ranks=1):
+        """What was measured on this number of ranks."""
+        (file,) = cache.glob(f"rates-*-{ranks}.json")
+        return json.loads(file.read_text(encoding="utf-8"))["rates"]
+
     @pytest.mark.long
     def test_spectral_prints_the_share_of_each_phase(self):
         for ranks, contrast in ((1, 16), (3, 4)):
@@ -73,14 +78,15 @@ class Bench(ProgramTest):
             self.assertIn("measuring the speed of 1 kind of case (layered), for at most 2 s each", probed)
             self.assertIn("time: probed on this machine", probed)
             self.assertNotIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
+            self.assertEqual([rate["is_probed"] for rate in self.rates(cache) if rate["kind"] == "files"], [True])
             first = self.shearwake("run", "job.toml").said
             self.assertNotIn("measuring", first)
             measured = self.shearwake("plan", "job.toml").said
             self.assertIn("time: measured on this machine", measured)
             self.assertIn("core hours", measured)
             (file,) = cache.glob("rates-*-1.json")
-            rates = json.loads(file.read_text(encoding="utf-8"))["rates"]
-            self.assertIn("layered frames", [rate["kind"] for rate in rates if not rate["is_probed"]])
+            rates = self.rates(cache)
+            self.assertLess({"layered frames", "files"}, {rate["kind"] for rate in rates if not rate["is_probed"]})
             self.assertFalse([rate for rate in rates if rate["kind"].startswith(("spectral", "pstd"))], rates)
             file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
             self.assertIn("measuring", self.shearwake("run", "job.toml", "--out", "again").said)
@@ -93,9 +99,18 @@ class Bench(ProgramTest):
                 self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]'), *changes))
                 words = ("job.toml", "-S", f"solver.engine={engine}")
                 with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / engine)}):
-                    self.assertEqual(self.planned(*words, "--probe")["time_origin"], "probed")
+                    probed = self.planned(*words, "--probe")
+                    self.assertEqual(probed["time_origin"], "probed")
+                    self.assertGreater(probed["wall_s"], probed["longest_case_s"])  # by the start of the program
                     self.shearwake("run", *words, "--quiet", "--out", engine + "-out")
                     self.assertEqual(self.planned(*words)["time_origin"], "measured")
+
+    def test_the_rates_of_all_cases_of_a_short_run_are_recorded(self):
+        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
+                                                  '"solver.engine" = ["layered", "pstd", "spectral"]')))
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
+            self.shearwake("run", "job.toml", "--quiet", ranks=2)
+            self.assertEqual({case["time_origin"] for case in self.planned("job.toml", "-n", 2)["cases"]}, {"measured"})
 
     def test_a_signal_ends_the_probes_of_a_run(self):
         self.write_job()

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All ranks of a run must compute the same cases in the same order on the same teams.
+#include "pipeline/memory.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 
 namespace test_arrangement {
 
@@ -84,6 +86,25 @@ TEST_CASE("all ranks arrange a sweep alike although they measured different time
     // The measured times matter: with its own, each other rank would divide the cases otherwise.
     if (world.rank() > 0)
         CHECK_FALSE(schedule::bundles_of(all.cases, all.layout, costs) == all.bundles);
+}
+
+TEST_CASE("the team size that is best with the measured rates is measured as well", "[mpi]") {
+    ::setenv("SHEARWAKE_CACHE", "off", 1);
+    const Comm world = Comm::world();
+    const Plan plan = plan_of(1);
+    const std::vector<const PlannedCase*> cases = {&plan.cases.front()};
+    cost::CaseCosts costs(cases, {});
+    int calls = 0;
+    cost::measure_rates(costs, cases, [&] { return ++calls == 1 ? world.size() : 1; }, 1e12, world,
+                        {.report = [](const std::string&) {}});
+    ::unsetenv("SHEARWAKE_CACHE");
+    CHECK(calls == (world.size() == 1 ? 2 : 3));
+    for (const engines::Work& part : costs.of(plan.cases.front().physics).work)
+        if (pipeline::can_be_probed(part) && part.amount() > 0.0)
+            for (const int size : {1, world.size()}) {
+                INFO(part.kind);
+                CHECK(costs.rates().of(part, size).origin == cost::Origin::probed);
+            }
 }
 
 } // namespace test_arrangement

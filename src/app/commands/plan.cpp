@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/registry/check.hpp"
+#include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/arrangement.hpp"
@@ -350,17 +351,26 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         add_choices(cases, costs, estimates); // engines remember the steps of a few cases
         if (is_limited) estimates.estimated = costs.limit_resources(cases, most_resources_s);
     }
+    const auto planned = Clock::now();
     if (arguments.probe) {
-        const auto layout = schedule::choose_teams(cases, world.size(), arguments.ranks_per_case,
-                                                   available_B, costs);
+        const auto team_size = [&] {
+            return world.broadcast(schedule::choose_teams(cases, world.size(),
+                                                          arguments.ranks_per_case, available_B,
+                                                          costs)
+                                       .ranks_per_case);
+        };
         cost::measure_rates(
-            costs, cases, world.broadcast(layout.ranks_per_case), available_B, world,
+            costs, cases, team_size, available_B, world,
             {.report = [](const std::string& text) { fmt::print(stderr, "{}\n", text); }});
+        cost::measure_files(costs, cases, team_size(), available_B, world);
     }
+    const double probe_s = seconds_since(planned);
     if (!world.is_root()) return ExitCode::done;
     add_estimates(
         cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
         ranks, costs, estimates);
+    // `run` starts in the same way.
+    estimates.layout.seconds += seconds_since_start() - probe_s;
     if (!elsewhere)
         estimates.error =
             schedule::excess(estimates.demand, available_B,

@@ -92,14 +92,15 @@ CaseTime time_of(const engines::Resources& needs, int ranks, const Rates& rates)
     for (const engines::Work& part : needs.work) {
         if (!(part.amount() > 0.0)) continue;
         const Rates::Found rate = rates.of(part, ranks);
-        if (rate.origin == Origin::unknown && !pipeline::can_be_probed(part)) continue;
+        const bool is_probed = pipeline::can_be_probed(part);
+        if (rate.origin == Origin::unknown && !is_probed) continue;
         // The measured rate of this number of ranks contains their imbalance.
         const double imbalance = rate.origin == Origin::measured || rate.origin == Origin::probed
                                      ? static_cast<double>(used) / ranks
                                      : fullest;
         (part.is_shared ? time.shared_s : time.own_s) +=
             rate.core_s * part.amount() / used * imbalance;
-        time.origin = std::max(time.origin, rate.origin);
+        if (is_probed) time.origin = std::max(time.origin, rate.origin);
     }
     return time;
 }

@@ -90,14 +90,21 @@ struct ProbeHooks {
 };
 
 /// Measures the rates of those kinds of work of the cases that have not been measured: the engine
-/// computes one case of each kind for at most two seconds after its setup, on every team of
-/// `ranks_per_case` ranks at the same time, since teams share the memory bandwidth. Of many kinds,
-/// twelve spread over the plan are measured. Adds the rates to those of `costs` and to the
-/// file of this machine. Cases that need more memory than `memory_per_rank_B` are left out, and
-/// kinds whose case fails. Returns whether anything was measured. Collective.
-bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
-                   int ranks_per_case, double memory_per_rank_B, const Comm& world,
-                   const ProbeHooks& hooks);
+/// computes one case of each kind for at most two seconds after its setup, on every team at the
+/// same time, since teams share the memory bandwidth. Of many kinds, twelve spread over the plan
+/// are measured. Adds the rates to those of `costs` and to the file of this machine. `team_size`,
+/// collective, returns the ranks per case that are best with the rates of `costs`; what it returns
+/// with the new rates is measured as well. Cases that need more memory than `memory_per_rank_B` are
+/// left out, and kinds whose case fails. Collective.
+void measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+                   const std::function<int()>& team_size, double memory_per_rank_B,
+                   const Comm& world, const ProbeHooks& hooks);
+
+/// Measures the rate of files, if it has not been measured, from the shortest case, if it is short:
+/// every team computes it completely into a temporary folder. Not if a team is on several machines.
+/// Collective.
+void measure_files(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+                   int ranks_per_case, double memory_per_rank_B, const Comm& world);
 
 } // namespace shearwake::cost
 

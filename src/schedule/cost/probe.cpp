@@ -4,10 +4,13 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/memory.hpp"
+#include "pipeline/run_case.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "schedule/cost/case_costs.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -96,10 +99,13 @@ Times times_of_steps(const Case& c, const Probed& probed, const Comm& team) {
     return times;
 }
 
-/// The times of an engine that is given fewer frames: as many as it computes in two seconds. The
-/// second run with the same frames has all FFTW plans, and the data that cases share.
+/// The times of an engine that is given fewer frames: as many as it computes in two seconds, or as
+/// its case needs to have all parts of the complete one. The second run with the same frames has
+/// all FFTW plans, and the data that cases share.
 Times times_of_frames(const Case& c, const Probed& probed, const Comm& team) {
     Times times;
+    const std::vector<engines::Work> parts = probed.engine->resources(c, team.size()).work;
+    const auto is_timed = [&](const engines::Work& part) { return part_of(times, part.kind); };
     const auto began = Clock::now();
     for (std::ptrdiff_t frames = std::min(first_frames, c.time.frames);;
          frames = std::min(frames * growth, c.time.frames)) {
@@ -112,8 +118,10 @@ Times times_of_frames(const Case& c, const Probed& probed, const Comm& team) {
         for (const engines::TimedWork& part : first.times)
             if (!part_of(times, part.work.kind)) times.push_back(part);
         const double took_s = seconds_since(from), left_s = most_s - seconds_since(began);
-        const bool is_last = frames == c.time.frames || took_s > enough_s ||
-                             static_cast<double>(growth) * took_s > left_s;
+        const bool is_last =
+            frames == c.time.frames ||
+            ((took_s > enough_s || static_cast<double>(growth) * took_s > left_s) &&
+             std::ranges::all_of(parts, is_timed));
         if (team.broadcast(is_last)) return times;
     }
 }
@@ -177,9 +185,24 @@ std::string engines_of(const std::vector<const PlannedCase*>& cases) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-} // namespace
+Comm team_of(const Comm& world, int ranks_per_case) {
+    const int teams = std::max(1, world.size() / ranks_per_case);
+    return world.split(std::min(world.rank() / ranks_per_case, teams - 1));
+}
 
-bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+/// Adds the rates of rank 0 to those of `costs` and to the file of this machine. Collective.
+void adopt(Rates fresh, CaseCosts& costs, const Comm& world) {
+    fresh = rates_of_root(fresh, world);
+    Rates all = costs.rates();
+    for (const Rate& rate : fresh.all())
+        all.add(rate);
+    costs.use(std::move(all));
+    const auto file = rates_file(world.size());
+    if (world.is_root() && file && !fresh.all().empty()) save_rates(fresh, *file);
+}
+
+/// Measures teams of one size. Returns whether anything was measured. Collective.
+bool measure_teams(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
                    int ranks_per_case, double memory_per_rank_B, const Comm& world,
                    const ProbeHooks& hooks) {
     std::vector<long> chosen; // rank 0 decides
@@ -198,8 +221,7 @@ bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& case
             fmt::format("measuring the speed of {} kind{} of case ({}), for at most {:g} s "
                         "each, once per machine",
                         probed.size(), probed.size() == 1 ? "" : "s", engines_of(probed), most_s));
-    const int teams = std::max(1, world.size() / ranks_per_case);
-    const Comm team = world.split(std::min(world.rank() / ranks_per_case, teams - 1));
+    const Comm team = team_of(world, ranks_per_case);
     Rates fresh;
     for (const PlannedCase* planned : probed) {
         if (world.any(hooks.stop && hooks.stop())) break;
@@ -216,14 +238,75 @@ bool measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& case
                                 }),
                   ranks_per_case, fresh);
     }
-    fresh = rates_of_root(fresh, world);
-    Rates all = costs.rates();
-    for (const Rate& rate : fresh.all())
-        all.add(rate);
-    costs.use(std::move(all));
-    const auto file = rates_file(world.size());
-    if (world.is_root() && file && !fresh.all().empty()) save_rates(fresh, *file);
+    adopt(std::move(fresh), costs, world);
     return true;
+}
+
+/// The time of the files of a case that is computed completely, into a folder of this machine.
+Times times_of_files(const PlannedCase& planned, double memory_per_rank_B,
+                     const std::filesystem::path& folder, const Comm& team) {
+    const auto engine = engines::make_engine(planned.physics.solver);
+    const storage::Journal journal(folder / "journal.jsonl");
+    std::optional<pipeline::CaseOutcome> outcome;
+    for (int time = 0; time < 2; ++time) { // the second time, libraries are loaded
+        pipeline::CaseCheckpoints checkpoints(
+            folder / "case", {}, {}, team, journal,
+            {.stop_asked = [] { return false; }, .report = [](const std::string&) {}});
+        outcome = pipeline::run_case(planned, {.memory_per_rank_B = memory_per_rank_B}, *engine,
+                                     team, folder / "case.h5", checkpoints, {});
+    }
+    return {outcome->times.back()};
+}
+
+/// A new folder; empty if the ranks of a team are on several machines, or if it cannot be created.
+std::filesystem::path temporary_folder(const Comm& team) {
+    std::error_code none;
+    std::string name = (std::filesystem::temp_directory_path(none) / "shearwake-XXXXXX").string();
+    const bool is_shared = team.split_by_machine().size() == team.size();
+    const bool is_made = team.is_root() && is_shared && ::mkdtemp(name.data());
+    return team.broadcast(is_made ? name : "");
+}
+
+} // namespace
+
+void measure_rates(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+                   const std::function<int()>& team_size, double memory_per_rank_B,
+                   const Comm& world, const ProbeHooks& hooks) {
+    int size = team_size();
+    for (int before = 0; size != before;) {
+        before = size;
+        if (measure_teams(costs, cases, size, memory_per_rank_B, world, hooks)) size = team_size();
+    }
+}
+
+void measure_files(CaseCosts& costs, const std::vector<const PlannedCase*>& cases,
+                   int ranks_per_case, double memory_per_rank_B, const Comm& world) {
+    long chosen = -1;
+    on_root(world, [&] {
+        const auto seconds = [&](const PlannedCase* planned) {
+            const CaseTime time = costs.time(planned->physics, ranks_per_case);
+            return time.origin == Origin::unknown ? most_s : time.own_s + time.shared_s;
+        };
+        const auto shortest = std::ranges::min_element(cases, {}, seconds);
+        const engines::Work& files = costs.of((*shortest)->physics).work.back();
+        if (seconds(*shortest) < enough_s &&
+            costs.rates().of(files, ranks_per_case).origin >= Origin::similar)
+            chosen = shortest - cases.begin();
+    });
+    chosen = world.broadcast(chosen);
+    if (chosen < 0) return;
+    const Comm team = team_of(world, ranks_per_case);
+    Rates fresh;
+    const std::filesystem::path folder = temporary_folder(team);
+    if (!folder.empty())
+        for (const engines::TimedWork& files : times_or_none(team, [&] {
+                 return times_of_files(*cases[static_cast<std::size_t>(chosen)], memory_per_rank_B,
+                                       folder, team);
+             }))
+            fresh.add(files, ranks_per_case, true);
+    std::error_code none;
+    if (team.is_root()) std::filesystem::remove_all(folder, none);
+    adopt(std::move(fresh), costs, world);
 }
 
 } // namespace shearwake::cost

@@ -321,12 +321,12 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         return concluded(folder, job, selection, none, arguments, world, document);
     }
     costs->use(cost::known_rates(world.size(), world));
-    Arrangement work =
-        arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
-    if (cost::measure_rates(*costs, cases, work.layout.ranks_per_case, memory_B, world,
-                            {report, stop_requested}))
-        work =
-            arrange(job.plan, selection.work, work.layout.ranks_per_case, memory_B, *costs, world);
+    Arrangement work;
+    const auto team_size = [&] {
+        work = arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
+        return work.layout.ranks_per_case;
+    };
+    cost::measure_rates(*costs, cases, team_size, memory_B, world, {report, stop_requested});
     const TeamLayout& layout = work.layout;
     on_root(world, [&] { report(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
