@@ -352,18 +352,8 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         if (is_limited) estimates.estimated = costs.limit_resources(cases, most_resources_s);
     }
     const auto planned = Clock::now();
-    if (arguments.probe) {
-        const auto team_size = [&] {
-            return world.broadcast(schedule::choose_teams(cases, world.size(),
-                                                          arguments.ranks_per_case, available_B,
-                                                          costs)
-                                       .ranks_per_case);
-        };
-        cost::measure_rates(
-            costs, cases, team_size, available_B, world,
-            {.report = [](const std::string& text) { fmt::print(stderr, "{}\n", text); }});
-        cost::measure_files(costs, cases, team_size(), available_B, world);
-    }
+    if (arguments.probe)
+        schedule::probe(cases, arguments.ranks_per_case, available_B, costs, world);
     const double probe_s = seconds_since(planned);
     if (!world.is_root()) return ExitCode::done;
     add_estimates(

@@ -353,4 +353,17 @@ std::vector<Bundle> bundles_of(const std::vector<const PlannedCase*>& cases,
     return best;
 }
 
+void probe(const std::vector<const PlannedCase*>& cases, int ranks_per_case,
+           double memory_per_rank_B, cost::CaseCosts& costs, const Comm& world) {
+    const auto team_size = [&] {
+        return world.broadcast(
+            choose_teams(cases, world.size(), ranks_per_case, memory_per_rank_B, costs)
+                .ranks_per_case);
+    };
+    cost::measure_rates(
+        costs, cases, team_size, memory_per_rank_B, world,
+        {.report = [](const std::string& text) { fmt::print(stderr, "{}\n", text); }});
+    cost::measure_files(costs, cases, team_size(), memory_per_rank_B, world);
+}
+
 } // namespace shearwake::schedule

@@ -73,4 +73,9 @@ struct Arrangement {
 Arrangement arrange(const Plan& plan, const std::vector<std::size_t>& work, int wanted,
                     double memory_per_rank_B, cost::CaseCosts& costs, const Comm& world);
 
+/// Measures the rates of the cases and of files for `plan --probe`, with a message on stderr.
+/// Collective.
+void probe(const std::vector<const PlannedCase*>& cases, int ranks_per_case,
+           double memory_per_rank_B, cost::CaseCosts& costs, const Comm& world);
+
 } // namespace shearwake::schedule

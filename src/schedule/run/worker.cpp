@@ -236,6 +236,7 @@ bool Worker::compute(const PlannedCase& planned) {
 }
 
 void Worker::save_rates() {
+    if (rates_.all().empty()) return;
     rates_saved_ = Clock::now();
     if (const auto file = cost::rates_file(world_.size())) cost::save_rates(rates_, *file);
 }
