@@ -12,6 +12,10 @@ namespace shearwake::image {
 namespace {
 
 constexpr std::uint32_t largest_side = 4096;
+/// Four channels of 16 bits, and the filters of the shortest rows.
+constexpr std::size_t most_B_per_pixel = 9;
+/// The library decompresses all data, also those after the last pixel: to 500 MB, in a second.
+constexpr std::size_t most_remarks_B = 500'000;
 
 /// Frees what the library keeps for a picture.
 struct Png {
@@ -37,17 +41,21 @@ DecodedImage decode_png(std::string_view bytes) {
                         png.image.height, largest_side, largest_side);
         return decoded;
     }
-    png.image.format = PNG_FORMAT_GRAY;
-    std::vector<std::uint8_t> greys(PNG_IMAGE_SIZE(png.image));
-    const png_color black = {0, 0, 0};
-    if (png_image_finish_read(&png.image, &black, greys.data(), 0, nullptr) == 0) {
-        decoded.problem = fmt::format("it is not a valid PNG file ({})", png.image.message);
+    const std::size_t pixels = std::size_t{png.image.width} * png.image.height;
+    if (bytes.size() > most_B_per_pixel * pixels + most_remarks_B) {
+        decoded.problem = fmt::format(
+            "it has {:.1f} MB, more than its {} x {} pixels explain; save it without "
+            "remarks and profiles",
+            1e-6 * static_cast<double>(bytes.size()), png.image.width, png.image.height);
         return decoded;
     }
-    decoded.image.columns = static_cast<std::ptrdiff_t>(png.image.width);
-    decoded.image.rows = static_cast<std::ptrdiff_t>(png.image.height);
-    for (const std::uint8_t grey : greys)
-        decoded.image.greys.push_back(grey / 255.0);
+    png.image.format = PNG_FORMAT_GRAY;
+    decoded.greys.resize(PNG_IMAGE_SIZE(png.image));
+    const png_color black = {0, 0, 0};
+    if (png_image_finish_read(&png.image, &black, decoded.greys.data(), 0, nullptr) == 0)
+        decoded.problem = fmt::format("it is not a valid PNG file ({})", png.image.message);
+    decoded.columns = static_cast<std::ptrdiff_t>(png.image.width);
+    decoded.rows = static_cast<std::ptrdiff_t>(png.image.height);
     return decoded;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,8 @@ struct GreyImage {
 
 /// A picture, or the reason why it was rejected.
 struct DecodedImage {
-    GreyImage image;
+    std::ptrdiff_t columns = 0, rows = 0;
+    std::vector<std::uint8_t> greys; // row by row from the top; 0: black, 255: white
     std::string problem;
 };
 

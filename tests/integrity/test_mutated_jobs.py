@@ -3,7 +3,9 @@
 import json
 import random
 import shutil
+import struct
 import unittest
+import zlib
 
 from attacks import accepted_or_refused, times
 from mutations import mutated
@@ -93,6 +95,23 @@ class MutatedJobs(ProgramTest):
                     said, ended = self.accepted_or_refused(verb)
                     self.assertEqual(ended, code, said)
         self.says(said, "the loss factor of layer", "at 8.333 Hz", "increase its loss")
+
+    def test_pictures_are_decoded_once_and_hold_no_more_than_their_pixels(self):
+        lens = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")
+        polygon = next(line for line in lens.splitlines() if line.startswith("target_polygon_mm"))
+        text = changed((polygon, 'target_png = "grey.png"\ntarget_width_mm = 40.0'), ("[75, 150, 300]", "{ linspace = [75, 300, 200] }"), text=lens)
+        self.write_job(text)
+        for side, more_B, code, words in ((4096, 0, 0, "200 cases"), (16, 600_000_000, 3, "0.6 MB, more than its 16 x 16 pixels")):
+            data = zlib.compressobj(9)
+            rows = b"".join(data.compress((b"\0" + side * b"\xff") * (side // 16)) for _ in range(16))
+            rows += b"".join(data.compress(bytes(1_000_000)) for _ in range(more_B // 1_000_000)) + data.flush()
+            (self.folder / "grey.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(
+                struct.pack(">I", len(part)) + name + part + struct.pack(">I", zlib.crc32(name + part)) for name, part in (
+                    (b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)), (b"IDAT", rows), (b"IEND", b""))))
+            with self.subTest(side=side):
+                said, ended = self.accepted_or_refused("check", f"{side}")
+                self.assertEqual(ended, code, said)
+                self.says(said, words)
 
     def test_work_without_bounds_is_refused_with_the_number_and_the_limit(self):
         lens = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,14 +36,22 @@ struct JobArrays {
     std::vector<ArrayFootprint> known;
 };
 
-/// Loaders of the files that a job names, the lenses that it has designed, and its arrays. Without
-/// a loader, such files are rejected.
+/// A picture that a job names, or the reason why it was rejected.
+struct JobImage {
+    std::shared_ptr<const TargetImage> image;
+    std::string problem;
+};
+
+/// Loaders of the files that a job names, the lenses that it has designed, its arrays, and its
+/// pictures by the names of their files. Without a loader, such files are rejected.
 struct FileLoaders {
     MapLoader load_map;
     TextLoader load_text;
     StudyLoader load_study;
     std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
     std::shared_ptr<JobArrays> arrays = std::make_shared<JobArrays>();
+    std::shared_ptr<std::map<std::string, JobImage>> images =
+        std::make_shared<std::map<std::string, JobImage>>();
 };
 
 /// What `load` returns for the file that the key names. Nothing if the key is absent, or if the

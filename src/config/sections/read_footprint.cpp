@@ -34,27 +34,37 @@ std::vector<Vec2> read_points_of(Reader& reader, const char* key, std::size_t le
     return points;
 }
 
-std::shared_ptr<const TargetImage> read_image(Reader& reader, const TextLoader& load_text) {
-    const auto bytes = load_named(reader, "target_png", load_text);
-    if (!bytes) return nullptr;
-    image::DecodedImage decoded = image::decode_png(*bytes);
-    const auto& greys = decoded.image.greys;
+JobImage image_of(const std::string& bytes) {
+    image::DecodedImage decoded = image::decode_png(bytes);
     if (decoded.problem.empty() &&
-        std::none_of(greys.begin(), greys.end(), [](double grey) { return grey > 0.0; }))
+        std::ranges::count(decoded.greys, 0) == std::ssize(decoded.greys))
         decoded.problem = "it is black, so it requests no radiation pressure";
-    if (decoded.problem.empty())
-        return std::make_shared<const TargetImage>(
-            TargetImage{decoded.image.columns, decoded.image.rows, greys,
-                        hex(stable_hash(std::string_view(*bytes)))});
-    reader.error("target_png",
-                 fmt::format("cannot be used: {}: {}", reader.word("target_png"), decoded.problem));
+    auto image = std::make_shared<TargetImage>(
+        TargetImage{decoded.columns, decoded.rows, {}, hex(stable_hash(std::string_view(bytes)))});
+    image->greys.reserve(decoded.greys.size());
+    for (const std::uint8_t grey : decoded.greys)
+        image->greys.push_back(grey / 255.0);
+    return {std::move(image), decoded.problem};
+}
+
+std::shared_ptr<const TargetImage> read_image(Reader& reader, const FileLoaders& files) {
+    const auto name = reader.find_word("target_png");
+    if (!name) return nullptr;
+    if (!files.images->contains(*name)) {
+        const auto bytes = load_named(reader, "target_png", files.load_text);
+        if (!bytes) return nullptr;
+        files.images->emplace(*name, image_of(*bytes));
+    }
+    const JobImage& read = files.images->at(*name);
+    if (read.problem.empty()) return read.image;
+    reader.error("target_png", fmt::format("cannot be used: {}: {}", *name, read.problem));
     return nullptr;
 }
 
-void read_target(Reader& reader, const TextLoader& load_text, LensFootprint& lens) {
+void read_target(Reader& reader, const FileLoaders& files, LensFootprint& lens) {
     lens.foci_m = read_points_of(reader, "target_foci_mm", 1);
     lens.polygon_m = read_points_of(reader, "target_polygon_mm", 3);
-    lens.image = read_image(reader, load_text);
+    lens.image = read_image(reader, files);
     const auto width_m =
         reader.find_number("target_width_mm", range_of<LensFootprint>("target_width_mm"));
     int targets = 0;
@@ -101,7 +111,7 @@ FootprintAndPeak read_lens(Reader& reader, const FileLoaders& files) {
     const std::size_t before = reader.diagnostics().errors();
     LensFootprint lens;
     read_fields(reader, lens);
-    read_target(reader, files.load_text, lens);
+    read_target(reader, files, lens);
     lens.absorption_dB_m = reader.number_or(
         "absorption_dB_m", air_absorption_dB_m(lens.frequency_Hz, temperature_K, humidity),
         range_of<LensFootprint>("absorption_dB_m"));
