@@ -15,7 +15,7 @@ from typing import Any
 import h5py
 import xxhash
 
-from .inputs import open_self_contained, require_regular
+from .inputs import open_self_contained, require_regular, text_of
 
 LINE = re.compile(rb"shearwake checksum 1 XXH3-128 ([0-9a-f]{32}) of (\d{20}) bytes\n")
 LINE_LENGTH = 30 + 32 + 4 + 20 + 7
@@ -72,7 +72,7 @@ def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:
     """The last line of a case file according to the journals of its output folder; None if they do not contain it."""
     case, found = Path(path).absolute(), None
     for journal in sorted(case.parent.parent.glob("journal*.jsonl")):
-        for text in journal.read_text(encoding="utf-8", errors="surrogateescape").splitlines():
+        for text in text_of(journal, errors="surrogateescape").splitlines():
             if '"file_checksum"' not in text or case.stem not in text:
                 continue
             try:

@@ -70,6 +70,13 @@ def require_regular(path: Path) -> None:
         raise OSError(f"{path} is not a regular file")
 
 
+def text_of(path: Path, encoding: str = "utf-8", errors: str = "strict") -> str:
+    """The text of a regular file that is not sparse. Raises OSError, and ValueError for other bytes."""
+    require_regular(path)
+    refuse_holes(path)
+    return path.read_text(encoding=encoding, errors=errors)
+
+
 def refuse_holes(path: Path) -> None:
     """Raises BadLink if the file system stores less than a MOST_COMPRESSION-th of a file above ALLOWED_B."""
     size, stored, end = os.stat(path).st_size, 0, 0
@@ -103,16 +110,16 @@ def _refuse_links(file: h5py.File, must_be_numbers: bool) -> None:
     _refuse_claims("the file contains values", claimed, stored, 3 * ALLOWED_B)
 
 
-def _shown(name: bytes) -> str:
-    """A name of a file as text that a terminal does not interpret."""
-    return "".join(c if c.isprintable() else "?" for c in name.decode("utf-8", "replace"))
+def shown(text: bytes | str) -> str:
+    """A text of a file without characters that a terminal interprets."""
+    return "".join(c if c.isprintable() else "?" for c in (text.decode("utf-8", "replace") if isinstance(text, bytes) else text))
 
 
 def _refuse_link(file: h5py.File, name: bytes, kind: int, total: list[int]) -> None:
     """Adds the bytes that a dataset claims and stores to the total."""
-    where = "/" + _shown(name)
+    where = "/" + shown(name)
     if kind > h5py.h5l.TYPE_SOFT:
-        other = _shown(file.id.links.get_val(name)[0]) + ", " if kind == h5py.h5l.TYPE_EXTERNAL else ""
+        other = shown(file.id.links.get_val(name)[0]) + ", " if kind == h5py.h5l.TYPE_EXTERNAL else ""
         raise BadLink(f"the link {where} leads to another file, {other}which is not read")
     item = h5py.h5o.open(file.id, name) if kind == h5py.h5l.TYPE_HARD else None
     if isinstance(item, h5py.h5d.DatasetID):
@@ -129,7 +136,7 @@ def _refuse_other_contents(file: h5py.File, name: bytes, kind: int) -> None:
     item = h5py.h5o.open(file.id, name) if kind == h5py.h5l.TYPE_HARD else None
     is_number = isinstance(item, h5py.h5d.DatasetID) and item.get_type().get_class() in (h5py.h5t.FLOAT, h5py.h5t.INTEGER)
     if not isinstance(item, h5py.h5g.GroupID) and not (is_number and item.rank <= MOST_DIMENSIONS):
-        raise OSError(f"/{_shown(name)} is not an array of numbers with at most {MOST_DIMENSIONS} dimensions")
+        raise OSError(f"/{shown(name)} is not an array of numbers with at most {MOST_DIMENSIONS} dimensions")
 
 
 def _refuse_storage(data: h5py.h5d.DatasetID, where: str, claimed: int) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 from .checksum import read_json
 from .errors import NotAnOutputFolder
 from .from_cases import plan_of_cases
+from .inputs import text_of
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def plan_object(folder: Path) -> dict[str, Any]:
     path, reduced = folder / "plan.json", folder / "tables" / "plan.json"
     for file in (path, reduced):
         if file.exists():
-            return read_json(file.read_text(encoding="utf-8"))
+            return read_json(text_of(file))
     return plan_of_cases(folder)
 
 
@@ -59,7 +60,7 @@ def read_plan(folder: Path) -> tuple[dict[str, Any], str]:
             plan[key]
         job = folder / "job.toml"
         if job.exists():
-            return plan, job.read_text(encoding="utf-8-sig", errors="replace")
+            return plan, text_of(job, "utf-8-sig", "replace")
         return plan, plan.get("job", "").removeprefix("\ufeff")  # a byte order mark
     except FileNotFoundError as error:
         raise NotAnOutputFolder(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
@@ -110,7 +111,7 @@ def read_table(folder: Path, name: str) -> Table | None:
     path = folder / "tables" / (name + ".json")
     if not path.exists():
         return None
-    table = json.loads(path.read_text(encoding="utf-8"))
+    table = json.loads(text_of(path))
     for row in table["cases"]:
         row["values"] = {name: math.nan if value is None else value for name, value in row["values"].items()}
     return Table([Column(**column) for column in table["columns"]], {row["id"]: row for row in table["cases"]})

@@ -70,7 +70,7 @@ class Sweep:
         """The table of `shearwake reduce`; None if there is none. Raises NotAnOutputFolder if it is damaged."""
         try:
             return read_table(self.folder, self.name)
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             raise NotAnOutputFolder(f"{self.folder}: the table is damaged ({first_line(error)}); write it again with "
                                     f"shearwake reduce {self.folder}") from error
 

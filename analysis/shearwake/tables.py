@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from pathlib import Path
 from typing import Any, Callable
+
+from .inputs import text_of
 
 ESTIMATES = ("value", "low_95", "high_95", "samples", "without_value")
 INTERVALS = ("from", "to", "location", "value", "estimated_error")
@@ -18,9 +21,8 @@ def _rows(path: Path, is_number: Callable[[str], bool]) -> list[Row]:
     """The rows of a CSV file, with the cells of columns of numbers as float; NaN: empty. Without a file it is empty."""
     if not path.exists():
         return []
-    with open(path, newline="", encoding="utf-8") as file:
-        return [{name: (float(cell) if cell else math.nan) if is_number(name) else cell for name, cell in row.items()}
-                for row in csv.DictReader(file)]
+    return [{name: (float(cell) if cell else math.nan) if is_number(name) else cell for name, cell in row.items()}
+            for row in csv.DictReader(io.StringIO(text_of(path), newline=""))]
 
 
 def read_statistics(folder: Path, name: str) -> list[Row]:
@@ -56,12 +58,12 @@ class Optima:
     @property
     def maximised(self) -> str:
         """The column that was maximised. Raises OSError and IndexError."""
-        return (self.folder / "study.txt").read_text(encoding="utf-8").splitlines()[0].partition(" = ")[2]
+        return text_of(self.folder / "study.txt").splitlines()[0].partition(" = ")[2]
 
     @property
     def uniformity(self) -> float:
         """The required uniformity along the path; 0 without one. Raises OSError."""
-        lines = (self.folder / "study.txt").read_text(encoding="utf-8").splitlines()
+        lines = text_of(self.folder / "study.txt").splitlines()
         return next((float(line.partition(" = ")[2]) for line in lines if line.startswith("uniformity = ")), 0.0)
 
     def optimum(self, case_id: str, strength: float) -> dict[str, Any]:
@@ -73,4 +75,4 @@ class Optima:
         return self._json(f"{case_id}.forms.json")
 
     def _json(self, name: str) -> dict[str, Any]:
-        return json.loads((self.folder / name).read_text(encoding="utf-8"))
+        return json.loads(text_of(self.folder / name))

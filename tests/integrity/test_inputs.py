@@ -251,6 +251,13 @@ class Texts(ProgramTest):
         self.write_job(changed(('name = "small"', 'name = "-rf"')))
         self.shearwake("check", "job.toml", expect=3)
 
+    def test_control_characters_in_tables_are_not_printed(self):
+        for name, column in (("a.csv", "a\x1b[2Jb"), ("b.csv", "b")):
+            (self.folder / name).write_text(f"id,{column}\n1,2\n", encoding="utf-8")
+        said = self.shearwake("diff", "a.csv", "b.csv", expect=5).said
+        self.says(said, "a?[2Jb")
+        self.assertNotIn("\x1b", said)
+
     @pytest.mark.long
     def test_formulas_in_titles_are_drawn_as_they_are(self):
         title = r"$\frac{$ <b>&amp; | =1+1 `x`"

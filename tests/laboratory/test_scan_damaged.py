@@ -25,6 +25,21 @@ class Hostile(ScanTest):
                 with self.subTest(kind=kind, share=share):
                     self.refused(content[:int(share * len(content))], "truncated")
 
+    def test_data_sets_without_a_start_are_refused(self):
+        for kind in ("uff", "uffb"):
+            parts = self.written(kind).read_bytes().split(b"    -1\n")
+            for n in range(1, len(parts)):
+                with self.subTest(kind=kind, n=n):
+                    content = b"    -1\n".join(parts[:n]) + b"    -5\n" + b"    -1\n".join(parts[n:])
+                    with self.assertRaises(BadScan):
+                        read_scan(self.file(content, ".uff"))
+
+    def test_messages_contain_no_control_characters(self):
+        good = self.written("csv").read_text()
+        with self.assertRaises(BadScan) as caught:
+            read_scan(self.file(good.replace("0.2", "\x1b[31m", 1).encode(), ".csv"))
+        self.assertIn("?[31m", str(caught.exception))
+
     def test_a_claimed_size_of_10_GB_is_refused(self):
         content = self.written("uffb").read_bytes()
         size = f"{30 * 8:12d}".encode()
@@ -143,7 +158,7 @@ class Hostile(ScanTest):
         good = self.written("csv").read_text()
         for text, words in ((good.replace("x_m", "x_mm", 1), "the first line must begin with"),
                             (good.rstrip() + ",1\n", "every line must have 33 fields"),
-                            (good.replace("0.2", "zero", 1), "not a number"),
+                            (good.replace("0.2", "zero", 1), "not a number"), (good.rstrip() + "1_0\n", "not a number"),
                             (good.replace(",0.0,", ",nan,", 1), "time contains a value that is not a finite number"),
                             ("", "the first line must begin with")):
             with self.subTest(words=words):

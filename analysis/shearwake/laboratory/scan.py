@@ -7,12 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from ..inputs import shown
+
 LEAST_DIGITS = 4
 MOST_POINTS, MOST_VALUES = 1_000_000, 500_000_000
 
 
 class BadScan(Exception):
     """A file is not a usable scan; the text states why."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(shown(text))
 
 
 def half_unit(text: str) -> float:

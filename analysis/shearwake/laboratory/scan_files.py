@@ -149,6 +149,8 @@ def read_csv(path: Path) -> Scan:
                 if len(row) != len(header):
                     raise BadScan(f"every line must have {len(header)} fields, as the first one"
                                   + (WITH_POINT if len(row) > len(header) else ""))
+                if "_" in "".join(row):  # which float() ignores
+                    raise ValueError("_")
                 values.extend(map(float, row))
                 if len(values) > MOST_CSV_VALUES:
                     raise BadScan(f"it has more than {MOST_CSV_VALUES} values{LARGER}")

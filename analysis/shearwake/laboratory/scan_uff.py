@@ -338,8 +338,8 @@ def scan_in(lines: Lines) -> Scan:
         if not is_mark(line):
             continue
         first = lines.next()
-        if first is None:
-            break
+        if first is None or is_mark(first):
+            raise BadScan("the -1 at the start of a data set is missing, or the file is truncated")
         if first[:6].strip() == "58" and first[6:7].lower() == "b":
             functions.append(binary_function(first, lines))
             continue

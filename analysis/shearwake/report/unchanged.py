@@ -17,6 +17,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
+from .. import inputs
 from . import layout, medium_files
 from .figure import Figure, small_picture
 from .load import Selection, remembered
@@ -75,7 +76,7 @@ class Drawn:
         self.folder, self.part, self.code, self.reused = folder, part, code_hash(), 0
         self.new: dict[str, Any] = {}
         try:
-            self.old = json.loads((folder / NAME).read_text(encoding="utf-8"))
+            self.old = json.loads(inputs.text_of(folder / NAME))
         except (OSError, ValueError):
             self.old = {}
 

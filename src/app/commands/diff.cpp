@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/diff.hpp"
 #include "schedule/run/output_folder.hpp"
@@ -44,8 +45,8 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world) {
         if (arguments.json)
             fmt::print("{}", reduce::json_text(found, compared, reference));
         else
-            fmt::print("{} compared with {}\n{}", compared.string(), reference.string(),
-                       reduce::words(found));
+            fmt::print("{}", printable(fmt::format("{} compared with {}\n{}", compared.string(),
+                                                   reference.string(), reduce::words(found))));
     });
     // Only rank 0 compares. The program exits with the largest code of all ranks.
     return equal ? ExitCode::done : ExitCode::differs_from_baseline;
