@@ -15,7 +15,7 @@ import pytest
 from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
                      without_reference)
 
-from shearwake.nightly import __main__ as nightly, table
+from shearwake.nightly import __main__ as nightly, night, table
 from shearwake.nightly.history import UNFINISHED, History
 
 TINY = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [400, 500]'), ("frames = true", ""))
@@ -37,6 +37,22 @@ def test_a_baseline_that_a_spreadsheet_has_saved_has_the_same_readings(tmp_path)
         with open(baseline, newline="") as file, open(tmp_path / "edited.csv", "w", newline="", encoding="utf-8-sig") as edited:
             csv.writer(edited, delimiter=separator).writerows(csv.reader(file))
         assert table.readings(tmp_path / "edited.csv") == table.readings(baseline) != []
+
+
+def test_files_that_are_no_tables_or_plans_are_refused(tmp_path):
+    path, watched = tmp_path / "table.csv", night.Watched(tmp_path, "tiny", tmp_path, tmp_path, tmp_path)
+    (tmp_path / "tables").mkdir()
+    for content in (b"", b"id,eta_1\n1,2\n", b"status\n1\n", b"id,status\n1,\xff\n", b"id,status\n1,2,3\n", b"id,status\n" + b"a" * 200_000):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match="is not a table"):
+            table.read_rows(path)
+    os.truncate(path, 1 << 40)
+    with pytest.raises(ValueError, match="bytes, but at most"):
+        table.read_rows(path)
+    for content in (b"[]", b"{}", b"1", b"[" * 300_000, b'{"name": 1}', b"\xff", b""):
+        (tmp_path / "plan.json").write_bytes(content)
+        with pytest.raises(ValueError):
+            watched.table()
 
 
 class Nightly(ProgramTest):

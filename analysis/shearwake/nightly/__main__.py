@@ -106,7 +106,8 @@ def broken_build(log: Path, watched: list[Watched]) -> list[Result]:
 
 def the_night(chosen: argparse.Namespace, watched: list[Watched], handle: int) -> tuple[list[Result], list[str]]:
     log = chosen.out / "nightly.log"
-    log.write_text("", encoding="utf-8")
+    for name in (log.name, "index.html.part", "junit.xml.part"):
+        (chosen.out / name).unlink(missing_ok=True)  # writing to a pipe would block
     program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), log, (handle,))
     history = History(chosen.out / "history.sqlite")
     started = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
@@ -146,7 +147,7 @@ def main() -> int:
                   file=sys.stderr)
             return 6
         results, slower = the_night(chosen, watched, handle)
-    except OSError as problem:
+    except (OSError, ValueError) as problem:  # ValueError: tables, plans or histories with other contents
         print(f"the night cannot continue: {problem}", file=sys.stderr)
         return 6
     except sqlite3.Error as problem:

@@ -57,7 +57,7 @@ class History:
 
     def nights(self, most: int) -> list[tuple]:
         """The last nights, oldest first: (id, started, git_id, host, verdict)."""
-        return self._rows("SELECT id, started, git_id, host, verdict FROM night ORDER BY id DESC LIMIT ?",
+        return self._rows("SELECT id, CAST(started AS TEXT), git_id, host, verdict FROM night ORDER BY id DESC LIMIT ?",
                           most)[::-1]
 
     def jobs(self, night: int) -> list[tuple]:
@@ -69,7 +69,7 @@ class History:
         for column, case, night, value in self._rows(
                 "SELECT column, case_name, night, value FROM reading WHERE job = ? AND night >= ?",
                 job, first_night):
-            found.setdefault(column, {}).setdefault(case, {})[night] = value
+            found.setdefault(column, {}).setdefault(case, {})[night] = float(value)
         return found
 
     def speeds(self, first_night: int) -> dict[str, dict[int, float]]:
@@ -77,7 +77,7 @@ class History:
         found: dict[str, dict[int, float]] = {}
         for name, night, ratio in self._rows(
                 "SELECT name, night, ratio FROM speed WHERE night >= ? ORDER BY rowid", first_night):
-            found.setdefault(name, {})[night] = ratio
+            found.setdefault(name, {})[night] = float(ratio)
         return found
 
     def _rows(self, query: str, *values: Any) -> list[tuple]:

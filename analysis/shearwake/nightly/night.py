@@ -25,7 +25,11 @@ class Watched:
         plan = self.run / "plan.json"
         if not plan.is_file():
             return None
-        path = self.run / "tables" / (json.loads(plan.read_text(encoding="utf-8"))["name"] + ".csv")
+        table.require_size(plan)
+        try:
+            path = self.run / "tables" / (json.loads(plan.read_text(encoding="utf-8"))["name"] + ".csv")
+        except (TypeError, KeyError, RecursionError) as error:
+            raise ValueError(f"{plan} is not a plan: {error!r}") from error
         return path if path.is_file() else None
 
 
