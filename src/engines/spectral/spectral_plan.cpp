@@ -148,7 +148,9 @@ SampledVariation SpectralPlan::sampled_variation() const {
     const Case layers = without_rigid_bodies(c);
     SampledVariation result;
     if (layers.scene().medium.bodies.empty() && !layers.scene().medium.map) return result;
-    constexpr double most_samples = 2e5;
+    // In about a second: each sample is compared with every body.
+    const double most_samples =
+        2e5 / static_cast<double>(std::max<std::size_t>(layers.scene().medium.bodies.size(), 1));
     double nodes = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         if (varies_between(layers.scene().medium, mesh.ends_m[e], mesh.ends_m[e + 1]))
