@@ -159,7 +159,7 @@ std::vector<const PlannedCase*> cases_to_probe(CaseCosts& costs,
     std::vector<const PlannedCase*> all;
     Rates covered = costs.rates();
     for (const PlannedCase* planned : cases) {
-        const engines::Resources& needs = costs.of(planned->physics);
+        const engines::Resources& needs = costs.of(planned->physics, ranks);
         const auto is_new = [&](const engines::Work& part) {
             return part.amount() > 0.0 && pipeline::can_be_probed(part) &&
                    covered.of(part, ranks).origin >= Origin::similar;
