@@ -18,9 +18,10 @@ from PIL import Image
 
 from synthetic import AM, FWHM, Folder, Page, case_id, draw
 
-from shearwake.report import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
-                              fig_spectra, fig_spectrogram, fig_surface, hover, labels, layout, load, player, table,
-                              warnings_of, words)
+from shearwake.report import labels, layout, load, warnings_of, words
+from shearwake.report.figures import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
+                                      fig_spectra, fig_spectrogram, fig_surface)
+from shearwake.report.page import hover, player, table
 
 SPEED = "load.modulation.speed_m_s"
 SPACING = "domain.spacing_mm"

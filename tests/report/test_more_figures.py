@@ -16,8 +16,10 @@ import numpy as np
 
 from synthetic import AM, Folder, case_id, sweep
 
-from shearwake.report import (chart, curve_chart, fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
-                              fig_spectra, fig_surface, fig_time, fig_traces, fig_volume, layout, load, periods, style, topics)
+from shearwake.report import layout, load, style
+from shearwake.report.figures import (fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
+                                      fig_spectra, fig_surface, fig_time, fig_traces, fig_volume, periods)
+from shearwake.report.page import chart, curve_chart, topics
 
 MEDIUM = """
 [medium]

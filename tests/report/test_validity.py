@@ -14,8 +14,9 @@ from unittest import mock
 import numpy as np
 from synthetic import AM, FWHM, Folder, Page, case_id
 
-from shearwake.report import (chart, curve_chart, fig_curves, fig_heat, fig_measures, fig_multiples, fig_surface,
-                              labels, load, style, warnings_of)
+from shearwake.report import labels, load, style, warnings_of
+from shearwake.report.figures import fig_curves, fig_heat, fig_measures, fig_multiples, fig_surface
+from shearwake.report.page import chart, curve_chart
 from shearwake.report.style import plt
 
 INVALID = {"severity": "error", "key": "domain.extent_mm", "message": "waves return at 4.8 ms"}
