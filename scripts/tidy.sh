@@ -1,28 +1,36 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs clang-tidy on sources of the program with the compile commands of a clang build. Files that this build
-# compiles in groups are checked in the same groups.
-# Usage: scripts/tidy.sh BUILD [COMMIT]
-#   BUILD:  build folder of the preset clang
-#   COMMIT: check only files that differ from this commit; the complete tree takes tens of minutes
+# Reports clang's warnings and runs clang-tidy on sources of the program. Those that the build compiles in groups are
+# checked in the same groups. No code is generated, only precompiled headers.
+# Usage: scripts/tidy.sh [COMMIT]
+#   COMMIT: only files that differ from this commit; the complete tree takes tens of minutes
 set -u
 cd "$(dirname "$0")/.." || exit 6
-build=$1
+build=build-clang
+mkdir -p "$build"
+log=$build/clang-tidy.log
+if ! cmake --preset clang >"$log" 2>&1; then
+    cat "$log" >&2
+    exit 1
+fi
 units=/src/
-if [ $# -gt 1 ]; then
+if [ $# -gt 0 ]; then
     units=""
-    files=$(git -c safe.directory="$PWD" diff --name-only "$2" -- 'src/*.cpp') || exit 6
+    files=$(git -c safe.directory="$PWD" diff --name-only "$1" -- 'src/*.cpp') || exit 6
     for file in $files; do
         [ -f "$file" ] || continue
         united=$(grep -rlF "/$file\"" "$build/src" --include='unity_*.cxx')
         units="$units${units:+|}${united:-$file}\$"
     done
     if [ -z "$units" ]; then
-        echo "no source file has changed since $2"
+        echo "no source file has changed since $1"
         exit 0
     fi
 fi
-log=$build/clang-tidy.log
+if ! cmake --build "$build" --target git_id shearwake_precompiled-O2 shearwake_precompiled-O1 >"$log"; then
+    cat "$log" >&2
+    exit 1
+fi
 if run-clang-tidy -quiet -p "$build" -j "$(nproc)" "$units" >"$log" 2>/dev/null; then
     exit 0
 fi

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds of the whole program that take long: with link-time optimisation, and on each supported Debian release."""
+"""Builds of the whole program that take long: with link-time optimisation, with clang, and on each supported Debian release."""
 import os
 import shutil
 import subprocess
@@ -24,6 +24,16 @@ class Builds(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             self.succeeds("cmake", "--preset", "lto", "-B", folder, "-DSHEARWAKE_WERROR=ON")
             self.succeeds("cmake", "--build", folder, "--target", "shearwake")
+
+    def test_the_sanitizer_of_clang_finds_no_undefined_behaviour(self):
+        """In the unit tests, and in the MPI tests on ranks of which some have no data."""
+        if not shutil.which("clang++"):
+            self.skipTest("scripts/setup --checks installs clang")
+        with tempfile.TemporaryDirectory() as folder:
+            self.succeeds("cmake", "--preset", "clang", "-B", folder)
+            self.succeeds("cmake", "--build", folder, "--target", "build_tests")
+            said = self.succeeds("ctest", "--test-dir", folder, "-R", "^unit_tests$|mpi_tests on [58]")
+            self.assertIn("100% tests passed, 0 tests failed out of 3", said)
 
     def on_release(self, release):
         if os.geteuid() != 0 or not shutil.which("debootstrap"):

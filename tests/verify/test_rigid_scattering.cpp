@@ -4,6 +4,7 @@
 #include "support/sphere_in_wave.hpp"
 
 #include <catch2/catch.hpp>
+#include <tuple>
 
 namespace test_rigid_scattering {
 
@@ -61,7 +62,8 @@ TEST_CASE("series of a wave scattered by a rigid sphere meets the conditions", "
 TEST_CASE("displacement around a rigid sphere in a shear wave agrees with the series", "[verify]") {
     // At 3 mm and 5 m/s: 270 and 530 Hz. The errors of few spacings are those of which `check`
     // warns (docs/explanation/engine-spectral.md), rounded up.
-    const auto [kappa, per_radius, allowed] =
+    double kappa = 0.0, per_radius = 0.0, allowed = 0.0;
+    std::tie(kappa, per_radius, allowed) =
         GENERATE(table<double, double, double>({{1.0, 9.0, 0.03},
                                                 {2.0, 9.0, 0.03},
                                                 {1.0, 2.0, 0.57},
