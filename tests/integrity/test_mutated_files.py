@@ -3,8 +3,10 @@
 import os
 import random
 import shutil
+import struct
 import sys
 import unittest
+import zlib
 
 import h5py
 import numpy as np
@@ -53,10 +55,10 @@ def mutated(content, rng):
 
 
 class MutatedFiles(ProgramTest):
-    def accepted_or_refused(self, call, about):
-        return accepted_or_refused(self, call, (0, 2, 3, 5, 6), MOST_s, about)[1]
+    def accepted_or_refused(self, call, about, codes=(0, 2, 3, 5, 6)):
+        return accepted_or_refused(self, call, codes, MOST_s, about)[1]
 
-    def attack(self, name, content, call, finish=lambda path: None):
+    def attack(self, name, content, call, finish=lambda path: None, codes=(0, 2, 3, 5, 6)):
         rng = random.Random(name)
         (self.folder / name).write_bytes(content)
         self.assertEqual(self.accepted_or_refused(call, f"{name} without changes"), 0)
@@ -65,7 +67,7 @@ class MutatedFiles(ProgramTest):
             (self.folder / name).write_bytes(mutated(content, rng))
             finish(self.folder / name)
             with self.subTest(name=name, number=number):
-                refused += self.accepted_or_refused(call, f"{name} number {number}") != 0
+                refused += self.accepted_or_refused(call, f"{name} number {number}", codes) != 0
         self.assertGreater(refused, times(5, 200) // 10)
 
     def test_maps(self):
@@ -87,6 +89,35 @@ class MutatedFiles(ProgramTest):
         self.write_job(without_reference((SWEEP, 'list = "list.csv"'), ('x = "load.modulation.am_frequency_Hz"\n', "")))
         lines = "".join(f"{100 + n},{7 + n % 3}\n" for n in range(20))
         self.attack("list.csv", f"load.peak_Pa,load.modulation.speed_m_s\n{lines}".encode(), command("check", "job.toml", "--elsewhere"))
+
+    def test_afferents_in_csv(self):
+        text = (ROOT / "jobs" / "steady-circle.toml").read_text(encoding="utf-8")
+        self.write_job(changed(('"circle-afferents.csv"', '"input.csv"'), text=text))
+        lines = (ROOT / "jobs" / "circle-afferents.csv").read_bytes().splitlines(keepends=True)
+        self.attack("input.csv", b"".join(lines[:60]), command("check", "job.toml", "--elsewhere"))
+
+    def test_pictures(self):
+        text = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")
+        polygon = next(line for line in text.splitlines() if line.startswith("target_polygon_mm"))
+        self.write_job(changed((polygon, 'target_png = "input.png"\ntarget_width_mm = 40.0'), text=text))
+        rows = zlib.compress(b"".join(b"\0" + bytes((8 * (x + y)) % 256 for x in range(24)) for y in range(24)))
+        parts = ((b"IHDR", struct.pack(">IIBBBBB", 24, 24, 8, 0, 0, 0, 0)), (b"IDAT", rows), (b"IEND", b""))
+
+        def picture(parts):
+            return b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(part)) + name + part + struct.pack(">I", zlib.crc32(name + part))
+                                                   for name, part in parts)
+
+        def with_valid_checksums(path):
+            """Every second picture has its chunks as they are after the change, so that the decoder sees their contents."""
+            content = path.read_bytes()
+            if len(content) % 2:
+                path.write_bytes(picture(((b"IHDR", content[16:29]), (b"IDAT", content[41:-16]), (b"IEND", b""))))
+
+        self.attack("input.png", picture(parts), command("check", "job.toml", "--elsewhere"), with_valid_checksums)
+
+    def test_inputs_of_kwave(self):
+        content = (ROOT / "tests" / "data" / "kwave" / "homogeneous_input.h5").read_bytes()
+        self.attack("input.h5", content, command("kwave", "-i", "input.h5", "-o", "out.h5"), codes=(0, 1))
 
     def test_tables(self):
         table = (ROOT / "tests" / "baselines" / "quickstart.csv").read_bytes()
@@ -118,6 +149,24 @@ class MutatedFiles(ProgramTest):
         for kind, content in examples(self.folder).items():
             name = f"{kind}{KINDS[kind]}"
             self.attack(name, content, [sys.executable, "-c", f"import sys; {folders}\n{program}", name])
+
+    @pytest.mark.long
+    def test_texts_of_an_output_folder(self):
+        self.write_job(ONE_CASE)
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        python = HostileFiles.python("import shearwake; shearwake.open_sweep(sys.argv[1]).dataset('eta_period_1')", self.out)
+        rng = random.Random("texts")
+        texts = [path for path in sorted(self.out.rglob("*")) if path.is_file() and path.suffix in (".json", ".jsonl", ".toml", ".csv")]
+        self.assertGreater(len(texts), 3)
+        for path in texts:
+            good = path.read_bytes()
+            for number in range(times(2, 200 // len(texts) + 1)):
+                for call in (command("status", self.out), command("reduce", self.out), command("run", "job.toml"), python):
+                    path.write_bytes(mutated(good, rng))
+                    with self.subTest(path=path.name, number=number, call=call[1]):
+                        self.accepted_or_refused(call, f"{path.name} number {number} {call[1]}", (0, 2, 3, 4, 5, 6))
+            path.write_bytes(good)
 
 
 class HostileFiles(ProgramTest):
