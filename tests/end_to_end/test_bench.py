@@ -12,6 +12,7 @@ import pytest
 from program import PATIENCE_s, SWEEP, ProgramTest, case_files, without_reference
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
+BRIEF = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"), ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
 PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge", "other"]
 
 
@@ -107,7 +108,7 @@ class Bench(ProgramTest):
 
     def test_the_rates_of_all_cases_of_a_short_run_are_recorded(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
-                                                  '"solver.engine" = ["layered", "pstd", "spectral"]')))
+                                                  '"solver.engine" = ["layered", "pstd", "spectral"]'), *BRIEF))
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
             self.shearwake("run", "job.toml", "--quiet", ranks=2)
             self.assertEqual({case["time_origin"] for case in self.planned("job.toml", "-n", 2)["cases"]}, {"measured"})
@@ -128,12 +129,10 @@ class Bench(ProgramTest):
     @pytest.mark.long
     def test_fftw_plans_are_measured_once_regardless_of_earlier_engines(self):
         cache = self.folder / "cache"
-        short = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"),
-                 ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
 
         def write(engines):
             self.write_job(without_reference(
-                (SWEEP, f'"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = {engines}'), *short))
+                (SWEEP, f'"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = {engines}'), *BRIEF))
 
         def plans():
             return {file.name: file.read_bytes() for file in cache.glob("fftw-*-staggered-*")}

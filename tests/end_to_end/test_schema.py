@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The JSON Schema of job files: every job of the repository is valid, and what it rejects `check` rejects too."""
 import json
+import random
 import tomllib
 import unittest
 
 import jsonschema
 
+from attacks import times
 from program import JOB, ROOT, ProgramTest, changed
 
 JOBS = sorted((ROOT / "jobs").glob("*.toml"))
@@ -77,7 +79,7 @@ class Schema(ProgramTest):
 
     def test_what_it_rejects_the_program_rejects(self):
         self.assertGreater(len(INVALID), 50)
-        for change in INVALID:
+        for change in random.Random("schema").sample(INVALID, times(20, len(INVALID))):
             with self.subTest(change=change):
                 text = changed(change)
                 self.assertTrue(self.rejects(text), "the schema accepts it")

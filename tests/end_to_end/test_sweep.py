@@ -81,7 +81,7 @@ class Sweep(ProgramTest):
         one, _ = self.sweep(1, "one")
         first = {path.stem: numbers_of(path) for path in case_files(one)}
         self.shearwake("reduce", one)
-        for ranks, teams in ((2, "auto"), (2, 2), (3, 3)):
+        for ranks, teams in ((2, 2), (3, 3)):
             out = self.folder / "out" / f"{ranks}-{teams}"
             self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", teams, ranks=ranks)
             self.shearwake("reduce", out)

@@ -4,6 +4,8 @@ import csv
 import json
 import unittest
 
+import pytest
+
 from program import ROOT, SWEEP, ProgramTest, case_files, changed, table
 
 SPEED, VISCOSITY = "medium.layer[1].c_s_m_s", "medium.layer[1].viscosity_Pa_s"
@@ -64,6 +66,7 @@ class Uncertain(ProgramTest):
         for figure in ("uncertain_bands", "uncertain_probability", "uncertain_scatter"):
             self.assertIn(f'id="{figure}"', page)
 
+    @pytest.mark.long
     def test_sobol_indices_reach_the_report(self):
         self.write_job(changed((LOAD + '" = [500, 1000]', LOAD + '" = [500]'),
                                ("samples = 4", 'samples = 4\nanalysis = "sobol-indices"'),
