@@ -3,6 +3,7 @@
 killed."""
 import csv
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -207,6 +208,18 @@ class Nightly(ProgramTest):
         before = path.read_bytes()
         self.says(self.night(expect=6), "history.sqlite", "move it away")
         self.assertEqual(path.read_bytes(), before)
+
+    def test_pipes_in_place_of_its_files_do_not_block_a_night(self):
+        self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
+        for name in ("history.sqlite", "index.html.part", "junit.xml.part", "lock"):
+            with self.subTest(name=name):
+                self.nights.mkdir()
+                os.mkfifo(self.nights / name)
+                done = subprocess.run(self.command("nightly", "bad.toml", "--no-bench"), cwd=self.folder, env=self.environment(),
+                                      stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
+                self.assertNotIn("Traceback", done.stderr)
+                self.assertNotEqual(done.returncode, 0)
+                shutil.rmtree(self.nights)
 
     def test_a_failed_job_is_reported_and_the_others_continue(self):
         self.first_baseline()

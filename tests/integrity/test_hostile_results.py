@@ -90,6 +90,34 @@ class HostileResults(ProgramTest):
                     self.read(call, f"{kind} {call[1]}")
             remove(path)
 
+    def test_what_is_not_a_file_in_place_of_texts(self):
+        self.write_job(ONE_CASE)
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        case = case_files(self.out)[0]
+        odd = (("pipe", os.mkfifo), ("hole", self.make_hole), ("folder", os.mkdir), ("device", lambda path: path.symlink_to("/dev/zero")))
+        texts = [self.out / "plan.json", self.out / "job.toml", *self.out.glob("journal*.jsonl"), *self.out.glob("index*.jsonl"),
+                 *(self.out / "tables").iterdir()]
+        for text in texts:
+            good = text.read_bytes()
+            text.unlink()
+            for kind, make in odd[:times(1, 4)]:
+                make(text)
+                for call in (command("status", self.out), command("reduce", self.out), command("report", self.out),
+                             [sys.executable, "-c", READ, str(case), str(self.out)])[times(3, 0):]:
+                    with self.subTest(text=text.name, kind=kind, call=call[-3:]):
+                        self.read(call, f"{text.name} {kind} {call[1]}")
+                if text.is_dir():
+                    text.rmdir()
+                else:
+                    text.unlink(missing_ok=True)
+            text.write_bytes(good)
+
+    @staticmethod
+    def make_hole(path):
+        path.touch()
+        os.truncate(path, 3 << 30)
+
     def test_checkpoints(self):
         self.write_job(STEPPED)
         process = self.start("run", "job.toml", "--checkpoint-steps", 20)

@@ -35,4 +35,36 @@ ExitCode draw_report(const std::filesystem::path& folder, const Comm& world) {
     return execute(report, {folder.string()}, world);
 }
 
+void add_movie(CLI::App& app, Action& action) {
+    CLI::App& command = add_python_command(app, action, "movie",
+                                           "write a movie of the surface of a case (MP4, GIF)",
+                                           {.module = "shearwake.report.movie",
+                                            .rejection = "the movie was not written",
+                                            .failure = "the movie was not written"});
+    pass_option(command, "CASE", "case file with several surfaces")->required();
+    pass_option(command, "--out",
+                "path of the movies without extension (default: that of the case file)", "NAME");
+    pass_option(command, "--slow-down",
+                "how many times slower than the motion (default: the run takes about 6 s)", "FLOAT")
+        ->check(CLI::Range(1e-3, 1e9));
+    pass_option(command, "--width", "width of the MP4 in pixels (default 960)", "INT")
+        ->check(CLI::Range(160, 3840));
+}
+
+void add_export(CLI::App& app, Action& action) {
+    CLI::App& command = add_python_command(
+        app, action, "export", "write the scan of the vibrometer of a case for other programs",
+        {.module = "shearwake.laboratory.export_scan",
+         .rejection = "the scan cannot be exported",
+         .failure = "the export failed"});
+    pass_option(command, "CASE", "case file (HDF5)")->required();
+    pass_option(command, "--format",
+                "format: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
+                "MATLAB and Octave)")
+        ->check(one_of({"uff", "csv", "mat"}));
+    pass_flag(command, "--binary", "with uff: binary instead of ASCII data");
+    pass_option(command, "--out",
+                "file (default: the id of the case with the extension of the format)");
+}
+
 } // namespace shearwake::app
