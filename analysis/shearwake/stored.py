@@ -24,7 +24,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except (FileNotFoundError, PermissionError):
         raise
-    except (OSError, RuntimeError) as error:
+    except (OSError, RuntimeError, TypeError, AttributeError, ValueError) as error:  # of h5py, for other contents
         lines = str(error).splitlines()
         raise Damaged(f"{path} is not a valid case file: {lines[0] if lines else type(error).__name__}") from error
 

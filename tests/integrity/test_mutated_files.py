@@ -51,7 +51,7 @@ def mutated(content, rng):
             start = rng.randrange(len(data) + 1)
             data[at:at] = data[start:start + rng.randrange(1, 200)]
         data = data or bytearray(b"\n")
-    return bytes(data)
+    return bytes(data) if data != content else mutated(content, rng)
 
 
 class MutatedFiles(ProgramTest):

@@ -22,7 +22,7 @@ from ..sweep import Sweep, case_of_file
 from .in_two import in_two
 
 # What reading a case raises if it has no file, or if the file is damaged or lacks the data.
-UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, IndexError, TypeError, NotRecorded)
+UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, IndexError, TypeError, ArithmeticError, NotRecorded)
 
 
 @dataclass
@@ -111,7 +111,10 @@ def traces(case: Case) -> Traces:
         return Traces([], np.empty((0, 0)), np.empty(0), np.empty((0, 0)))
     frequency, amplitude = found["frequency"], found["amplitude"]  # the lines of a period have no leakage
     if case.setting("time", "regime", default="") != "periodic" and len(found["time"]) > 1:
-        frequency, amplitude = amplitude_spectrum(found["u_z"], float(found["time"][1] - found["time"][0]))
+        interval_s = float(found["time"][1] - found["time"][0])
+        if not interval_s > 0.0:
+            raise ValueError("the times of the traces do not increase")
+        frequency, amplitude = amplitude_spectrum(found["u_z"], interval_s)
     return Traces([(float(x), float(y)) for x, y in zip(found["x"], found["y"])], found["u_z"], frequency, amplitude)
 
 

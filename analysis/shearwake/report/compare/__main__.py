@@ -214,7 +214,7 @@ def main(arguments: list[str]) -> int:
     except (NotAnOutputFolder, NotACase, OSError, Damaged) as error:
         print(f"error: {error}", file=sys.stderr)
         return ENVIRONMENT
-    except (KeyError, IndexError, TypeError, ValueError) as error:  # for other contents, numpy and xarray raise many types
+    except (KeyError, IndexError, TypeError, ValueError, ArithmeticError) as error:  # for other contents, numpy and xarray raise many types
         print(f"error: one of the files has other contents than a case file: {error!r}", file=sys.stderr)
         return ENVIRONMENT
     if given.json:
