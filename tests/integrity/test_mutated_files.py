@@ -150,24 +150,6 @@ class MutatedFiles(ProgramTest):
             name = f"{kind}{KINDS[kind]}"
             self.attack(name, content, [sys.executable, "-c", f"import sys; {folders}\n{program}", name])
 
-    @pytest.mark.long
-    def test_texts_of_an_output_folder(self):
-        self.write_job(ONE_CASE)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
-        python = HostileFiles.python("import shearwake; shearwake.open_sweep(sys.argv[1]).dataset('eta_period_1')", self.out)
-        rng = random.Random("texts")
-        texts = [path for path in sorted(self.out.rglob("*")) if path.is_file() and path.suffix in (".json", ".jsonl", ".toml", ".csv")]
-        self.assertGreater(len(texts), 3)
-        for path in texts:
-            good = path.read_bytes()
-            for number in range(times(2, 200 // len(texts) + 1)):
-                for call in (command("status", self.out), command("reduce", self.out), command("run", "job.toml"), python):
-                    path.write_bytes(mutated(good, rng))
-                    with self.subTest(path=path.name, number=number, call=call[1]):
-                        self.accepted_or_refused(call, f"{path.name} number {number} {call[1]}", (0, 2, 3, 4, 5, 6))
-            path.write_bytes(good)
-
 
 class HostileFiles(ProgramTest):
     """Each attack on a dataset of an HDF5 file, in each reader."""
