@@ -8,8 +8,8 @@
 
 // clang-format off
 /// The commands in the order of --help. add_NAME() in NAME.cpp declares each of them, in texts.cpp
-/// those that only print a text, in report.cpp also the other ones that only start Python. All commands are collective over the world; those that only read
-/// or draw do their work on rank 0.
+/// those that only print a text, and in report.cpp also movie and export, which only start Python.
+/// All commands are collective over the world; those that only read or draw do their work on rank 0.
 #define SHEARWAKE_COMMANDS(command) \
     command(check) \
     command(keys) \

@@ -91,7 +91,7 @@ private:
     double estimated_s(const PlannedCase& planned) const;
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
-    /// Adds the rates of a complete case to the file of this machine. On the root of the team.
+    /// Adds the rates of all complete cases to the file of this machine. On the root of the team.
     void save_rates();
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
