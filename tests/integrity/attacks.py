@@ -3,8 +3,10 @@
 import os
 import random
 import signal
+import struct
 import subprocess
 import threading
+import zlib
 
 import h5py
 import numpy
@@ -39,6 +41,18 @@ def accepted_or_refused(test, call, codes, most_s, about):
     test.assertLess(used.ru_utime + used.ru_stime, most_s, about)
     test.assertLess(1024.0 * used.ru_maxrss, MOST_B, about)
     return said, code
+
+
+def png(header, data):
+    """A PNG file with valid checksums of the given contents of its chunks: IHDR, and IDAT, which is compressed."""
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(part)) + name + part + struct.pack(">I", zlib.crc32(name + part))
+        for name, part in ((b"IHDR", header), (b"IDAT", data), (b"IEND", b"")))
+
+
+def grey_header(side):
+    """The IHDR of a square picture of 8-bit grey values."""
+    return struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
 
 
 ELSEWHERE = {"external link", "link over a link", "external storage", "virtual dataset"}  # the values are in other files

@@ -3,11 +3,10 @@
 import json
 import random
 import shutil
-import struct
 import unittest
 import zlib
 
-from attacks import accepted_or_refused, times
+from attacks import accepted_or_refused, grey_header, png, times
 from mutations import mutated
 from program import ROOT, ProgramTest, changed, command
 
@@ -110,9 +109,7 @@ class MutatedJobs(ProgramTest):
             data = zlib.compressobj(9)
             rows = b"".join(data.compress((b"\0" + side * b"\xff") * (side // 16)) for _ in range(16))
             rows += b"".join(data.compress(bytes(1_000_000)) for _ in range(more_B // 1_000_000)) + data.flush()
-            (self.folder / "grey.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(
-                struct.pack(">I", len(part)) + name + part + struct.pack(">I", zlib.crc32(name + part)) for name, part in (
-                    (b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)), (b"IDAT", rows), (b"IEND", b""))))
+            (self.folder / "grey.png").write_bytes(png(grey_header(side), rows))
             with self.subTest(side=side):
                 said, ended = self.accepted_or_refused("check", f"{side}")
                 self.assertEqual(ended, code, said)
