@@ -142,8 +142,8 @@ private:
                 for (std::ptrdiff_t j = run.begin; j < run.end; ++j) {
                     const Vec3 at{case_.domain.x_m(run.row), case_.domain.y_m(j), z_m};
                     use((1.0 / body_radius_m) * (at - centre_m_),
-                        v.points[p].first * components +
-                            static_cast<std::size_t>(run.offset + j - run.begin),
+                        v.points[p].first * components + run.offset +
+                            static_cast<std::size_t>(j - run.begin),
                         v.points[p].cells);
                 }
         }
