@@ -189,8 +189,11 @@ public:
     /// Whether choosing the time step takes about 0.1 s or more, because it requires trial runs or
     /// the materials of all nodes. Not collective.
     virtual bool probes_step(const Case& /*c*/) const { return false; }
-    /// The step [s] that `run` uses, if probes_step(). Not collective.
-    virtual double probed_step_s(const Case& /*c*/) const { return 0.0; }
+    /// The step [s] that `run` uses, if probes_step(). Nothing if trial runs do not find it within
+    /// `most_s` seconds of CPU time. Not collective.
+    virtual std::optional<double> probed_step_s(const Case& /*c*/, double /*most_s*/) const {
+        return {};
+    }
     /// The case with this step specified, so that it need not be chosen. Not collective.
     virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
     /// Order of convergence in the grid spacing for a laterally uniform medium; none: faster than

@@ -46,6 +46,15 @@ class MutatedJobs(ProgramTest):
                 if name == "fig2.2":
                     self.says(said, "cases are chosen when they run")
 
+    def test_the_step_of_a_fine_mesh_is_left_to_the_run(self):
+        """Trial runs of thousands of elements take seconds."""
+        text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
+        self.write_job(text.replace("longest_element_mm = 2.0", "longest_element_mm = 0.005"))
+        said, code = self.accepted_or_refused("plan")
+        self.assertEqual(code, 0, said)
+        self.says(said, "choosing time steps takes more than a second and is left to `run` or `plan --probe`")
+        self.says(said, "time: unknown")
+
     def test_a_sweep_of_the_depth_of_a_body_is_planned_at_once(self):
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
         self.write_job(changed(('"medium.body[1].depth_mm" = [5.0, 6.0, 8.0, 10.0, 14.0]',

@@ -203,7 +203,10 @@ void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& wa
         fmt::print("{}{}\n", note,
                    count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
     }
-    if (e.probed < e.cases.size())
+    if (e.probed == 0)
+        fmt::print("choosing time steps takes more than a second and is left to `run` or `plan "
+                   "--probe`; memory is estimated with one step per frame\n");
+    else if (e.probed < e.cases.size())
         fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
                    "estimated from the most similar of these {} cases\n",
                    e.cases.size() - e.probed, e.probed);

@@ -153,7 +153,7 @@ bool PstdEngine::probes_step(const Case& c) const {
            !std::get<PstdOptions>(c.solver).time_step_s;
 }
 
-double PstdEngine::probed_step_s(const Case& c) const {
+std::optional<double> PstdEngine::probed_step_s(const Case& c, double /*most_s*/) const {
     return step_of(c).step_s;
 }
 
@@ -165,7 +165,7 @@ Case PstdEngine::with_step(const Case& c, double step_s) const {
 
 engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
     auto options = std::get<PstdOptions>(c.solver);
-    const double step_s = 0.5 * options.time_step_s.value_or(probed_step_s(c));
+    const double step_s = 0.5 * options.time_step_s.value_or(step_of(c).step_s);
     options.time_step_s = step_s;
     return {.options = options,
             .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),

@@ -32,12 +32,12 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
 
 } // namespace
 
-const SpectralPlan& SpectralEngine::plan_of(const Case& given) const {
+const SpectralPlan& SpectralEngine::plan_of(const Case& given, double most_choosing_s) const {
     constexpr std::size_t most = 16; // `plan` needs those of twelve cases twice
     for (const Planned& known : planned_)
         if (known.given == given) return known.plan;
     if (planned_.size() == most) planned_.pop_front();
-    return planned_.emplace_back(Planned{given, SpectralPlan(given)}).plan;
+    return planned_.emplace_back(Planned{given, SpectralPlan(given, most_choosing_s)}).plan;
 }
 
 const SampledVariation& SpectralEngine::variation_of(const SpectralPlan& plan) const {
@@ -80,7 +80,7 @@ engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
     constexpr double order = 2.0;
     const double before = options.accuracy;
     if (options.time_step_s || before < 2.0 * SpectralOptions::least_accuracy) {
-        const double step_s = 0.5 * options.time_step_s.value_or(probed_step_s(c));
+        const double step_s = 0.5 * options.time_step_s.value_or(plan_of(c).time.step_s);
         options.time_step_s = step_s;
         return {.options = options,
                 .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),

@@ -103,8 +103,12 @@ bool SpectralEngine::probes_step(const Case& c) const {
     return !std::get<SpectralOptions>(c.solver).time_step_s;
 }
 
-double SpectralEngine::probed_step_s(const Case& c) const {
-    return plan_of(c).time.step_s;
+std::optional<double> SpectralEngine::probed_step_s(const Case& c, double most_s) const {
+    try {
+        return plan_of(c, most_s).time.step_s;
+    } catch (const StepNotChosen&) {
+        return {};
+    }
 }
 
 Case SpectralEngine::with_step(const Case& c, double step_s) const {

@@ -139,8 +139,9 @@ std::string VariationPlan::note() const {
                        iterates ? "iterations " + where : "one background solve per step");
 }
 
-SpectralPlan::SpectralPlan(const Case& given)
-    : c(with_rigid_bodies(given)), time(choose_time_step(c, std::get<SpectralOptions>(c.solver))),
+SpectralPlan::SpectralPlan(const Case& given, double most_choosing_s)
+    : c(with_rigid_bodies(given)),
+      time(choose_time_step(c, std::get<SpectralOptions>(c.solver), most_choosing_s)),
       mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)), rigid(rigid_plan(c)) {
 }
 

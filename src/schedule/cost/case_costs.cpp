@@ -18,6 +18,8 @@ namespace {
 
 /// About 2 s in total, at 0.15 s each.
 constexpr std::size_t most_probes = 12;
+/// With a limit, the time after which a probe is given up, as of meshes of 100 elements.
+constexpr double most_one_s = 0.75;
 
 double log_distance(double a, double b) {
     return std::abs(std::log((a + 1.0) / (b + 1.0)));
@@ -119,7 +121,10 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
         if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
-        probes_.push_back({&c, engine_of(c).probed_step_s(c)});
+        const double most_step_s = std::isfinite(most_s) ? most_one_s : most_s;
+        const std::optional<double> step_s = engine_of(c).probed_step_s(c, most_step_s);
+        if (!step_s) break;
+        probes_.push_back({&c, *step_s});
     }
 }
 
@@ -159,10 +164,17 @@ bool CaseCosts::is_probed(const Case& c) const {
 }
 
 Case CaseCosts::with_step(const Case& c) const {
-    if (!is_open(c) || probes_.empty()) return c;
+    if (!is_open(c)) return c;
+    if (probes_.empty()) return engine_of(c).with_step(c, c.time.interval_s);
     const Probe& nearest = *std::ranges::min_element(
         probes_, {}, [&](const Probe& probe) { return distance(*probe.c, c); });
     return engine_of(c).with_step(c, nearest.step_s);
+}
+
+CaseTime CaseCosts::time(const Case& c, int ranks) {
+    CaseTime time = time_of(of(c), ranks, rates_);
+    if (is_open(c) && probes_.empty()) time.origin = Origin::unknown;
+    return time;
 }
 
 const engines::Resources& CaseCosts::of(const Case& given, int ranks) {

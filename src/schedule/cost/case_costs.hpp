@@ -39,7 +39,7 @@ public:
         std::function<void(const PlannedCase& planned, std::size_t number, std::size_t count)>;
 
     /// Probes until `most_s` seconds of CPU time are used, at least one case. With a limit, ranks
-    /// may probe different cases.
+    /// may probe different cases, and a probe of more than a second is given up.
     CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
               const BeforeProbe& before_probe = {},
               double most_s = std::numeric_limits<double>::infinity());
@@ -53,7 +53,7 @@ public:
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
     const engines::Resources& of(const Case& c, int ranks = 1);
     /// Seconds of the case on a team of `ranks` ranks.
-    CaseTime time(const Case& c, int ranks) { return time_of(of(c), ranks, rates_); }
+    CaseTime time(const Case& c, int ranks);
     /// Memory per rank of the case on a team of `ranks` ranks, including that of the program
     /// itself.
     double memory_per_rank_B(const Case& c, int ranks) { return of(c, ranks).memory_per_rank_B(); }
@@ -65,6 +65,7 @@ public:
     /// The engine of the case, which remembers the steps that were chosen.
     engines::Engine& engine_of(const Case& c) const;
     /// The case with the time step of the most similar probe, so that its engine need not probe.
+    /// Without any probe, the step is the output interval.
     Case with_step(const Case& c) const;
 
 private:

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
@@ -149,12 +150,32 @@ struct Expected {
     double all() const { return layers + bodies; }
 };
 
+/// Ends a choice of a step by StepNotChosen.
+class Limit {
+public:
+    explicit Limit(double most_s) : most_s_(most_s), began_(std::clock()) {}
+
+    void check() const {
+        if (static_cast<double>(std::clock() - began_) > most_s_ * CLOCKS_PER_SEC)
+            throw StepNotChosen{};
+    }
+    /// Factors of 1000 elements take 130 MB, and their first step 0.1 s.
+    void check(const DepthMesh& mesh) const {
+        if (std::isfinite(most_s_) && mesh.elements() > 1000) throw StepNotChosen{};
+    }
+
+private:
+    double most_s_;
+    std::clock_t began_;
+};
+
 Expected expected_error(const Case& c, const SpectralOptions& options, const Scales& s,
-                        double step_s) {
+                        double step_s, const Limit& limit) {
     const DepthMesh mesh = choose_mesh(c, options, step_s);
+    limit.check(mesh);
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     const double periods = std::max(1.0, s.omega_rad_s * c.time.duration_s() / 10.0);
-    return {probed_error(c, mesh, step_s),
+    return {probed_error(c, mesh, step_s, [&] { limit.check(); }),
             0.8 * inertia_of_inclusions(c, options, mesh, vertical, s, step_s) /
                 (1.0 / periods + 4.0 * s.loss_1)};
 }
@@ -165,7 +186,7 @@ TimeStep divided(const Case& c, std::ptrdiff_t per_frame) {
 
 } // namespace
 
-TimeStep choose_time_step(const Case& c, const SpectralOptions& options) {
+TimeStep choose_time_step(const Case& c, const SpectralOptions& options, double most_s) {
     if (options.time_step_s) {
         const double ratio = c.time.interval_s / *options.time_step_s;
         TimeStep given = divided(
@@ -174,18 +195,19 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options) {
         return given;
     }
     const Scales s = scales_of(c);
+    const Limit limit(most_s);
     // Steps longer than a radian of the load would not resolve it at all, so that comparing two of
     // them would not show an error.
     const double least = std::max(1.0, std::ceil(c.time.interval_s * s.load_rad_s));
     TimeStep chosen = divided(c, static_cast<std::ptrdiff_t>(least));
-    Expected error = expected_error(c, options, s, chosen.step_s);
+    Expected error = expected_error(c, options, s, chosen.step_s, limit);
     const auto is_enough = [&] { return safety * error.all() <= options.accuracy; };
     while (!is_enough() && s.omega_rad_s * chosen.step_s > shortest_step_rad) {
         const double finer = std::pow(safety * error.all() / options.accuracy, 0.25);
         const double next =
             std::ceil(0.9 * static_cast<double>(chosen.per_frame) * std::min(finer, 2.0));
         chosen = divided(c, std::max(chosen.per_frame + 1, static_cast<std::ptrdiff_t>(next)));
-        error = expected_error(c, options, s, chosen.step_s);
+        error = expected_error(c, options, s, chosen.step_s, limit);
     }
     chosen.why =
         fmt::format("time step {:.4g} us for an accuracy of {:.2g} (estimated error {:.1g}): {}",
