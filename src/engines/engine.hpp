@@ -7,6 +7,10 @@
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
 
+#include <cmath>
+#include <ctime>
+#include <exception>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -166,6 +170,26 @@ struct StepRefinement {
     std::optional<double> order = std::nullopt; // of convergence in the step; none: unknown
 };
 
+/// The time for choosing a step has passed.
+struct StepNotChosen : std::exception {};
+
+/// The CPU time that choosing a step may take, from the construction on.
+class ChoiceLimit {
+public:
+    ChoiceLimit() = default; // endless
+    explicit ChoiceLimit(double most_s) : most_s_(most_s) {}
+    bool is_finite() const { return std::isfinite(most_s_); }
+    /// Throws StepNotChosen when the time has passed.
+    void check() const {
+        if (static_cast<double>(std::clock() - began_) > most_s_ * CLOCKS_PER_SEC)
+            throw StepNotChosen{};
+    }
+
+private:
+    double most_s_ = std::numeric_limits<double>::infinity();
+    std::clock_t began_ = std::clock();
+};
+
 /// Computes the frames of u_z of a case. Between cases an engine keeps only what they can share.
 class Engine {
 public:
@@ -189,11 +213,8 @@ public:
     /// Whether choosing the time step takes about 0.1 s or more, because it requires trial runs or
     /// the materials of all nodes. Not collective.
     virtual bool probes_step(const Case& /*c*/) const { return false; }
-    /// The step [s] that `run` uses, if probes_step(). Nothing if trial runs do not find it within
-    /// `most_s` seconds of CPU time. Not collective.
-    virtual std::optional<double> probed_step_s(const Case& /*c*/, double /*most_s*/) const {
-        return {};
-    }
+    /// The step [s] that `run` uses, if probes_step(). Throws StepNotChosen. Not collective.
+    virtual double probed_step_s(const Case& /*c*/, ChoiceLimit /*limit*/) const { return 0.0; }
     /// The case with this step specified, so that it need not be chosen. Not collective.
     virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
     /// Order of convergence in the grid spacing for a laterally uniform medium; none: faster than

@@ -55,6 +55,17 @@ class MutatedJobs(ProgramTest):
         self.says(said, "choosing time steps takes more than a second and is left to `run` or `plan --probe`")
         self.says(said, "time: unknown")
 
+    def test_a_huge_grid_of_pstd_is_planned_at_once(self):
+        """A body that crosses the domain, among millions of rows of nodes."""
+        text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
+        text = changed(('"spectral"', '"pstd"'), ("extent_mm = [128.0, 80.0]", "extent_mm = [1280.0, 800.0]"),
+                       ("spacing_mm = 1.0", "spacing_mm = 0.2"), text=text)
+        self.write_job(text.replace("[solver.spectral]\naccuracy = 5e-3\nlongest_element_mm = 2.0", ""))
+        for verb in ("check", "plan"):
+            said, code = self.accepted_or_refused(verb)
+            self.assertEqual(code, 0, said)
+        self.says(said, "left to `run`")
+
     def test_a_sweep_of_the_depth_of_a_body_is_planned_at_once(self):
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
         self.write_job(changed(('"medium.body[1].depth_mm" = [5.0, 6.0, 8.0, 10.0, 14.0]',

@@ -134,9 +134,9 @@ class Jobs(InFolder):
         job(("name = \"small\"", "name = \"reading\"")).run()
         text = ("import shearwake; s = shearwake.open('out/reading'); print(float(s.dataset('peak_um').peak_um.max()))\n"
                 "try: shearwake.Job('schema = 1\\n').check()\nexcept shearwake.ProgramNotFound as e: print(e)")
-        shutil.copytree(Path(shearwake.__file__).parent, "elsewhere/shearwake")
+        shutil.copytree(Path(shearwake.__file__).parent, "elsewhere/lib/python/shearwake")
         done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True, env={
-            **{k: v for k, v in os.environ.items() if k != "SHEARWAKE"}, "PATH": "/nowhere", "PYTHONPATH": "elsewhere"})
+            **{k: v for k, v in os.environ.items() if k != "SHEARWAKE"}, "PATH": "/nowhere", "PYTHONPATH": "elsewhere/lib/python"})
         self.assertRegex(done.stdout.splitlines()[0], r"^\d+\.\d+$")
         self.assertIn("not on the PATH", done.stdout)
 

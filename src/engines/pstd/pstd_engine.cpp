@@ -118,11 +118,11 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
 
 } // namespace
 
-const StepChoice& PstdEngine::step_of(const Case& c) const {
+const StepChoice& PstdEngine::step_of(const Case& c, engines::ChoiceLimit limit) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (!step_ || step_->first != c)
-        step_.emplace(c,
-                      choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options))));
+        step_.emplace(
+            c, choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options), limit)));
     return step_->second;
 }
 
@@ -153,8 +153,8 @@ bool PstdEngine::probes_step(const Case& c) const {
            !std::get<PstdOptions>(c.solver).time_step_s;
 }
 
-std::optional<double> PstdEngine::probed_step_s(const Case& c, double /*most_s*/) const {
-    return step_of(c).step_s;
+double PstdEngine::probed_step_s(const Case& c, engines::ChoiceLimit limit) const {
+    return step_of(c, limit).step_s;
 }
 
 Case PstdEngine::with_step(const Case& c, double step_s) const {

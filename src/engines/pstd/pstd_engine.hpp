@@ -26,7 +26,7 @@ public:
     /// The limits of the step follow from all nodes, which takes long where the medium varies
     /// laterally.
     bool probes_step(const Case& c) const override;
-    std::optional<double> probed_step_s(const Case& c, double most_s) const override;
+    double probed_step_s(const Case& c, engines::ChoiceLimit limit) const override;
     Case with_step(const Case& c, double step_s) const override;
     /// The free surface is of second order (4, 2 and 1 % at 3, 4 and 6 points per FWHM).
     std::optional<double> order_in_spacing() const override { return 2.0; }
@@ -36,7 +36,7 @@ public:
 
 private:
     /// The step that `run` uses, with the limits of the grid. Not collective.
-    const StepChoice& step_of(const Case& c) const;
+    const StepChoice& step_of(const Case& c, engines::ChoiceLimit limit = {}) const;
     mutable std::optional<std::pair<Case, StepChoice>> step_; // of the last case
 };
 

@@ -42,10 +42,9 @@ std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks) {
     double parts = 0.0, runs = 0.0;
     for (std::size_t f = 0; f < field_count; ++f) {
         const Parts of = parts_of(static_cast<Field>(f));
-        const SplitRuns split(slabs, plan.pml, of, {});
-        for (std::size_t p = 0; p + 1 < of.count; ++p)
-            parts += static_cast<double>(split.size(p));
-        runs += split.memory_B();
+        const SplitSizes split = split_sizes(slabs, plan.pml, of);
+        parts += split.values;
+        runs += split.runs_B;
     }
     const bool lossy = plan.absorption != Absorption::none;
     // Derivatives along x and accelerations; a part of a field that travels to other ranks and

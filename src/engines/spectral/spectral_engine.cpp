@@ -32,12 +32,12 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
 
 } // namespace
 
-const SpectralPlan& SpectralEngine::plan_of(const Case& given, double most_choosing_s) const {
+const SpectralPlan& SpectralEngine::plan_of(const Case& given, engines::ChoiceLimit limit) const {
     constexpr std::size_t most = 16; // `plan` needs those of twelve cases twice
     for (const Planned& known : planned_)
         if (known.given == given) return known.plan;
     if (planned_.size() == most) planned_.pop_front();
-    return planned_.emplace_back(Planned{given, SpectralPlan(given, most_choosing_s)}).plan;
+    return planned_.emplace_back(Planned{given, SpectralPlan(given, limit)}).plan;
 }
 
 const SampledVariation& SpectralEngine::variation_of(const SpectralPlan& plan) const {

@@ -21,7 +21,7 @@ public:
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
     bool probes_step(const Case& c) const override;
-    std::optional<double> probed_step_s(const Case& c, double most_s) const override;
+    double probed_step_s(const Case& c, engines::ChoiceLimit limit) const override;
     Case with_step(const Case& c, double step_s) const override;
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
@@ -33,8 +33,8 @@ private:
         SpectralPlan plan;
     };
     /// The plan of the case, which is made once for its resources, its choices and its run. Valid
-    /// until the next call. Throws StepNotChosen.
-    const SpectralPlan& plan_of(const Case& given, double most_choosing_s = endless_s) const;
+    /// until the next call. Throws engines::StepNotChosen.
+    const SpectralPlan& plan_of(const Case& given, engines::ChoiceLimit limit = {}) const;
     const SampledVariation& variation_of(const SpectralPlan& plan) const;
     mutable std::deque<Planned> planned_;                        // of the latest cases
     mutable std::map<std::string, SampledVariation> variations_; // by key_of_variation()

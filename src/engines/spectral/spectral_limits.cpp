@@ -103,12 +103,8 @@ bool SpectralEngine::probes_step(const Case& c) const {
     return !std::get<SpectralOptions>(c.solver).time_step_s;
 }
 
-std::optional<double> SpectralEngine::probed_step_s(const Case& c, double most_s) const {
-    try {
-        return plan_of(c, most_s).time.step_s;
-    } catch (const StepNotChosen&) {
-        return {};
-    }
+double SpectralEngine::probed_step_s(const Case& c, engines::ChoiceLimit limit) const {
+    return plan_of(c, limit).time.step_s;
 }
 
 Case SpectralEngine::with_step(const Case& c, double step_s) const {

@@ -139,9 +139,9 @@ std::string VariationPlan::note() const {
                        iterates ? "iterations " + where : "one background solve per step");
 }
 
-SpectralPlan::SpectralPlan(const Case& given, double most_choosing_s)
+SpectralPlan::SpectralPlan(const Case& given, engines::ChoiceLimit limit)
     : c(with_rigid_bodies(given)),
-      time(choose_time_step(c, std::get<SpectralOptions>(c.solver), most_choosing_s)),
+      time(choose_time_step(c, std::get<SpectralOptions>(c.solver), limit)),
       mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)), rigid(rigid_plan(c)) {
 }
 

@@ -43,9 +43,9 @@ struct SampledVariation {
 /// The decisions of the engine for a case, made once: `run` executes them, and the resources and
 /// notes follow from them.
 struct SpectralPlan {
-    /// Decides which bodies are rigid, and chooses time step and mesh. Throws StepNotChosen. Not
-    /// collective.
-    SpectralPlan(const Case& given, double most_choosing_s);
+    /// Decides which bodies are rigid, and chooses time step and mesh. Throws
+    /// engines::StepNotChosen. Not collective.
+    SpectralPlan(const Case& given, engines::ChoiceLimit limit);
     /// A plan with a given mesh and step.
     SpectralPlan(Case planned, DepthMesh depth, TimeStep step)
         : c(std::move(planned)), time(std::move(step)), mesh(std::move(depth)),

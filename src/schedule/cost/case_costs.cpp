@@ -121,10 +121,13 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
         if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
-        const double most_step_s = std::isfinite(most_s) ? most_one_s : most_s;
-        const std::optional<double> step_s = engine_of(c).probed_step_s(c, most_step_s);
-        if (!step_s) break;
-        probes_.push_back({&c, *step_s});
+        try {
+            probes_.push_back(
+                {&c, engine_of(c).probed_step_s(
+                         c, engines::ChoiceLimit(std::isfinite(most_s) ? most_one_s : most_s))});
+        } catch (const engines::StepNotChosen&) {
+            break;
+        }
     }
 }
 

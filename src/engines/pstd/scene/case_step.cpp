@@ -97,6 +97,14 @@ public:
             bodies_.push_back(bounds(body));
         if (c.scene().medium.map) map_ = depths(*c.scene().medium.map);
     }
+    /// Whether the cells of a column of the domain may differ from others at their depths.
+    bool column(std::ptrdiff_t i, std::ptrdiff_t j) const {
+        return map_.top_m <= map_.bottom_m ||
+               std::any_of(bodies_.begin(), bodies_.end(), [&](const Bounds& b) {
+                   return overlap(c_.domain.x_m(i), b.low_m.x, b.high_m.x) &&
+                          overlap(c_.domain.y_m(j), b.low_m.y, b.high_m.y);
+               });
+    }
     /// Whether a cell of the domain may differ from others at its depth.
     bool operator()(std::ptrdiff_t i, std::ptrdiff_t j, double z_m) const {
         if (overlap(z_m, map_.top_m, map_.bottom_m)) return true;
@@ -120,7 +128,8 @@ private:
 /// Extremes of the nodes in `x_count` rows from `x_start`. Of equal nodes at a depth one is
 /// evaluated.
 Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseGrid& grid,
-                          std::ptrdiff_t x_start, std::ptrdiff_t x_count) {
+                          std::ptrdiff_t x_start, std::ptrdiff_t x_count,
+                          engines::ChoiceLimit limit) {
     Extremes e;
     const bool varies = varies_laterally(c.scene().medium);
     const std::ptrdiff_t nx = varies ? x_count : std::min<std::ptrdiff_t>(1, x_count),
@@ -128,15 +137,20 @@ Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseG
     const Varied varied(c);
     const StaggeredMaterial between = staggered_material(c, options, grid);
     std::vector<char> done(static_cast<std::size_t>(grid.points[2]), 0); // the layers at a depth
+    std::ptrdiff_t left = grid.points[2];                                // of them
     for (std::ptrdiff_t x = 0; x < nx; ++x) {
+        limit.check();
         for (std::ptrdiff_t y = 0; y < ny; ++y) {
             const Node column = grid.domain_point(c.domain, {x_start + x, y, 0});
+            if (left == 0 && !varied.column(column[0], column[1])) continue;
+            limit.check();
             for (std::ptrdiff_t z = 0; z < grid.points[2]; ++z) {
                 const bool own = varied(column[0], column[1], grid.node_depth_m(z));
                 if (!own) {
                     char& known = done[static_cast<std::size_t>(z)];
                     if (known != 0) continue;
                     known = 1;
+                    --left;
                 }
                 const Node node{x_start + x, y, z};
                 const NodeMaterial m = material_at(c, options, grid, node);
@@ -152,8 +166,9 @@ Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseG
 
 } // namespace
 
-Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid) {
-    return extremes_of_rows(c, options, grid, 0, grid.points[0]);
+Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                          engines::ChoiceLimit limit) {
+    return extremes_of_rows(c, options, grid, 0, grid.points[0], limit);
 }
 
 Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
@@ -161,7 +176,7 @@ Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseG
     const Slabs slabs = slabs_of({grid.points, {}, 0.0}, team.size(), team.rank());
     Extremes e;
     together(team,
-             [&] { e = extremes_of_rows(c, options, grid, slabs.x_start(), slabs.x_count()); });
+             [&] { e = extremes_of_rows(c, options, grid, slabs.x_start(), slabs.x_count(), {}); });
     e.p_modulus_Pa = team.max(e.p_modulus_Pa);
     e.p_viscosity_Pa_s = team.max(e.p_viscosity_Pa_s);
     e.least_density_kg_m3 =

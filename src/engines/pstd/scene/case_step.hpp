@@ -34,8 +34,10 @@ double largest_step_s(const NodeMaterial& material, double spacing_m);
 /// of a product is at most the product of the norms.
 double safe_step_s(const Extremes& extremes, double spacing_m);
 
-/// Extremes of all nodes, evaluated by this rank alone. Not collective.
-Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid);
+/// Extremes of all nodes, evaluated by this rank alone. Throws engines::StepNotChosen. Not
+/// collective.
+Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                          engines::ChoiceLimit limit = {});
 /// The same extremes, with the rows of the grid divided among the ranks. Collective.
 Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                           const Comm& team);

@@ -60,18 +60,20 @@ public:
     }
     /// Values of the first and of the second array of parts.
     std::ptrdiff_t size(std::size_t part) const { return sizes_[part]; }
-    /// Memory of the runs themselves.
-    double memory_B() const {
-        return static_cast<double>(runs_.capacity() * sizeof(SplitRun) +
-                                   starts_.capacity() * sizeof(std::size_t));
-    }
 
 private:
-    void add(std::ptrdiff_t begin, std::ptrdiff_t end, int face, const Parts& parts);
+    void add(SplitRun run, const Parts& parts);
 
     std::vector<std::size_t> starts_ = {0};
     std::vector<SplitRun> runs_;
     std::array<std::ptrdiff_t, 2> sizes_ = {};
 };
+
+/// What SplitRuns without further nodes will store: values of all parts, and the memory of the
+/// runs.
+struct SplitSizes {
+    double values = 0.0, runs_B = 0.0;
+};
+SplitSizes split_sizes(const Slabs& slabs, const PmlOptions& options, const Parts& parts);
 
 } // namespace shearwake::pstd

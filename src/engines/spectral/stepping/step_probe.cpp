@@ -244,7 +244,7 @@ long steps_to_probe(const Case& c, double step_s) {
 }
 
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s,
-                    const std::function<void()>& before_step) {
+                    engines::ChoiceLimit limit) {
     const Case few = with_few_wave_vectors(c, probed_rows);
     const WaveVectors vectors = few_vectors(few.domain);
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
@@ -254,7 +254,7 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s,
     long steps = std::min(all, std::lround(most_work / static_cast<double>(mesh.elements())));
     Deviation sums, half_sums;
     for (long n = 0; n < steps; ++n) {
-        if (before_step) before_step();
+        limit.check();
         full.advance();
         half.advance();
         half.advance();

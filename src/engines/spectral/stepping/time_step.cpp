@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
@@ -150,32 +149,16 @@ struct Expected {
     double all() const { return layers + bodies; }
 };
 
-/// Ends a choice of a step by StepNotChosen.
-class Limit {
-public:
-    explicit Limit(double most_s) : most_s_(most_s), began_(std::clock()) {}
-
-    void check() const {
-        if (static_cast<double>(std::clock() - began_) > most_s_ * CLOCKS_PER_SEC)
-            throw StepNotChosen{};
-    }
-    /// Factors of 1000 elements take 130 MB, and their first step 0.1 s.
-    void check(const DepthMesh& mesh) const {
-        if (std::isfinite(most_s_) && mesh.elements() > 1000) throw StepNotChosen{};
-    }
-
-private:
-    double most_s_;
-    std::clock_t began_;
-};
+/// Factors of this number of elements take 130 MB, and their first step 0.1 s.
+constexpr std::size_t most_elements = 1000;
 
 Expected expected_error(const Case& c, const SpectralOptions& options, const Scales& s,
-                        double step_s, const Limit& limit) {
+                        double step_s, const engines::ChoiceLimit& limit) {
     const DepthMesh mesh = choose_mesh(c, options, step_s);
-    limit.check(mesh);
+    if (limit.is_finite() && mesh.elements() > most_elements) throw engines::StepNotChosen{};
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     const double periods = std::max(1.0, s.omega_rad_s * c.time.duration_s() / 10.0);
-    return {probed_error(c, mesh, step_s, [&] { limit.check(); }),
+    return {probed_error(c, mesh, step_s, limit),
             0.8 * inertia_of_inclusions(c, options, mesh, vertical, s, step_s) /
                 (1.0 / periods + 4.0 * s.loss_1)};
 }
@@ -186,7 +169,8 @@ TimeStep divided(const Case& c, std::ptrdiff_t per_frame) {
 
 } // namespace
 
-TimeStep choose_time_step(const Case& c, const SpectralOptions& options, double most_s) {
+TimeStep choose_time_step(const Case& c, const SpectralOptions& options,
+                          engines::ChoiceLimit limit) {
     if (options.time_step_s) {
         const double ratio = c.time.interval_s / *options.time_step_s;
         TimeStep given = divided(
@@ -195,7 +179,6 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options, double 
         return given;
     }
     const Scales s = scales_of(c);
-    const Limit limit(most_s);
     // Steps longer than a radian of the load would not resolve it at all, so that comparing two of
     // them would not show an error.
     const double least = std::max(1.0, std::ceil(c.time.interval_s * s.load_rad_s));

@@ -2,12 +2,10 @@
 #pragma once
 
 #include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/engine.hpp"
 #include "problem/case/case.hpp"
 
 #include <cstddef>
-#include <exception>
-#include <functional>
-#include <limits>
 #include <string>
 
 namespace shearwake::spectral {
@@ -19,17 +17,13 @@ struct TimeStep {
     std::string why; // one line: the length and its reason
 };
 
-inline constexpr double endless_s = std::numeric_limits<double>::infinity();
-
-/// The time for choosing a step has passed.
-struct StepNotChosen : std::exception {};
-
 /// The step that the options specify, or the longest one whose estimated error is within the
 /// accuracy: probed_error() of the layers under the load plus the error due to stiff bodies. It
-/// divides the output interval. Takes about 0.1 s at most for common cases. Throws StepNotChosen
-/// after `most_s` seconds of CPU time, and with a limit for more than 1000 elements. Not
-/// collective.
-TimeStep choose_time_step(const Case& c, const SpectralOptions& options, double most_s = endless_s);
+/// divides the output interval. Takes about 0.1 s at most for common cases. Throws
+/// engines::StepNotChosen, at once if the limit is finite and the mesh has more than 1000 elements.
+/// Not collective.
+TimeStep choose_time_step(const Case& c, const SpectralOptions& options,
+                          engines::ChoiceLimit limit = {});
 
 /// The mesh for the step of choose_time_step(). Not collective.
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options);
@@ -44,10 +38,10 @@ long steps_to_probe(const Case& c, double step_s);
 /// this step and with half of it for the duration of the run. Their difference is 15/16 of an error
 /// of fourth order, and 3/4 of one of second order (viscous forces). A run of more than 2500
 /// frames, or of more than 100 000 steps times elements, is extrapolated from a first part in which
-/// the load acts. Takes at most about 2 s, unless the load begins late. `before_step`, if given,
-/// may end it by an exception. Not collective.
+/// the load acts. Takes at most about 2 s, unless the load begins late. Throws
+/// engines::StepNotChosen. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s,
-                    const std::function<void()>& before_step = {});
+                    engines::ChoiceLimit limit = {});
 
 /// Estimated errors of the surface field, without bodies and maps.
 struct ProbedErrors {

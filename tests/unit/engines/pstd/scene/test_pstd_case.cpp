@@ -283,7 +283,7 @@ TEST_CASE("the step that is planned is the one that is used, with bodies", "[pst
     c.scene().medium.bodies = {body};
     const pstd::PstdEngine planned;
     REQUIRE(planned.probes_step(c));
-    const double step_s = planned.probed_step_s(c, 1.0).value();
+    const double step_s = planned.probed_step_s(c, {});
 
     struct : test::FrameStore {
         engines::SolverReport report;

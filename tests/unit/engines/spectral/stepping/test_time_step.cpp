@@ -36,8 +36,9 @@ TEST_CASE("uses the specified time step, shortened to divide the output interval
 }
 
 TEST_CASE("the choice of a time step ends when its time has passed", "[spectral]") {
-    CHECK_THROWS_AS(spectral::choose_time_step(some_case(), SpectralOptions{}, 0.0),
-                    spectral::StepNotChosen);
+    CHECK_THROWS_AS(
+        spectral::choose_time_step(some_case(), SpectralOptions{}, engines::ChoiceLimit(0.0)),
+        engines::StepNotChosen);
 }
 
 TEST_CASE("the choice of the time step of a long run does not advance all of its frames",
