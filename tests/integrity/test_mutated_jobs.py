@@ -147,7 +147,7 @@ class MutatedJobs(ProgramTest):
                 ("cases", changed(("[sweep]", '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 9000] }'), text=foci),
                  "sweep results in 72000 cases; at most 10000 are supported"),
                 ("target far outside", changed(("[24, -16]", "[900, -16]"), ("pixel_mm = 4.0", "pixel_mm = 0.5"), text=lens),
-                 "6075 x 6075 points, but at most 1000 x 1000"),
+                 "6075 x 6075 points, but at most 800 x 800"),
                 ("iterations", changed(("pixel_mm = 4.0", "pixel_mm = 4.0\niterations = 10000"), text=lens),
                  "points times iterations"),
                 ("ramp", changed(('am_frequency_Hz = 200.0', 'am_frequency_Hz = 200.0\nramp_ms = 1e-9'),

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <optional>
 
 namespace shearwake::config {
@@ -122,7 +123,9 @@ AfferentsFile read_listed_afferents(std::string_view csv) {
     return file;
 }
 
-PointsFile read_points(std::string_view csv, Columns columns) {
+namespace {
+
+PointsFile parsed_points(std::string_view csv, Columns columns) {
     PointsFile file;
     std::optional<Header> header;
     file.problem = first_problem(csv, [&](const CsvReader& row) -> std::string {
@@ -169,6 +172,21 @@ PointsFile read_points(std::string_view csv, Columns columns) {
                                    "columns, as in x_mm,y_mm, but contains {}",
                                    file.points_m.size());
     return file;
+}
+
+} // namespace
+
+PointsFile read_points(std::string_view csv, Columns columns) {
+    // Most cases of a sweep read the same file.
+    struct Known {
+        std::string csv;
+        PointsFile file;
+    };
+    thread_local std::map<Columns, Known> last;
+    Known& known = last[columns];
+    if (known.csv.empty() || known.csv != csv)
+        known = {std::string(csv), parsed_points(csv, columns)};
+    return known.file;
 }
 
 } // namespace shearwake::config

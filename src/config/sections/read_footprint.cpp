@@ -22,7 +22,7 @@ constexpr double temperature_K = 298.15, humidity = 0.5;
 /// Default reach of the pattern beyond the target, in widths of a focus.
 constexpr double widths_around = 4.0;
 /// Largest lattice: its fields need 250 MB.
-constexpr std::ptrdiff_t largest_side = 1000;
+constexpr std::ptrdiff_t largest_side = 800;
 /// Largest number of points times corners of the target, each of which takes 16 tests: 1 s.
 constexpr double most_corner_tests = 2e7;
 constexpr std::size_t most_corners = 10000;
@@ -169,12 +169,12 @@ constexpr double samples_a_wavelength = 6.5;
 constexpr double reach_in_widths = 4.0;
 /// Largest number of samples of a pattern along a side, and largest number of samples times
 /// elements: a second for the properties of the pattern.
-constexpr double most_pattern_side = 600.0, most_products = 3e8;
+constexpr double most_pattern_side = 600.0, most_products = 1e8;
 /// Largest number of samples of the table of a piston along a side: 128 MB.
 constexpr double most_table_samples = 4000.0;
-/// Largest work for all arrays of a job, in such products: about 5 s. The width of a pattern
+/// Largest work for all arrays of a job, in such products: about 2 s. The width of a pattern
 /// takes 1e4 products per element, and each of the different samples of the table 150.
-constexpr double most_work = 5e9, width_products = 1e4, table_products = 150.0;
+constexpr double most_work = 2e9, width_products = 1e4, table_products = 150.0;
 
 const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {

@@ -49,7 +49,9 @@ struct Generated {
 
 Generated spaced(double a, double b, double n, bool logarithmic) {
     if (!is_count(n))
-        return {{}, fmt::format("requires a count from 2 to {} as its third number", most_cases)};
+        return {{},
+                fmt::format("requires a count from 2 to {} as its third number, which is {:.6g}",
+                            most_cases, n)};
     if (logarithmic && !(a > 0.0 && b > 0.0)) return {{}, "requires both ends to be above 0"};
     Generated out;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
@@ -66,10 +68,11 @@ Generated stepped(double start, double stop, double step) {
     if (step == 0.0 || (stop - start) / step < 0.0)
         return {{}, "requires a step that leads from its first number to its second"};
     const double steps = std::floor((stop - start) / step * (1.0 + 1e-12) + 1e-9);
-    if (steps >= static_cast<double>(most_cases))
-        return {
-            {},
-            fmt::format("has {:.0f} values; at most {} are supported", steps + 1.0, most_cases)};
+    if (!(steps < static_cast<double>(most_cases)))
+        return {{},
+                fmt::format("has {} values; at most {} are supported",
+                            steps < 1e15 ? fmt::format("{:.0f}", steps + 1.0) : "too many",
+                            most_cases)};
     Generated out;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(steps); ++i)
         out.values.push_back(rounded(start + static_cast<double>(i) * step));

@@ -22,6 +22,8 @@ constexpr std::string_view modulation_prefix = "load.modulation.";
 constexpr std::size_t most_bad_cases = 100;
 /// Samples of a distribution are invalid for the same reason.
 constexpr std::size_t most_bad_samples = 2;
+/// Largest number of numbers in long lists of all cases: 160 MB.
+constexpr double most_numbers = 2e7;
 
 /// The index of the value on each axis; the last one changes fastest.
 class Odometer {
@@ -80,6 +82,7 @@ public:
             return;
         }
         remarks_.add(*c, root);
+        if (cases_.empty()) numbers_ = hashed_numbers(*c);
         PlannedCase planned{.id = case_id(*c), .physics = *c, .settings = settings(wheel)};
         if (sweep_.sampled_axis) planned.sample = wheel[*sweep_.sampled_axis];
         if (reference_) planned.reference_id = add_reference(root, planned.settings);
@@ -88,11 +91,23 @@ public:
     }
 
     bool gives_up() const {
-        return bad_cases_ > (sweep_.sampled_axis ? most_bad_samples : most_bad_cases);
+        return bad_cases_ > (sweep_.sampled_axis ? most_bad_samples : most_bad_cases) ||
+               is_too_large() || cases_.size() + references_.size() > most_cases;
     }
 
     std::vector<PlannedCase> finish(bool complete) {
         remarks_.report(diagnostics_);
+        if (cases_.size() + references_.size() > most_cases)
+            diagnostics_.error(sweep_.at,
+                               fmt::format("sweep: has more than {} cases with the references of "
+                                           "its cases; divide it into several jobs",
+                                           most_cases));
+        if (is_too_large())
+            diagnostics_.error(sweep_.at,
+                               fmt::format("sweep: each case has lists of {:.0f} numbers, such as "
+                                           "points of a path or of a scan, and all cases together "
+                                           "may have {:.0e}; use fewer points or cases",
+                                           numbers_, most_numbers));
         if (twins_ > 1) twin_message_ += fmt::format(" (and {} more such pairs)", twins_ - 1);
         if (twins_ > 0) diagnostics_.error(sweep_.at, twin_message_);
         for (std::size_t i = 0; complete && i < excluded_.size(); ++i)
@@ -112,6 +127,10 @@ public:
     }
 
 private:
+    bool is_too_large() const {
+        return numbers_ * static_cast<double>(cases_.size()) > most_numbers;
+    }
+
     bool is_excluded(const Odometer& wheel) {
         bool any = false;
         for (std::size_t i = 0; i < sweep_.exclusions.size(); ++i) {
@@ -183,7 +202,10 @@ private:
         if (!is_new) return known->second;
         const auto c = read_case(root, OtherKinds::ignored, files_, diagnostics_);
         if (!c) {
-            ++bad_cases_;
+            if (bad_cases_++ == 0)
+                diagnostics_.error(reference_->at,
+                                   "table.reference: no reference is possible with these keys, as "
+                                   "the errors of load.modulation state");
             return "";
         }
         known->second = case_id(*c);
@@ -217,6 +239,7 @@ private:
     std::unordered_map<std::string, std::string> reference_ids_; // by settings
     std::unordered_set<std::string> seen_references_;            // ids
     std::size_t bad_cases_ = 0, twins_ = 0;
+    double numbers_ = 0.0; // in the long lists of a case
     std::string twin_message_;
 };
 

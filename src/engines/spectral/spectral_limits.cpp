@@ -85,12 +85,13 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
         refused.push_back(std::move(remark));
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
-    for (Remark& warning : receptors_near_bodies(with_rigid_bodies(c)))
+    const Case chosen = with_rigid_bodies(c);
+    for (Remark& warning : receptors_near_bodies(chosen))
         refused.push_back(std::move(warning));
-    for (Remark& warning : resolution_remarks(with_rigid_bodies(c)))
+    for (Remark& warning : resolution_remarks(chosen))
         refused.push_back(std::move(warning));
-    for (Remark& warning : engines::warnings_of(
-             variation_choices(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver))))
+    for (Remark& warning :
+         engines::warnings_of(variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
         refused.push_back(std::move(warning));
     return refused;
 }

@@ -44,6 +44,12 @@ std::string canonical_text(const Case& c) {
     return text.take();
 }
 
+double hashed_numbers(const Case& c) {
+    TextWalk text;
+    walk_fields(text, c);
+    return text.numbers();
+}
+
 std::string unmistakable(std::string id) {
     const auto digits = std::ranges::count_if(id, [](char c) { return c >= '0' && c <= '9'; });
     const bool is_number =

@@ -369,6 +369,9 @@ std::ptrdiff_t good_even_length(std::ptrdiff_t n);
 /// Two cases have the same text if and only if they are equal.
 std::string canonical_text(const Case& c);
 
+/// How many numbers of long lists the canonical text represents by hashes.
+double hashed_numbers(const Case& c);
+
 /// Sixteen hexadecimal digits: the hash of the canonical text.
 std::string case_id(const Case& c);
 /// The id, with another first digit if it consists of digits and at most one e, which programs that

@@ -8,6 +8,11 @@
 #include "problem/case/case.hpp"
 #include "problem/case/toml_text.hpp"
 
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
 namespace shearwake {
 
 /// A walk that writes all fields as TOML in SI units: the canonical text of a case.
@@ -52,6 +57,8 @@ public:
     void key(const Field&) {}
 
     std::string take() { return text_.take(); }
+    /// How many numbers are represented by hashes.
+    double numbers() const { return numbers_; }
 
 private:
     static std::string text_key(const Field& field) {
@@ -96,6 +103,7 @@ private:
         std::string all;
         for (const double value : values)
             all += exact(value) + "\n";
+        numbers_ += static_cast<double>(values.size());
         text_.put(key + "_count", std::ssize(values));
         text_.put(key + "_hash", hex(stable_hash(all)));
     }
@@ -126,12 +134,26 @@ private:
         text_.put(along(key, 'y'), ys);
     }
     void put_hash(const std::string& key, const std::vector<Vec2>& points) {
-        std::string all;
-        for (const Vec2& p : points) // -0 and 0 are the same position
-            all += exact(p.x + 0.0) + " " + exact(p.y + 0.0) + "\n";
+        // Most cases of a sweep have the same points.
+        struct Known {
+            std::vector<Vec2> points;
+            std::string hash;
+        };
+        thread_local std::map<std::string, Known> last;
+        Known& known = last[key];
+        numbers_ += 2.0 * static_cast<double>(points.size());
+        const auto same = [](const Vec2& a, const Vec2& b) { // also of -0 and 0
+            return a.x == b.x && a.y == b.y;
+        };
+        if (known.hash.empty() || !std::ranges::equal(points, known.points, same)) {
+            std::string all;
+            for (const Vec2& p : points) // -0 and 0 are the same position
+                all += exact(p.x + 0.0) + " " + exact(p.y + 0.0) + "\n";
+            known = {points, hex(stable_hash(all))};
+        }
         const std::string stem = key.substr(0, key.find("_{}"));
         text_.put(stem, std::ssize(points));
-        text_.put(stem + "_hash", hex(stable_hash(all)));
+        text_.put(stem + "_hash", known.hash);
     }
     void put(const std::string&, const std::vector<ListedAfferent>& all, const Field&) {
         std::vector<double> xs, ys;
@@ -152,6 +174,7 @@ private:
     }
 
     TomlText text_;
+    double numbers_ = 0.0;
 };
 
 } // namespace shearwake

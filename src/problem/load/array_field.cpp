@@ -164,22 +164,28 @@ Patch ArrayField::pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const {
     const auto samples = static_cast<std::size_t>(patch.side * patch.side);
     std::vector<double> re(samples), im(samples);
     const std::vector<Complex> q = drives(foci_m);
-    auto drive = q.begin();
+    struct Shift {
+        std::ptrdiff_t i, j;
+    };
+    std::vector<Shift> shifts; // of the pistons
     for_pistons(array_, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
-        const double a = drive->real(), b = drive->imag();
-        ++drive;
-        for (std::ptrdiff_t i = 0; i < patch.side; ++i) {
-            const std::ptrdiff_t offset = i0 + i - column * per_pitch_;
-            const double* g = table_row(re_, offset) + j0 - row * per_pitch_;
-            const double* h = table_row(im_, offset) + j0 - row * per_pitch_;
-            double* to_re = re.data() + i * patch.side;
-            double* to_im = im.data() + i * patch.side;
+        shifts.push_back({i0 - column * per_pitch_, j0 - row * per_pitch_});
+    });
+    // The sums of a row stay in the cache.
+    for (std::ptrdiff_t i = 0; i < patch.side; ++i) {
+        double* to_re = re.data() + i * patch.side;
+        double* to_im = im.data() + i * patch.side;
+        for (std::size_t piston = 0; piston < q.size(); ++piston) {
+            const double a = q[piston].real(), b = q[piston].imag();
+            const auto [shift_i, shift_j] = shifts[piston];
+            const double* g = table_row(re_, shift_i + i) + shift_j;
+            const double* h = table_row(im_, shift_i + i) + shift_j;
             for (std::ptrdiff_t j = 0; j < patch.side; ++j) {
                 to_re[j] += a * g[j] - b * h[j];
                 to_im[j] += a * h[j] + b * g[j];
             }
         }
-    });
+    }
     patch.values.resize(samples);
     for (std::size_t n = 0; n < samples; ++n) {
         const auto i = static_cast<std::ptrdiff_t>(n) / patch.side,

@@ -196,7 +196,14 @@ double bandwidth_rad_m(const Footprint& footprint, double fraction) {
             },
             [&](const ArrayFootprint& array) { return known(array).bandwidth_rad_m(fraction); },
             [&](const LensFootprint& lens) {
-                return Spectrum(design_of(lens)->pattern).bandwidth_rad_m(fraction);
+                // Most cases of a sweep have the same lens.
+                thread_local std::shared_ptr<const LensDesign> design;
+                thread_local std::optional<Spectrum> known;
+                if (std::shared_ptr<const LensDesign> own = design_of(lens); own != design) {
+                    design = std::move(own);
+                    known.emplace(design->pattern);
+                }
+                return known->bandwidth_rad_m(fraction);
             },
         },
         footprint);

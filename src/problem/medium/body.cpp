@@ -335,6 +335,28 @@ double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
     });
 }
 
+bool share_a_point(const Body& a, const Body& b, const Bounds& box, int samples) {
+    const auto place = [&](double from, double to, int i) {
+        return from + (to - from) * (static_cast<double>(i) + 0.5) / samples;
+    };
+    const auto search = [&](const auto& one, const auto& other) {
+        for (int i = 0; i < samples; ++i)
+            for (int j = 0; j < samples; ++j)
+                for (int k = 0; k < samples; ++k) {
+                    const Vec3 p{place(box.low_m.x, box.high_m.x, i),
+                                 place(box.low_m.y, box.high_m.y, j),
+                                 place(box.low_m.z, box.high_m.z, k)};
+                    if (one.share(p - a.centre_m, {}) > 0.0 &&
+                        other.share(p - b.centre_m, {}) > 0.0)
+                        return true;
+                }
+        return false;
+    };
+    return with_shape(a, [&](const auto& one) {
+        return with_shape(b, [&](const auto& other) { return search(one, other); });
+    });
+}
+
 Bounds bounds(const Body& body) {
     const Vec3 reach = with_shape(body, [](const auto& shape) { return shape.reach_m(); });
     return {body.centre_m - reach, body.centre_m + reach};

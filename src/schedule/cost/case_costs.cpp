@@ -210,6 +210,7 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
     constexpr double most_s = 0.25;
     const std::clock_t began = std::clock();
     Demand demand;
+    std::vector<std::optional<double>> written_B(cases.size());
     std::size_t count = 0;
     for (const std::size_t i : cost::order_of_estimates(cases)) {
         if (count++ >= cost::least_estimated && cost::used_s(began) > most_s) break;
@@ -219,8 +220,11 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
             engine->probes_step(given) ? engine->with_step(given, given.time.interval_s) : given;
         const engines::Resources needs = pipeline::plan_case(c, ranks, *engine).needs;
         demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B());
-        demand.disk_B += needs.written_B;
+        written_B[i] = needs.written_B;
     }
+    double before_B = 0.0;
+    for (const std::optional<double>& own_B : written_B)
+        demand.disk_B += before_B = own_B.value_or(before_B);
     return demand;
 }
 

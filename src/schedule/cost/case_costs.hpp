@@ -118,8 +118,8 @@ struct Demand {
 };
 
 /// The demand of the cases if all ranks share each case. Time steps are not probed. Of a large
-/// plan, only some cases spread over it are counted, as many as can be estimated in 0.25 s of CPU
-/// time. Not collective.
+/// plan, some cases spread over it are computed, as many as 0.25 s of CPU time suffice for; others
+/// write as much as the one before them. Not collective.
 Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks);
 
 /// What a user can do if another machine runs the job, or who accepts the risk; the end of the

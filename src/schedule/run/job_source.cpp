@@ -118,7 +118,7 @@ void check_sizes(const config::Job& job, const std::string& file) {
         else if (const std::size_t length = canonical_text(c).size(); length > h5::largest_text)
             message =
                 fmt::format("the description of a case has {} kB, but case files can store at "
-                            "most {} kB; use fewer traces, bands, foci or points",
+                            "most {} kB; use fewer layers, bodies, traces, bands, foci or points",
                             length / 1000, h5::largest_text / 1000);
         if (!message.empty() && known.insert(message).second && known.size() < 10) refuse(message);
     }

@@ -181,10 +181,10 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
          "job.toml:28:28: error: load.peak_Pa: range requires three numbers, [start, stop, step]"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1] }",
          "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 10000 as its "
-         "third number"},
+         "third number, which is 1"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1e12] }",
          "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 10000 as its "
-         "third number"},
+         "third number, which is 1e+12"},
         {"\"load.peak_Pa\" = { logspace = [0, 2, 3] }",
          "job.toml:28:31: error: load.peak_Pa: logspace requires both ends to be above 0"},
         {"\"load.peak_Pa\" = { range = [0, 2, -3] }",

@@ -286,7 +286,7 @@ void join_depths(double within_m, std::vector<Vec3>& points) {
 }
 
 /// Replaces points that are too close to each other, as at the rim of a flat body, by their mean,
-/// which preserves the symmetry. The points are sorted by depth.
+/// which preserves the symmetry.
 void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
     std::vector<std::size_t> group(points.size());
     std::iota(group.begin(), group.end(), std::size_t{0});
@@ -295,10 +295,13 @@ void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
             i = group[i];
         return i;
     };
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t j = i + 1;
-             j < points.size() && points[j].z - points[i].z < same_point * down_m; ++j) {
+    std::vector<std::size_t> order = group; // by x: fewer are close in x than in depth
+    std::ranges::sort(order, {}, [&](std::size_t i) { return points[i].x; });
+    for (std::size_t m = 0; m < order.size(); ++m)
+        for (std::size_t n = m + 1; n < order.size(); ++n) {
+            const std::size_t i = order[m], j = order[n];
             const Vec3 apart = points[j] - points[i];
+            if (apart.x >= same_point * across_m) break;
             if (norm({apart.x / across_m, apart.y / across_m, apart.z / down_m}) < same_point) {
                 const std::size_t a = first_of(i), b = first_of(j);
                 group[std::max(a, b)] = std::min(a, b);

@@ -18,12 +18,15 @@ constexpr double least_spacings = 2.0;
 /// Width in grid spacings below which a sphere is less accurate if it is rigid than if it is
 /// elastic, whatever its stiffness: docs/explanation/engine-spectral.md, "Rigid bodies".
 constexpr double accurate_spacings = 6.0;
-/// Samples along each axis of the box that two bodies share. Bodies that share less than a sample
-/// of this box are not recognised.
+/// Samples along each axis of the box that two bodies share, half as many among many bodies. Bodies
+/// that share less than a sample of this box are not recognised.
 constexpr int overlap_samples = 48;
+constexpr std::size_t many_bodies = 32;
 /// Markers above which a lump is treated as rigid only on request: their matrix then needs 300 MB,
 /// and a step takes longer than one with an elastic body.
 constexpr std::size_t most_markers = 2000;
+/// Limit of squares_around() for all lumps: their matrix then needs about 200 GB on all ranks.
+constexpr double most_squares = 1e5;
 
 bool has_edges(const Body& body) {
     return std::visit(overloaded{[](const Ellipsoid&) { return false; },
@@ -38,7 +41,7 @@ bool spans(double centre_m, double size_m, double extent_m) {
 }
 
 /// Without periodic images.
-bool shares_volume_here(const Body& a, const Body& b, const Domain& domain) {
+bool shares_volume_here(const Body& a, const Body& b, const Domain& domain, int samples) {
     const Bounds one = bounds(a), other = bounds(b);
     // Infinite bodies are those of the domain.
     const double far_x_m = domain.extent_x_m(), far_y_m = domain.extent_y_m();
@@ -49,26 +52,17 @@ bool shares_volume_here(const Body& a, const Body& b, const Domain& domain) {
              std::min({one.high_m.y, other.high_m.y, far_y_m}),
              std::min(one.high_m.z, other.high_m.z)};
     if (low.x >= high.x || low.y >= high.y || low.z >= high.z) return false;
-    const auto at = [](double from, double to, int i) {
-        return from + (to - from) * (static_cast<double>(i) + 0.5) / overlap_samples;
-    };
-    for (int i = 0; i < overlap_samples; ++i)
-        for (int j = 0; j < overlap_samples; ++j)
-            for (int k = 0; k < overlap_samples; ++k) {
-                const Vec3 p{at(low.x, high.x, i), at(low.y, high.y, j), at(low.z, high.z, k)};
-                if (volume_fraction(a, p, {}) > 0.0 && volume_fraction(b, p, {}) > 0.0) return true;
-            }
-    return false;
+    return share_a_point(a, b, {low, high}, samples);
 }
 
 /// Whether a body shares volume with another one or with its images in the neighbouring periods.
-bool shares_volume(const Body& a, Body b, const Domain& domain) {
+bool shares_volume(const Body& a, Body b, const Domain& domain, int samples) {
     const Vec3 centre_m = b.centre_m;
     for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y) {
             b.centre_m.x = centre_m.x + x * domain.extent_x_m();
             b.centre_m.y = centre_m.y + y * domain.extent_y_m();
-            if (shares_volume_here(a, b, domain)) return true;
+            if (shares_volume_here(a, b, domain, samples)) return true;
         }
     return false;
 }
@@ -123,13 +117,37 @@ std::vector<Body> moving_bodies(const Case& c) {
     return bodies;
 }
 
-/// Number of markers of the lumps below the surface.
-std::size_t lump_marker_count(const Case& c) {
-    std::size_t count = 0;
-    for (const Body& body : lump_bodies(c))
-        if (bounds(body).low_m.z > 0.0)
-            count += lump_markers(body, c.domain, c.domain.spacing_m).size();
-    return count;
+/// Whether moving_bodies() need a common system.
+bool has_lumps(const Case& c) {
+    return rigid_plan(c).treatment == RigidTreatment::lumps;
+}
+
+/// About twice the number of markers of a lump: the squares of the grid on the faces of its bounds.
+double squares_around(const Body& body, const Domain& domain) {
+    const Bounds box = bounds(lump_in(body, domain));
+    const Vec3 size = (1.0 / domain.spacing_m) * (box.high_m - box.low_m);
+    return 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+}
+
+/// Number of markers of a lump below the surface.
+std::size_t marker_count(const Body& body, const Domain& domain) {
+    return bounds(body).low_m.z > 0.0 ? lump_markers(body, domain, domain.spacing_m).size() : 0;
+}
+
+/// Why a body cannot be rigid; overlaps only with bodies that `meets` accepts.
+template <class Meets>
+std::vector<std::string> reasons_against(const Case& c, std::size_t i, const Meets& meets) {
+    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const std::string reason = reason_against(c, bodies[i], endless_along(bodies[i], c.domain));
+    if (!reason.empty()) return {reason};
+    const int samples = bodies.size() > many_bodies ? overlap_samples / 2 : overlap_samples;
+    std::vector<std::string> reasons;
+    for (std::size_t j = 0; j < bodies.size(); ++j)
+        if (j != i && meets(j) && shares_volume(bodies[i], bodies[j], c.domain, samples))
+            reasons.push_back(fmt::format("a rigid body must not overlap another body, but it "
+                                          "overlaps medium.body[{}]",
+                                          j + 1));
+    return reasons;
 }
 
 } // namespace
@@ -182,9 +200,20 @@ std::string obstacle(const Case& c, std::size_t i) {
                            spacings, accurate_spacings);
     Case chosen = c;
     chosen.scene().medium.bodies[i].rigid = true;
-    const std::vector<Remark> limits = rigid_limits(chosen);
-    if (limits.size() > rigid_limits(c).size()) return limits.back().message;
-    if (lump_marker_count(chosen) > lump_marker_count(c) + most_markers)
+    const auto reasons = reasons_against(chosen, i, [](std::size_t) { return true; });
+    if (!reasons.empty()) return reasons.back();
+    if (has_lumps(chosen) && squares_around(body, c.domain) > most_squares)
+        return "it would need too many markers";
+    std::size_t more = 0; // markers
+    const auto add = [&](const Body& lump) {
+        if (has_markers(lump, chosen.scene().medium, c.domain))
+            more += marker_count(lump, c.domain);
+    };
+    if (has_lumps(chosen) && has_lumps(c))
+        add(body);
+    else if (has_lumps(chosen))
+        std::ranges::for_each(moving_bodies(chosen), add);
+    if (more > most_markers)
         return fmt::format("it would need more than {} markers, and elastic bodies are faster then",
                            most_markers);
     return "";
@@ -261,23 +290,21 @@ std::vector<Remark> rigid_limits(const Case& c) {
     const std::vector<Body>& bodies = c.scene().medium.bodies;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid) continue;
-        const auto refuse = [&](std::string message) {
+        const auto first_of_pair = [&](std::size_t j) { return j < i || !bodies[j].rigid; };
+        for (std::string& reason : reasons_against(c, i, first_of_pair))
             refused.push_back(
-                {Severity::error, fmt::format("medium.body[{}].rigid", i + 1), std::move(message)});
-        };
-        const Endless along = endless_along(bodies[i], c.domain);
-        const std::string reason = reason_against(c, bodies[i], along);
-        if (!reason.empty()) {
-            refuse(reason);
-            continue;
-        }
-        for (std::size_t j = 0; j < bodies.size(); ++j)
-            if ((j < i || !bodies[j].rigid) && j != i &&
-                shares_volume(bodies[i], bodies[j], c.domain))
-                refuse(fmt::format("a rigid body must not overlap another body, but it overlaps "
-                                   "medium.body[{}]",
-                                   j + 1));
+                {Severity::error, fmt::format("medium.body[{}].rigid", i + 1), std::move(reason)});
     }
+    double squares = 0.0;
+    if (has_lumps(c))
+        for (const Body& body : moving_bodies(c))
+            squares += squares_around(body, c.domain);
+    if (refused.empty() && squares > most_squares)
+        refused.push_back(
+            {Severity::error, "domain.spacing_mm",
+             fmt::format("the bounds of the rigid bodies have {:.2g} squares of the grid, but at "
+                         "most {:.2g} are supported: use a larger spacing, or omit rigid",
+                         squares, most_squares)});
     return refused;
 }
 

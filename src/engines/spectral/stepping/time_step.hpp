@@ -20,8 +20,8 @@ struct TimeStep {
 /// The step that the options specify, or the longest one whose estimated error is within the
 /// accuracy: probed_error() of the layers under the load plus the error due to stiff bodies. It
 /// divides the output interval. Takes about 0.1 s at most for common cases. Throws
-/// engines::StepNotChosen, at once if the limit is finite and the mesh has more than 1000 elements.
-/// Not collective.
+/// engines::StepNotChosen, at once if the limit is finite and the mesh has more than 1000 elements
+/// of degree 8. Not collective.
 TimeStep choose_time_step(const Case& c, const SpectralOptions& options,
                           engines::ChoiceLimit limit = {});
 
