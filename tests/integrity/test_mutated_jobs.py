@@ -2,6 +2,7 @@
 """Jobs with random changes: check and plan accept them or report errors, in limited time and memory."""
 import json
 import random
+import re
 import shutil
 import unittest
 import zlib
@@ -65,6 +66,32 @@ class MutatedJobs(ProgramTest):
             said, code = self.accepted_or_refused(verb)
             self.assertEqual(code, 0, said)
         self.says(said, "left to `run`")
+
+    def test_many_bodies_are_compared_at_once(self):
+        """The overlaps of all pairs, also beyond the periodic edges, and the steps of pstd around each of them."""
+        text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
+        text = text[:text.index("[sweep]")]
+        rng = random.Random(2)
+        places = [[rng.uniform(-64, 64), rng.uniform(-40, 40), rng.uniform(6, 14)] for _ in range(120)]
+        for engine, rigid in (("spectral", "rigid = true"), ("spectral", "c_s_m_s = 900.0"), ("pstd", "c_s_m_s = 12.0")):
+            bodies = "".join(f'[[medium.body]]\nshape = "ellipsoid"\ncenter_mm = {at}\nsemi_axes_mm = [6.0, 5.0, 4.0]\n'
+                             f'azimuth_deg = 30.0\n{rigid}\n' for at in places)
+            self.write_job(text.replace('"spectral"', f'"{engine}"').replace("[load]", bodies + "[load]", 1))
+            with self.subTest(engine=engine, rigid=rigid):
+                self.accepted_or_refused("check")
+                if engine == "pstd":
+                    self.accepted_or_refused("plan")
+
+    def test_check_counts_the_files_of_all_cases(self):
+        """Some TB."""
+        text = (ROOT / "jobs" / "quickstart.toml").read_text(encoding="utf-8")
+        every_frame = ", ".join(f"{0.05 * i:.2f}" for i in range(1, 281))
+        text = changed(("[240.0, 162.0]", "[960.0, 640.0]"), ("[7.0, 14.0]", f"[{every_frame}]"), text=text[:text.index("[sweep]")])
+        self.write_job(text + '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 3000] }\n')
+        said = {}
+        for verb in ("check", "plan"):
+            said[verb], _ = accepted_or_refused(self, command(verb, "job.toml"), (3,), MOST_s, verb)
+        self.assertEqual(*(re.search(r"the files of the cases need \d+ MB", text).group() for text in said.values()))
 
     def test_a_sweep_of_the_depth_of_a_body_is_planned_at_once(self):
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
@@ -143,7 +170,24 @@ class MutatedJobs(ProgramTest):
         gaussian = 'footprint = { shape = "gaussian", fwhm_mm = 8.5 }'
         array = 'footprint = { shape = "array", elements = [16, 16], pitch_mm = 10.0, radius_mm = 4.5, distance_mm = 200.0'
         foci = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
+        bone = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
+        bone = bone[:bone.index("[sweep]")]
+        quickstart = (ROOT / "jobs" / "quickstart.toml").read_text(encoding="utf-8")
+        quickstart = quickstart[:quickstart.index("[sweep]")]
+        (self.folder / "scan.csv").write_text("x_mm,y_mm\n" + "".join(f"{i % 199 - 99},{i % 79 - 39}\n" for i in range(19_900)),
+                                              encoding="utf-8")
         for name, text, words in (
+                ("rigid body", changed(("spacing_mm = 1.0", "spacing_mm = 0.05"), ('axis = "y"', 'axis = "z"\nrigid = true'),
+                                       text=bone.replace("center_mm", "length_mm = 12.0\ncenter_mm")), "squares of the grid"),
+                ("references", quickstart + '[sweep]\n"load.footprint.fwhm_mm" = { linspace = [3, 5, 9990] }\n'
+                 '[table]\nreference = { kind = "STM" }\n', "more than 10000 cases with the references"),
+                ("long lists", quickstart + '[vibrometer]\nfile = "scan.csv"\n[sweep]\n"load.footprint.fwhm_mm" = '
+                 '{ linspace = [3, 5, 5000] }\n', "each case has lists of 39800 numbers"),
+                ("elements", changed((gaussian, f"{array.replace('[16, 16]', '[100, 100]').replace('10.0', '1.0').replace('4.5', '0.5')} }}"),
+                                     text=steady), "products of samples and elements"),
+                ("reach of a lens", changed(("pixel_mm = 4.0", "pixel_mm = 4.0\nreach_mm = 500.0"), text=lens), "at most 800 x 800"),
+                ("grid of pstd", changed(('engine = "layered"', 'engine = "pstd"'), ("[240.0, 162.0]", "[1000.0, 1000.0]"),
+                                         ("spacing_mm = 0.75", "spacing_mm = 0.05"), text=quickstart), "MB per rank"),
                 ("cases", changed(("[sweep]", '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 9000] }'), text=foci),
                  "sweep results in 72000 cases; at most 10000 are supported"),
                 ("target far outside", changed(("[24, -16]", "[900, -16]"), ("pixel_mm = 4.0", "pixel_mm = 0.5"), text=lens),
@@ -168,8 +212,7 @@ class MutatedJobs(ProgramTest):
             self.write_job(text)
             for verb in ("check", "plan"):
                 with self.subTest(name=name, verb=verb):
-                    said, code = self.accepted_or_refused(verb)
-                    self.assertEqual(code, 3, said)
+                    said, code = accepted_or_refused(self, command(verb, "job.toml"), (3,), MOST_s, f"{verb} {name}")
                     self.says(said, words)
 
 
