@@ -193,6 +193,13 @@ private:
             root = with(root, {{"load"}, {"modulation"}, {entry.key}}, entry.value, entry.key_at,
                         problem);
         }
+        // What is missing, is missing there.
+        if (const NodePtr modulation = find(root, {{"load"}, {"modulation"}})) {
+            std::string problem;
+            const auto moved =
+                std::make_shared<const Node>(Node{modulation->value, reference_->at});
+            root = with(root, {{"load"}, {"modulation"}}, moved, reference_->at, problem);
+        }
         const NodePtr kind = find(root, {{"load"}, {"modulation"}, {"kind"}});
         const auto* word = kind ? std::get_if<std::string>(&kind->value) : nullptr;
         std::erase_if(settings, [&](const Setting& s) {
@@ -202,10 +209,7 @@ private:
         if (!is_new) return known->second;
         const auto c = read_case(root, OtherKinds::ignored, files_, diagnostics_);
         if (!c) {
-            if (bad_cases_++ == 0)
-                diagnostics_.error(reference_->at,
-                                   "table.reference: no reference is possible with these keys, as "
-                                   "the errors of load.modulation state");
+            ++bad_cases_;
             return "";
         }
         known->second = case_id(*c);

@@ -202,12 +202,11 @@ std::string obstacle(const Case& c, std::size_t i) {
     chosen.scene().medium.bodies[i].rigid = true;
     const auto reasons = reasons_against(chosen, i, [](std::size_t) { return true; });
     if (!reasons.empty()) return reasons.back();
-    if (has_lumps(chosen) && squares_around(body, c.domain) > most_squares)
-        return "it would need too many markers";
     std::size_t more = 0; // markers
     const auto add = [&](const Body& lump) {
-        if (has_markers(lump, chosen.scene().medium, c.domain))
-            more += marker_count(lump, c.domain);
+        if (!has_markers(lump, chosen.scene().medium, c.domain)) return;
+        more += squares_around(lump, c.domain) > most_squares ? most_markers + 1
+                                                              : marker_count(lump, c.domain);
     };
     if (has_lumps(chosen) && has_lumps(c))
         add(body);
