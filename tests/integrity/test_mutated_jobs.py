@@ -174,13 +174,15 @@ class MutatedJobs(ProgramTest):
         bone = bone[:bone.index("[sweep]")]
         quickstart = (ROOT / "jobs" / "quickstart.toml").read_text(encoding="utf-8")
         quickstart = quickstart[:quickstart.index("[sweep]")]
+        at_rest = changed(("AM-STM", "AM"), ("speed_m_s = 7.0\n", ""), text="\n".join(
+            line for line in quickstart.splitlines() if not line.startswith("path =")) + "\n")
         (self.folder / "scan.csv").write_text("x_mm,y_mm\n" + "".join(f"{i % 199 - 99},{i % 79 - 39}\n" for i in range(19_900)),
                                               encoding="utf-8")
         for name, text, words in (
                 ("rigid body", changed(("spacing_mm = 1.0", "spacing_mm = 0.05"), ('axis = "y"', 'axis = "z"\nrigid = true'),
                                        text=bone.replace("center_mm", "length_mm = 12.0\ncenter_mm")), "squares of the grid"),
-                ("references", quickstart + '[sweep]\n"load.footprint.fwhm_mm" = { linspace = [3, 5, 9990] }\n'
-                 '[table]\nreference = { kind = "STM" }\n', "more than 10000 cases with the references"),
+                ("references", at_rest + '[sweep]\n"load.footprint.fwhm_mm" = { linspace = [3, 5, 9990] }\n'
+                 '[table]\nreference = { am_frequency_Hz = 100.0 }\n', "more than 10000 cases with the references"),
                 ("long lists", quickstart + '[vibrometer]\nfile = "scan.csv"\n[sweep]\n"load.footprint.fwhm_mm" = '
                  '{ linspace = [3, 5, 5000] }\n', "each case has lists of 39800 numbers"),
                 ("elements", changed((gaussian, f"{array.replace('[16, 16]', '[100, 100]').replace('10.0', '1.0').replace('4.5', '0.5')} }}"),

@@ -64,7 +64,12 @@ public:
     Expander(const Sweep& sweep, const NodePtr& reference, const FileLoaders& files,
              DiagnosticList& diagnostics)
         : sweep_(sweep), reference_(reference), files_(files), diagnostics_(diagnostics),
-          excluded_(sweep.exclusions.size(), 0) {}
+          excluded_(sweep.exclusions.size(), 0) {
+        double count = 1.0;
+        for (const Axis& axis : sweep.axes)
+            count *= static_cast<double>(axis.size());
+        cases_.reserve(static_cast<std::size_t>(std::min(count, static_cast<double>(most_cases))));
+    }
 
     void add(const NodePtr& base, const Odometer& wheel) {
         if (is_excluded(wheel)) return;
@@ -74,16 +79,17 @@ public:
             ++bad_cases_;
             return;
         }
-        const auto c =
-            read_case(root, sweep_.varies_kind ? OtherKinds::ignored : OtherKinds::refused, files_,
-                      diagnostics_);
+        auto c = read_case(root, sweep_.varies_kind ? OtherKinds::ignored : OtherKinds::refused,
+                           files_, diagnostics_);
         if (!c || diagnostics_.errors() != before) {
             ++bad_cases_;
             return;
         }
         remarks_.add(*c, root);
         if (cases_.empty()) numbers_ = hashed_numbers(*c);
-        PlannedCase planned{.id = case_id(*c), .physics = *c, .settings = settings(wheel)};
+        std::string id = case_id(*c);
+        PlannedCase planned{
+            .id = std::move(id), .physics = *std::move(c), .settings = settings(wheel)};
         if (sweep_.sampled_axis) planned.sample = wheel[*sweep_.sampled_axis];
         if (reference_) planned.reference_id = add_reference(root, planned.settings);
         note_twin(planned);

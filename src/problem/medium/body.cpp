@@ -331,7 +331,10 @@ double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
         if (contains_corners(shape, offset, size_m, 0.5 * body.edge_m)) return 1.0;
         const bool is_smooth =
             body.edge_m > 0.0 && body.edge_m >= std::max({size_m.x, size_m.y, size_m.z});
-        return sampled_share(shape, offset, size_m, is_smooth ? smooth_samples : sharp_samples);
+        // Cells wider than the body are those of estimates.
+        const bool is_wide = size_m.x > 2.0 * reach.x && size_m.y > 2.0 * reach.y;
+        return sampled_share(shape, offset, size_m,
+                             is_smooth || is_wide ? smooth_samples : sharp_samples);
     });
 }
 
