@@ -86,7 +86,7 @@ public:
             return;
         }
         remarks_.add(*c, root);
-        if (cases_.empty()) numbers_ = hashed_numbers(*c);
+        numbers_ += hashed_numbers(*c);
         std::string id = case_id(*c);
         PlannedCase planned{
             .id = std::move(id), .physics = *std::move(c), .settings = settings(wheel)};
@@ -113,7 +113,8 @@ public:
                                fmt::format("sweep: each case has lists of {:.0f} numbers, such as "
                                            "points of a path or of a scan, and all cases together "
                                            "may have {:.0e}; use fewer points or cases",
-                                           numbers_, most_numbers));
+                                           numbers_ / static_cast<double>(cases_.size()),
+                                           most_numbers));
         if (twins_ > 1) twin_message_ += fmt::format(" (and {} more such pairs)", twins_ - 1);
         if (twins_ > 0) diagnostics_.error(sweep_.at, twin_message_);
         for (std::size_t i = 0; complete && i < excluded_.size(); ++i)
@@ -133,9 +134,7 @@ public:
     }
 
 private:
-    bool is_too_large() const {
-        return numbers_ * static_cast<double>(cases_.size()) > most_numbers;
-    }
+    bool is_too_large() const { return numbers_ > most_numbers; }
 
     bool is_excluded(const Odometer& wheel) {
         bool any = false;
@@ -249,7 +248,7 @@ private:
     std::unordered_map<std::string, std::string> reference_ids_; // by settings
     std::unordered_set<std::string> seen_references_;            // ids
     std::size_t bad_cases_ = 0, twins_ = 0;
-    double numbers_ = 0.0; // in the long lists of a case
+    double numbers_ = 0.0; // in the long lists of all cases
     std::string twin_message_;
 };
 

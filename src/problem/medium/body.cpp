@@ -338,25 +338,26 @@ double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
     });
 }
 
-bool share_a_point(const Body& a, const Body& b, const Bounds& box, int samples) {
-    const auto place = [&](double from, double to, int i) {
-        return from + (to - from) * (static_cast<double>(i) + 0.5) / samples;
-    };
-    const auto search = [&](const auto& one, const auto& other) {
-        for (int i = 0; i < samples; ++i)
-            for (int j = 0; j < samples; ++j)
-                for (int k = 0; k < samples; ++k) {
-                    const Vec3 p{place(box.low_m.x, box.high_m.x, i),
-                                 place(box.low_m.y, box.high_m.y, j),
-                                 place(box.low_m.z, box.high_m.z, k)};
-                    if (one.share(p - a.centre_m, {}) > 0.0 &&
-                        other.share(p - b.centre_m, {}) > 0.0)
-                        return true;
-                }
+bool share_a_point(const Body& a, const Body& b, const Bounds& box, int halvings) {
+    const auto search = [&](const auto& self, const auto& one, const auto& other, Vec3 centre,
+                            Vec3 size, int left) -> bool {
+        const Vec3 from_a = centre - a.centre_m, from_b = centre - b.centre_m;
+        if (one.is_outside(from_a, 0.5 * (norm(size) + a.edge_m)) ||
+            other.is_outside(from_b, 0.5 * (norm(size) + b.edge_m)))
+            return false;
+        if (one.share(from_a, {}) > 0.0 && other.share(from_b, {}) > 0.0) return true;
+        for (int octant = 0; left > 0 && octant < 8; ++octant) {
+            const auto side = [&](int bit) { return (octant & bit) != 0 ? 0.25 : -0.25; };
+            const Vec3 shift{side(1) * size.x, side(2) * size.y, side(4) * size.z};
+            if (self(self, one, other, centre + shift, 0.5 * size, left - 1)) return true;
+        }
         return false;
     };
     return with_shape(a, [&](const auto& one) {
-        return with_shape(b, [&](const auto& other) { return search(one, other); });
+        return with_shape(b, [&](const auto& other) {
+            return search(search, one, other, 0.5 * (box.low_m + box.high_m),
+                          box.high_m - box.low_m, halvings);
+        });
     });
 }
 

@@ -261,8 +261,9 @@ struct Bounds {
     bool operator==(const Bounds&) const = default;
 };
 Bounds bounds(const Body& body);
-/// Whether both bodies contain one of the samples^3 points that are spread evenly over a box.
-bool share_a_point(const Body& a, const Body& b, const Bounds& box, int samples);
+/// Whether both bodies contain the centre of a box, or of one of the boxes that result if its sides
+/// are halved this many times.
+bool share_a_point(const Body& a, const Body& b, const Bounds& box, int halvings);
 
 /// The smallest width of the body, an upper limit of the edge width.
 double thickness_m(const Body& body);

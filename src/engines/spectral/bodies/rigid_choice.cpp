@@ -18,10 +18,8 @@ constexpr double least_spacings = 2.0;
 /// Width in grid spacings below which a sphere is less accurate if it is rigid than if it is
 /// elastic, whatever its stiffness: docs/explanation/engine-spectral.md, "Rigid bodies".
 constexpr double accurate_spacings = 6.0;
-/// Samples along each axis of the box that two bodies share, half as many among many bodies. Bodies
-/// that share less than a sample of this box are not recognised.
-constexpr int overlap_samples = 48;
-constexpr std::size_t many_bodies = 32;
+/// Bodies that share less than 1/64 of each side of the box that contains both are not recognised.
+constexpr int overlap_halvings = 6;
 /// Markers above which a lump is treated as rigid only on request: their matrix then needs 300 MB,
 /// and a step takes longer than one with an elastic body.
 constexpr std::size_t most_markers = 2000;
@@ -41,7 +39,7 @@ bool spans(double centre_m, double size_m, double extent_m) {
 }
 
 /// Without periodic images.
-bool shares_volume_here(const Body& a, const Body& b, const Domain& domain, int samples) {
+bool shares_volume_here(const Body& a, const Body& b, const Domain& domain) {
     const Bounds one = bounds(a), other = bounds(b);
     // Infinite bodies are those of the domain.
     const double far_x_m = domain.extent_x_m(), far_y_m = domain.extent_y_m();
@@ -52,17 +50,17 @@ bool shares_volume_here(const Body& a, const Body& b, const Domain& domain, int 
              std::min({one.high_m.y, other.high_m.y, far_y_m}),
              std::min(one.high_m.z, other.high_m.z)};
     if (low.x >= high.x || low.y >= high.y || low.z >= high.z) return false;
-    return share_a_point(a, b, {low, high}, samples);
+    return share_a_point(a, b, {low, high}, overlap_halvings);
 }
 
 /// Whether a body shares volume with another one or with its images in the neighbouring periods.
-bool shares_volume(const Body& a, Body b, const Domain& domain, int samples) {
+bool shares_volume(const Body& a, Body b, const Domain& domain) {
     const Vec3 centre_m = b.centre_m;
     for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y) {
             b.centre_m.x = centre_m.x + x * domain.extent_x_m();
             b.centre_m.y = centre_m.y + y * domain.extent_y_m();
-            if (shares_volume_here(a, b, domain, samples)) return true;
+            if (shares_volume_here(a, b, domain)) return true;
         }
     return false;
 }
@@ -140,10 +138,9 @@ std::vector<std::string> reasons_against(const Case& c, std::size_t i, const Mee
     const std::vector<Body>& bodies = c.scene().medium.bodies;
     const std::string reason = reason_against(c, bodies[i], endless_along(bodies[i], c.domain));
     if (!reason.empty()) return {reason};
-    const int samples = bodies.size() > many_bodies ? overlap_samples / 2 : overlap_samples;
     std::vector<std::string> reasons;
     for (std::size_t j = 0; j < bodies.size(); ++j)
-        if (j != i && meets(j) && shares_volume(bodies[i], bodies[j], c.domain, samples))
+        if (j != i && meets(j) && shares_volume(bodies[i], bodies[j], c.domain))
             reasons.push_back(fmt::format("a rigid body must not overlap another body, but it "
                                           "overlaps medium.body[{}]",
                                           j + 1));
