@@ -185,6 +185,9 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1e12] }",
          "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 10000 as its "
          "third number, which is 1e+12"},
+        {"\"load.peak_Pa\" = { range = [-1e308, 1e308, 1] }",
+         "job.toml:28:28: error: load.peak_Pa: range has too many values; at most 10000 are "
+         "supported"},
         {"\"load.peak_Pa\" = { logspace = [0, 2, 3] }",
          "job.toml:28:31: error: load.peak_Pa: logspace requires both ends to be above 0"},
         {"\"load.peak_Pa\" = { range = [0, 2, -3] }",

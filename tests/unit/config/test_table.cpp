@@ -93,6 +93,8 @@ TEST_CASE("an error in [table] is reported with its location", "[config][table]"
          "\"STM\"?"},
         {"reference = { kind = \"STM\", foo = 1 }",
          "job.toml:30:29: error: load.modulation.foo is unknown"},
+        {"reference = { kind = \"SM-STM\", speed_deviation_m_s = 1 }",
+         "job.toml:30:13: error: load.modulation.sm_frequency_Hz is missing"},
         {"labels = { \"load.pek_Pa\" = [\"a\"] }",
          "job.toml:30:28: error: table.labels.load.pek_Pa contains \"load.pek_Pa\", which is not "
          "swept; did you mean \"load.peak_Pa\"?"},
