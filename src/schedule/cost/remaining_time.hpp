@@ -4,18 +4,10 @@
 #include "parallel/shared_counters.hpp"
 
 #include <functional>
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace shearwake::schedule {
-
-/// The estimated time of a case on its team. `kind`: cases whose estimates have similar errors.
-struct ExpectedCase {
-    std::string kind;
-    double estimated_s = 0.0;
-};
 
 /// The teams of a run, and the number of the team of this rank.
 struct TeamOf {
@@ -27,11 +19,12 @@ using Clock_us = std::function<long()>;
 Clock_us steady_clock_us();
 
 /// The remaining time of a sweep: that of running cases follows from their progress, that of others
-/// from their estimates times the ratio of measured to estimated times of the cases of the same
-/// kind that have ended in this run. Shared by all teams. Only the constructor is collective.
+/// from their estimates times the ratio of measured to estimated times of the cases that have ended
+/// in this run. Shared by all teams. Only the constructor is collective.
 class RemainingTime {
 public:
-    RemainingTime(std::vector<ExpectedCase> cases, const Comm& world, TeamOf team = {},
+    /// `estimated_s`: the estimated time of each case on its team.
+    RemainingTime(std::vector<double> estimated_s, const Comm& world, TeamOf team = {},
                   Clock_us clock = steady_clock_us());
 
     void begin(std::size_t index);
@@ -42,28 +35,24 @@ public:
     /// Adds the measured time of a complete case.
     void learn(std::size_t index, double seconds);
 
-    /// Ratio of measured to estimated time of the kind of a case; 1 without any measurement.
-    double factor(std::size_t index) const { return ratio(kinds_[index]); }
+    /// Ratio of measured to estimated time; 1 without any measurement.
+    double ratio() const;
     /// Wall time until all teams have ended, of which `busy` still have a case: at least the
     /// remaining time of the longest running case.
     double wall_left_s(int busy) const;
 
 private:
-    enum PerKind { taken, estimated, left, per_kind };
-    int counter(int kind, PerKind which) const { return per_kind * kind + which; }
+    enum Counter { taken, estimated, left, sums };
     /// When the running case of a team will have ended; 0 without a case.
-    int end_us(int team) const { return per_kind * kind_count_ + team; }
+    static int end_us(int team) { return sums + team; }
     void expect_end(long at_us);
     long estimated_us(std::size_t index) const;
-    double ratio(int kind) const;
     long now_us() const { return clock_() - began_; }
 
-    std::vector<ExpectedCase> cases_;
+    std::vector<double> estimated_s_;
     TeamOf team_;
     Clock_us clock_;
     long began_, expected_end_us_ = 0;
-    std::vector<int> kinds_; // of each case
-    int kind_count_ = 0;
     std::vector<bool> has_begun_;
     struct Report {
         double share;

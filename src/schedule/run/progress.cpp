@@ -155,10 +155,10 @@ double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts&
     return time.own_s + (is_shared ? 0.0 : time.shared_s);
 }
 
-std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases,
-                                         const std::vector<Bundle>& bundles, int ranks, int teams,
-                                         cost::CaseCosts& costs) {
-    std::vector<ExpectedCase> all(cases.size());
+std::vector<double> expected_s(const std::vector<const PlannedCase*>& cases,
+                               const std::vector<Bundle>& bundles, int ranks, int teams,
+                               cost::CaseCosts& costs) {
+    std::vector<double> all(cases.size());
     const auto in_turn = static_cast<std::size_t>(teams); // the teams take similar bundles
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const Case* before = nullptr;
@@ -169,7 +169,7 @@ std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& 
         for (std::size_t n = 0; n < bundles[b].count; ++n) {
             const std::size_t place = bundles[b].first + n;
             const Case& c = cases[place]->physics;
-            all[place] = {costs.of(c).work.front().kind, expected_s(c, before, ranks, costs)};
+            all[place] = expected_s(c, before, ranks, costs);
             before = &c;
         }
     }

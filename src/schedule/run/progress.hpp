@@ -76,10 +76,10 @@ private:
 /// with which it may share work. Not collective.
 double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs);
 
-/// The estimates of cases that `teams` teams of `ranks` ranks compute in these bundles. Not
+/// The estimated times of cases that `teams` teams of `ranks` ranks compute in these bundles. Not
 /// collective.
-std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases,
-                                         const std::vector<Bundle>& bundles, int ranks, int teams,
-                                         cost::CaseCosts& costs);
+std::vector<double> expected_s(const std::vector<const PlannedCase*>& cases,
+                               const std::vector<Bundle>& bundles, int ranks, int teams,
+                               cost::CaseCosts& costs);
 
 } // namespace shearwake::schedule

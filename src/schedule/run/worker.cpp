@@ -64,7 +64,7 @@ std::string further_host(const Comm& world) {
 Worker::Worker(const WorkList& list, const Comm& world, const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
       journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
-      times_(expected_cases(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
+      times_(expected_s(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
              world, {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
@@ -150,8 +150,7 @@ bool Worker::in_time(std::size_t index) {
     const PlannedCase& planned = *list_.cases[index];
     const bool is_known = list_.costs.time(planned.physics, list_.ranks_per_case).origin !=
                           cost::Origin::unknown; // otherwise only the case itself can show it
-    const double needed_s =
-        is_known ? allowance * times_.factor(index) * estimated_s(planned) : 0.0;
+    const double needed_s = is_known ? allowance * times_.ratio() * estimated_s(planned) : 0.0;
     const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
                                                   {planned.id, pipeline::program_git_id()});
     return list_.deadline.lets_begin(needed_s - before);

@@ -13,34 +13,33 @@ namespace {
 struct Sweep {
     long now_us = 0;
     schedule::RemainingTime times;
-    explicit Sweep(std::vector<schedule::ExpectedCase> cases)
-        : times(std::move(cases), Comm::world(), {}, [this] { return now_us; }) {}
+    explicit Sweep(std::vector<double> estimated_s)
+        : times(std::move(estimated_s), Comm::world(), {}, [this] { return now_us; }) {}
 };
 
 } // namespace
 
 TEST_CASE("before any case has ended, the estimates count", "[remaining]") {
-    const Sweep sweep({{"a", 10.0}, {"a", 20.0}, {"b", 5.0}});
-    CHECK(sweep.times.factor(0) == 1.0);
+    const Sweep sweep({10.0, 20.0, 5.0});
+    CHECK(sweep.times.ratio() == 1.0);
     CHECK(sweep.times.wall_left_s(1) == Approx(35.0));
     CHECK(sweep.times.wall_left_s(5) == Approx(7.0));
 }
 
-TEST_CASE("cases of a kind are corrected by the measured times of that kind", "[remaining]") {
-    Sweep sweep({{"a", 10.0}, {"a", 20.0}, {"b", 5.0}});
+TEST_CASE("the measured times of cases correct the estimates of others", "[remaining]") {
+    Sweep sweep({10.0, 20.0, 5.0});
     sweep.times.begin(0);
     sweep.now_us = 30'000'000;
     sweep.times.learn(0, 30.0);
     sweep.times.end(0);
-    CHECK(sweep.times.factor(1) == Approx(3.0));
-    CHECK(sweep.times.factor(2) == 1.0);
-    CHECK(sweep.times.wall_left_s(1) == Approx(3.0 * 20.0 + 5.0));
+    CHECK(sweep.times.ratio() == Approx(3.0));
+    CHECK(sweep.times.wall_left_s(1) == Approx(3.0 * (20.0 + 5.0)));
     sweep.times.end(1); // computed by another run
-    CHECK(sweep.times.wall_left_s(1) == Approx(5.0));
+    CHECK(sweep.times.wall_left_s(1) == Approx(3.0 * 5.0));
 }
 
 TEST_CASE("the remaining time of a running case follows from its progress", "[remaining]") {
-    Sweep sweep({{"a", 1000.0}, {"a", 1000.0}});
+    Sweep sweep({1000.0, 1000.0});
     sweep.times.begin(0);
     CHECK(sweep.times.wall_left_s(2) == Approx(1000.0)); // of two teams
     sweep.times.progressed(0.2);                         // resumed from a checkpoint
@@ -57,23 +56,12 @@ TEST_CASE("the remaining time of a running case follows from its progress", "[re
 }
 
 TEST_CASE("the sweep takes at least as long as its longest running case", "[remaining]") {
-    Sweep sweep({{"a", 100.0}, {"b", 10.0}});
+    Sweep sweep({100.0, 10.0});
     sweep.times.begin(0);
     sweep.now_us = 30'000'000;
     CHECK(sweep.times.wall_left_s(8) == Approx(70.0));
     sweep.now_us = 200'000'000; // longer than expected
     CHECK(sweep.times.wall_left_s(1) == Approx(10.0));
-}
-
-TEST_CASE("further kinds share a correction", "[remaining]") {
-    std::vector<schedule::ExpectedCase> cases;
-    for (int n = 0; n < 100; ++n)
-        cases.push_back({std::to_string(n), 1.0});
-    Sweep sweep(cases);
-    CHECK(sweep.times.wall_left_s(1) == Approx(100.0));
-    sweep.times.learn(99, 2.0);
-    CHECK(sweep.times.factor(98) == Approx(2.0));
-    CHECK(sweep.times.factor(0) == 1.0);
 }
 
 } // namespace test_remaining_time
