@@ -283,9 +283,12 @@ std::vector<measures::Column> columns_of(const ReceptorMotion& motion,
 
 } // namespace
 
-std::optional<Scene> receptors_of(const Case& c) {
+std::shared_ptr<const Scene> receptors_of(const Case& c) {
     if (!c.afferents) return {};
-    return neural::make_scene(*c.afferents);
+    static std::pair<AfferentOptions, std::shared_ptr<const Scene>> latest;
+    if (!latest.second || latest.first != *c.afferents)
+        latest = {*c.afferents, std::make_shared<const Scene>(neural::make_scene(*c.afferents))};
+    return latest.second;
 }
 
 neural::Repetitions receptor_repetitions(const Case& c, const Scene& scene) {
@@ -324,7 +327,8 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
     return motion;
 }
 
-void record_receptors(const Case& c, const std::optional<Scene>& scene, SurfaceRecorder& recorder) {
+void record_receptors(const Case& c, const std::shared_ptr<const Scene>& scene,
+                      SurfaceRecorder& recorder) {
     if (stress_depths_m(c).empty()) return;
     std::vector<Vec2> at_m;
     std::vector<std::size_t> depths;
@@ -378,7 +382,8 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
 
 std::vector<Remark> check_afferents(const Case& c) {
     const AfferentOptions& options = *c.afferents;
-    const Scene scene = neural::make_scene(options);
+    const std::shared_ptr<const Scene> receptors = receptors_of(c);
+    const Scene& scene = *receptors;
     if (uses_stress(options.input)) { // its pins have no effect
         const auto beyond = std::count_if(
             scene.afferents.begin(), scene.afferents.end(), [&](const neural::Afferent& one) {

@@ -37,9 +37,9 @@ struct ReceptorMotion {
     std::string name;                // the key of the noise: a case's id
 };
 
-/// The places of the afferents and pins of a case, which are made once per case and handed on;
-/// nothing without afferents. Not collective.
-std::optional<neural::Scene> receptors_of(const Case& c);
+/// The places of the afferents and pins of a case, nothing without afferents. The check, plan,
+/// probe and run of a case share them, as do cases with equal options that follow. Not collective.
+std::shared_ptr<const neural::Scene> receptors_of(const Case& c);
 
 /// The motion of the pins of a case from t = 0, where nothing has moved, to the last but one frame,
 /// with one sample per interval of the run, and the other inputs of its afferents. In the periodic
@@ -53,7 +53,7 @@ neural::Repetitions receptor_repetitions(const Case& c, const neural::Scene& sce
 
 /// Makes the recorder store the stress at the receptors, if the case requests it. Call before the
 /// run; collective.
-void record_receptors(const Case& c, const std::optional<neural::Scene>& scene,
+void record_receptors(const Case& c, const std::shared_ptr<const neural::Scene>& scene,
                       SurfaceRecorder& recorder);
 
 /// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
@@ -70,7 +70,7 @@ engines::Work receptors_work(const Case& c, const neural::Scene& scene);
 /// The time of the afferents of a case for a motion without amplitude, which is made longer until
 /// it takes about `seconds`; nothing without afferents. Collective.
 std::vector<engines::TimedWork> timed_receptors(const Case& c,
-                                                const std::optional<neural::Scene>& scene,
+                                                const std::shared_ptr<const neural::Scene>& scene,
                                                 double seconds, const Comm& team);
 
 /// Memory per rank for the afferents of a case, in addition to the engine [B].

@@ -50,7 +50,8 @@ engines::Work receptors_work(const Case& c, const Scene& scene) {
             n.samples + n.seconds * neural::neuron_rate_Hz};
 }
 
-std::vector<engines::TimedWork> timed_receptors(const Case& c, const std::optional<Scene>& scene,
+std::vector<engines::TimedWork> timed_receptors(const Case& c,
+                                                const std::shared_ptr<const Scene>& scene,
                                                 double seconds, const Comm& team) {
     if (!scene) return {};
     constexpr std::ptrdiff_t first = 16, growth = 4;

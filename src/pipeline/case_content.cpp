@@ -249,7 +249,7 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
 }
 
 CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
-                         const std::optional<neural::Scene>& receptors, const Comm& team) {
+                         const std::shared_ptr<const neural::Scene>& receptors, const Comm& team) {
     const Case& c = planned.physics;
     AfferentResult afferents;
     if (receptors)

@@ -62,7 +62,7 @@ struct CaseResults {
 /// Reduces what was recorded to the groups of a case file and computes the response of the
 /// afferents. Call after recorder.finish(). Collective.
 CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
-                         const std::optional<neural::Scene>& receptors, const Comm& team);
+                         const std::shared_ptr<const neural::Scene>& receptors, const Comm& team);
 
 /// Mean of u_z^2 over the edges of the domain divided by its mean over the domain: the share of the
 /// energy that waves carry beyond a periodic edge. `mean_u2` has the shape [nx][ny]. 0 without

@@ -110,7 +110,8 @@ constexpr const char* receptors_kind = "receptors"; // begins the name
 
 /// Size of the case file in bytes, including the overhead of HDF5; `engine_B` of it is written by
 /// the engine.
-double case_file_B(const Case& c, const std::optional<neural::Scene>& receptors, double engine_B) {
+double case_file_B(const Case& c, const std::shared_ptr<const neural::Scene>& receptors,
+                   double engine_B) {
     const double plane = static_cast<double>(c.domain.nx * c.domain.ny);
     const double depths = static_cast<double>(c.measure.depths_m.size());
     const double frames = static_cast<double>(c.time.frames);

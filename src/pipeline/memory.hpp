@@ -25,7 +25,7 @@ double resident_memory_B();
 
 /// What a case needs on a team, decided once and handed on.
 struct CasePlan {
-    std::optional<neural::Scene> receptors; // see receptors_of()
+    std::shared_ptr<const neural::Scene> receptors; // see receptors_of()
     /// Of engine, recorder, receptors and files; written_B is the size of the case file.
     engines::Resources needs;
 };

@@ -73,7 +73,7 @@ Case as_probe(Case c) {
 /// What the runs of a probe have in common.
 struct Probed {
     std::unique_ptr<engines::Engine> engine;
-    std::optional<neural::Scene> receptors;
+    std::shared_ptr<const neural::Scene> receptors;
 };
 
 void compute(const Probed& probed, const Case& c, const Comm& team, ProbeClock& clock) {

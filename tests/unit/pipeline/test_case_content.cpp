@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/case_content.hpp"
 
+#include "pipeline/afferent_result.hpp"
 #include "support/cases.hpp"
 
 #include <algorithm>
@@ -20,6 +21,20 @@ const Variable& find(const VariableGroup& group, const std::string& name) {
 }
 
 } // namespace
+
+TEST_CASE("the receptors of a case are placed once", "[content]") {
+    Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    CHECK_FALSE(pipeline::receptors_of(c));
+    c.afferents = AfferentOptions{.places = GridAfferents{{20e-3, 20e-3}, 4e-3}};
+    const auto first = pipeline::receptors_of(c);
+    REQUIRE(first);
+    Case other = c;
+    other.scene().load.peak_Pa *= 2.0;
+    CHECK(pipeline::receptors_of(other) == first);
+    other.afferents->seed += 1;
+    CHECK(pipeline::receptors_of(other) != first);
+    CHECK(pipeline::receptors_of(other)->afferents.size() == first->afferents.size());
+}
 
 TEST_CASE("a mean map comes with the shape that was drawn, a line for each focus", "[content]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
