@@ -205,13 +205,9 @@ private:
     fft::AlignedVector<Complex>& spectra_;
 };
 
-/// Adds the step and its estimated error to a report.
-void report_step(const Case& c, double step_s, engines::SolverReport& report) {
+/// Adds a warning to a report if the step is too long.
+void warn_of_step(const Case& c, double step_s, engines::SolverReport& report) {
     const double error = step_error(c, step_s);
-    // One text for all cases that reach the accuracy, since a run prints each text once.
-    report.notes.push_back(fmt::format(
-        "time step {:.4g} us, estimated error {} {:.0e} of the maximum of the field", 1e6 * step_s,
-        error <= step_accuracy ? "below" : "about", std::max(error, step_accuracy)));
     if (error > stated_accuracy)
         report.warnings.push_back(
             {Severity::warning, "solver.layered.time_step_us",
@@ -356,7 +352,9 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                });
     engines::SolverReport report;
     if (energy) report = report_of(energy->sums.total(period_times_area_s_m2(c), team));
-    report_step(c, table_->key().time.step_s, report);
+    for (std::string& note : plan.notes())
+        report.notes.push_back(std::move(note));
+    warn_of_step(c, table_->key().time.step_s, report);
     observer.solved(report);
     if (stress_table_)
         each_frame(*stress_table_, stress_depths_m(c).size(),

@@ -91,6 +91,8 @@ struct LayeredPlan {
     bool is_stored(const TransferKey& table) const;
     /// The work of the stages, by CaseProgress::Stage.
     std::array<engines::Work, CaseProgress::stages> stages() const;
+    /// The decisions that do not depend on the ranks, one line each.
+    std::vector<std::string> notes() const;
     std::vector<engines::Array> arrays() const;
 };
 

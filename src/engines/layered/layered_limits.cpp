@@ -109,12 +109,7 @@ engines::Edges LayeredEngine::edges(const Case& c) const {
 }
 
 std::vector<std::string> LayeredEngine::choices(const Case& c) const {
-    if (c.domain.edges != DomainEdges::open) return {};
-    const Domain solved = solved_domain(c);
-    return {
-        fmt::format("open edges: convolution with the response of the infinite plane on {} x {} "
-                    "points, which the path and the footprint require",
-                    solved.nx, solved.ny)};
+    return LayeredPlan(c, 1).notes();
 }
 
 } // namespace shearwake::layered

@@ -250,6 +250,23 @@ std::vector<engines::Array> LayeredPlan::arrays() const {
     return all;
 }
 
+std::vector<std::string> LayeredPlan::notes() const {
+    const double step_s = keys[0].time.step_s, error = step_error(c, step_s);
+    // One text for all cases that reach the accuracy, since a run prints each text once.
+    std::vector<std::string> all = {fmt::format(
+        "time step {:.4g} us, estimated error {} {:.0e} of the maximum of the field", 1e6 * step_s,
+        error <= step_accuracy ? "below" : "about", std::max(error, step_accuracy))};
+    if (keys[0].edges == DomainEdges::open)
+        all.push_back(fmt::format(
+            "open edges: convolution with the response of the infinite plane on {} x {} points, "
+            "which the path and the footprint require",
+            c.domain.nx, c.domain.ny));
+    if (moves_along_x)
+        all.emplace_back(
+            "the load does not move along y: wave vectors with opposite kx share its spectrum");
+    return all;
+}
+
 engines::Resources LayeredEngine::resources(const Case& given, int ranks) const {
     const LayeredPlan plan(given, ranks);
     const Domain& domain = plan.c.domain;

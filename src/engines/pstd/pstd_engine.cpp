@@ -86,6 +86,13 @@ engines::MarchWork case_work(const Case& c, const CaseGrid& grid, const PstdPlan
     return work;
 }
 
+std::vector<std::string> notes_of_case(const Case& c, const StepChoice& step,
+                                       const PstdPlan& plan) {
+    auto notes = engines::notes_of(choices(c, std::get<PstdOptions>(c.solver), step));
+    notes.push_back(note_of(plan));
+    return notes;
+}
+
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
@@ -93,8 +100,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
     if (step.refused) throw CaseFailure(refusal(options, step));
-    PstdPlan plan = plan_of(c, options, grid, step.per_frame, team.size());
-    plan.grid.dt_s = step.step_s;
+    const PstdPlan plan = plan_of(c, options, grid, step.per_frame, team.size());
     std::optional<Setup> setup;
     together(team, [&] { setup = setup_of(c, options, grid, plan); });
     Stepper<Real> stepper(*setup, team);
@@ -111,7 +117,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints,
                        case_work(c, grid, plan), began) == engines::MarchEnd::stopped)
         return;
-    observer.solved({.notes = engines::notes_of(pstd::choices(c, options, step)),
+    observer.solved({.notes = notes_of_case(c, step, plan),
                      .steps = stepper.steps(),
                      .warnings = engines::warnings_of(step_choices(options, step))});
 }
@@ -144,8 +150,9 @@ engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (c.study()) return {};
-    return engines::notes_of(pstd::choices(c, options, step_of(c)));
+    if (c.study()) return study_notes(c);
+    const StepChoice& step = step_of(c);
+    return notes_of_case(c, step, plan_of(c, options, case_grid(c, options), step.per_frame, 1));
 }
 
 bool PstdEngine::probes_step(const Case& c) const {

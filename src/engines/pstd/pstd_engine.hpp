@@ -60,6 +60,9 @@ double varying_coefficients(bool density, bool speeds, bool viscosity, Absorptio
 /// columns of the domain, and each frame passes them on at all depths. Not collective.
 engines::MarchWork march_work(const Case& c, const PstdPlan& plan);
 
+/// Grid, absorbing layer, precision and materials; one line. Not collective.
+std::string note_of(const PstdPlan& plan);
+
 /// The arrays of the rank with most planes. Not collective.
 std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks);
 

@@ -34,6 +34,17 @@ engines::MarchWork march_work(const Case& c, const PstdPlan& plan) {
             .steps = plan.steps};
 }
 
+std::string note_of(const PstdPlan& plan) {
+    const auto& [nx, ny, nz] = plan.grid.points;
+    const auto& [x, y, z] = plan.pml.points;
+    return fmt::format(
+        "{} x {} x {} points in {} precision, with an absorbing layer of {}, {} and {} "
+        "points along x, y and z; {}, with {}",
+        nx, ny, nz, plan.precision == Precision::single_precision ? "single" : "double", x, y, z,
+        plan.absorption == Absorption::none ? "lossless" : "viscous",
+        plan.uneven ? "the material of each node" : "one material for each plane");
+}
+
 std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks) {
     const Slabs slabs = slabs_of(plan.grid, ranks, ranks - 1); // with an edge in x
     const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;

@@ -136,13 +136,16 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
     if (engines::march(field, study.steps, observer, checkpoints, march_work(c, plan), began) ==
         engines::MarchEnd::stopped)
         return;
-    observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
-                                           study.points[0], study.points[1], study.points[2])},
+    observer.solved({.notes = study_notes(c),
                      .steps = stepper.steps(),
                      .sensors = outputs->sensor->results(stepper, team)});
 }
 
 } // namespace
+
+std::vector<std::string> study_notes(const Case& c) {
+    return {fmt::format("grid study {}", study_of(c).content_hash), note_of(plan_of(c, 1))};
+}
 
 engines::Resources study_resources(const Case& c, int ranks) {
     const StudyData& study = study_of(c);

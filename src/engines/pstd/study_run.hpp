@@ -29,7 +29,8 @@ Setup study_setup(const StudyData& study);
 void run_study(const Case& c, const Comm& team, engines::Observer& observer,
                engines::Checkpoints* checkpoints);
 
-/// Resources of a grid study. Not collective.
+/// The decisions for a grid study, one line each, and its resources. Not collective.
+std::vector<std::string> study_notes(const Case& c);
 engines::Resources study_resources(const Case& c, int ranks);
 
 /// The reason why a case does not match the grid study of its solver: domain, times, depths, or
