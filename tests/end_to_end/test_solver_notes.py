@@ -35,11 +35,11 @@ class SolverNotes(ProgramTest):
                  "times (contrast_cap): it reflects 0."
         self.says(said, "time step 33.33 us for an accuracy of 0.001", "limited by the scan (",
                   "limited by the modulation (")
-        for line in (capped, "differs from the layers in density"):
+        for line in (capped, "conjugate gradients on complete planes; the density varies"):
             self.assertEqual(said.count(line), 1, said)  # of two cases
 
         said = self.shearwake("run", "job.toml").said
-        self.assertEqual(said.count("is capped at 1000 times: it reflects 0.9"), 1, said)
+        self.assertEqual(said.count("is capped at 1000 times (contrast_cap): it reflects 0.9"), 2, said)  # and a warning
         self.assertEqual(said.count("iterations"), 2, said)  # each case has its own
         for path in case_files(self.out):
             found = self.attributes(path)
@@ -74,6 +74,26 @@ class SolverNotes(ProgramTest):
                     for paths in (automatic, case_files(self.folder / "marked"))]
         self.assertEqual(*energies)
 
+    def test_plan_prints_the_decisions_that_the_case_file_states(self):
+        one = (("duration_ms = 4.0", "duration_ms = 1.2"), ("at_ms = 4.0", "at_ms = 1.2"), (SWEEP, SWEEP.replace("400, 500, ", "")))
+        body = BONE[0], BONE[1].replace("radius_mm", "rigid = false\nradius_mm")
+        soft = (BONE[0], body[1].replace('preset = "cortical-bone"', "c_s_m_s = 9.0\ndensity_kg_m3 = 1100.0"))
+        for name, words, changes in (
+                ("open", ("infinite plane on", "does not move along y"),
+                 [("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"')]),
+                ("soft", ("conjugate gradients", "the density varies", "acts every"),
+                 [SPECTRAL, soft, ("spacing_mm = 1.5", "spacing_mm = 1.5\nsponge_mm = 12.0")]),
+                ("pstd", ("points in double precision", "steps of"), [('engine = "layered"', 'engine = "pstd"')])):
+            with self.subTest(name):
+                self.write_job(without_reference(*changes, *one), name=f"{name}.toml")
+                planned = self.shearwake("plan", f"{name}.toml").said
+                self.says(planned, *words)
+                self.shearwake("run", f"{name}.toml", "--out", name)
+                path, = case_files(self.folder / name)
+                decided = [note for note in self.attributes(path)["solver_notes"].split("\n")
+                           if not note.startswith("memory per rank")]
+                self.says(planned, *decided)
+
     def test_absorbing_edges_are_noted_and_change_the_field(self):
         changes = (SPECTRAL, ("duration_ms = 4.0", "duration_ms = 6.0"), (SWEEP, SWEEP.replace("400, ", "")))
         edges = (('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""),
@@ -86,7 +106,7 @@ class SolverNotes(ProgramTest):
         self.shearwake("run", "open.toml", "--out", "open", ranks=2)
         self.shearwake("reduce", "open")
         shown = self.shearwake("show", case_files(self.folder / "open")[0]).said
-        self.says(shown, "the sponge of 16 mm returns", "absorber")
+        self.says(shown, "the sponge of 16 mm acts every", "of the energy of the longest waves", "absorber")
         for held, free in zip(case_files(self.out), case_files(self.folder / "open"), strict=True):
             with (xarray.open_dataset(held, decode_timedelta=False) as a,
                   xarray.open_dataset(free, decode_timedelta=False) as b):

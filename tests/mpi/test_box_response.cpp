@@ -26,7 +26,7 @@ Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
     for (int step = 0; step < 4; ++step)
         stepper.advance();
     Start start{.plane = fft::AlignedVector<double>(static_cast<std::size_t>(slabs.share().reals)),
-                .box = stepper.uses_box()};
+                .box = stepper.box().has_value()};
     stepper.plane_of_w(0.0, start.plane.data());
     return start;
 }

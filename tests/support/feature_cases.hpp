@@ -111,7 +111,13 @@ inline std::vector<FeatureCase> layered_jobs() {
     pins.afferents = afferents_of(PinInput{});
     Case open = on_grid(192, 144, 1e-3, 160);
     open.domain.edges = DomainEdges::open;
+    Case array = on_grid(128, 96, 1e-3, 100);
+    array.scene().load.footprint = ArrayFootprint{.distance_m = 0.15, .reach_m = 0.03};
+    Case tilted = on_grid(96, 72, 1e-3, 100);
+    tilted.vibrometer = VibrometerOptions{.points_m = {{0.0, 0.0}, {5e-3, 0.0}}, .tilt_rad = 0.5};
     return {{"layered, open edges", open},
+            {"layered, array", array},
+            {"layered, tilted vibrometer", tilted},
             {"layered, periodic regime", bench::steady_bench_case()},
             {"layered, small", on_grid(96, 72, 1.5e-3, 160)},
             {"layered, large", on_grid(384, 288, 0.5e-3, 300)},
@@ -138,6 +144,12 @@ inline std::vector<FeatureCase> bone_jobs() {
     large.shape = Ellipsoid{{20e-3, 16e-3, 4e-3}};
     Body slab = bone;
     slab.shape = Box{{1.0, 1.0, 2e-3}};
+    Case both = job_with(bone);
+    across.centre_m.z = 14e-3;
+    both.scene().medium.bodies.push_back(across);
+    both.time.frames = 10;
+    both.measure.at_s = both.time.duration_s();
+    both.measure.settled_after_s = 0.0;
     const auto with_stress = [](Case c) {
         c.afferents = afferents_of(StressInput{});
         c.time.frames = 20;
@@ -151,6 +163,7 @@ inline std::vector<FeatureCase> bone_jobs() {
             {"spectral, rigid cylinder", job_with(across)},
             {"spectral, large rigid lump", job_with(large), true},
             {"spectral, rigid layer", job_with(slab)},
+            {"spectral, rigid lump and cylinder", both, true},
             {"spectral, rigid lump, receptors, tensors", with_stress(job_with(bone)), true},
             {"spectral, rigid cylinder, receptors, tensors", with_stress(job_with(across))}};
 }
@@ -181,7 +194,24 @@ inline std::vector<FeatureCase> spectral_jobs() {
     map.scene().medium.map = map_of_fat();
     map.solver = SpectralOptions{.time_step_s = map.time.interval_s};
     map.afferents = afferents_of(StressInput{});
-    return {{"spectral, small, step probed", small},
+    Case absorbed = on_grid(96, 72, 1.5e-3, 40);
+    absorbed.scene().medium.base = Base::half_space;
+    absorbed.scene().medium.bodies.push_back(body_of(10.0));
+    absorbed.domain.sponge_m = 15e-3;
+    absorbed.solver = SpectralOptions{.time_step_s = absorbed.time.interval_s};
+    // Sampled on a part of the points; a run of a few frames less would not use a box.
+    Case many = on_grid(96, 72, 1e-3, 97);
+    many.solver = SpectralOptions{.time_step_s = many.time.interval_s};
+    for (int i = 0; i < 12; ++i) {
+        Body lump = body_of(15.0);
+        lump.density_kg_m3 = 1300.0;
+        lump.shape = Ellipsoid{{1.7e-3, 1.7e-3, 1.7e-3}};
+        lump.centre_m = {4.1e-3 * (i % 4 - 1.5), 4.1e-3 * (i / 4 - 1), 4e-3};
+        many.scene().medium.bodies.push_back(lump);
+    }
+    return {{"spectral, half-space, sponge, body", absorbed, true},
+            {"spectral, twelve bodies in a box", many, true},
+            {"spectral, small, step probed", small},
             {"spectral, large, sponge", large, true},
             {"spectral, body, displacements", body, true},
             {"spectral, stiff body, tensors", stiff, true},

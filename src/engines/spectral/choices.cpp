@@ -12,59 +12,45 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Difference of an inclusion from the layers around it.
-struct Difference {
-    double contrast = 1.0; // maximum ratio of shear stiffnesses
-    double dense = 1.0;    // ratio of densities at the maximum contrast
-    bool density = false, viscosity = false;
+/// Largest ratio of the shear stiffnesses of an inclusion and the layers around it, and the ratio
+/// of densities there.
+struct Contrast {
+    double stiffness = 1.0, density = 1.0;
 };
 
-/// Adds one material of an inclusion, given as a Body or a MapSample.
-void add(const Layer& layer, const auto& given, Difference& all) {
+/// Widens the contrast by one material of an inclusion.
+void add(const Layer& layer, std::optional<double> c_s_m_s, std::optional<double> density_kg_m3,
+         Contrast& all) {
     Layer other = layer;
-    other.density_kg_m3 = given.density_kg_m3.value_or(layer.density_kg_m3);
-    other.c_s_m_s = given.c_s_m_s.value_or(layer.c_s_m_s);
+    other.density_kg_m3 = density_kg_m3.value_or(layer.density_kg_m3);
+    other.c_s_m_s = c_s_m_s.value_or(layer.c_s_m_s);
     const Material around = material_of(layer), here = material_of(other);
-    if (here.mu_Pa > all.contrast * around.mu_Pa) {
-        all.contrast = here.mu_Pa / around.mu_Pa;
-        all.dense = here.density_kg_m3 / around.density_kg_m3;
-    }
-    all.density |= here.density_kg_m3 != around.density_kg_m3;
-    all.viscosity |= given.viscosity_Pa_s.value_or(around.viscosity_Pa_s) != around.viscosity_Pa_s;
+    if (here.mu_Pa > all.stiffness * around.mu_Pa)
+        all = {here.mu_Pa / around.mu_Pa, here.density_kg_m3 / around.density_kg_m3};
 }
 
-std::optional<double> value_at(const std::vector<double>& values, std::size_t i) {
-    return values.empty() ? std::nullopt : std::optional(values[i]);
-}
-
-/// Calls `add_layer` for all layers between the two depths.
-template <class Add>
-Difference difference(const Medium& medium, double top_m, double bottom_m, const Add& add_layer) {
-    Difference all;
+/// Calls use(layer) for all layers between two depths.
+template <class Use>
+void each_layer(const Medium& medium, double top_m, double bottom_m, const Use& use) {
     double layer_top_m = 0.0;
     for (const Layer& layer : medium.layers) {
         const bool endless = medium.base == Base::half_space && &layer == &medium.layers.back();
         const double layer_bottom_m = layer_top_m + layer.thickness_m;
-        if ((top_m < layer_bottom_m || endless) && bottom_m > layer_top_m) add_layer(layer, all);
+        if ((top_m < layer_bottom_m || endless) && bottom_m > layer_top_m) use(layer);
         layer_top_m = layer_bottom_m;
     }
-    return all;
 }
 
-void add_notes(const std::string& what, const Difference& d, double cap,
-               std::vector<engines::Choice>& notes) {
-    if (d.contrast > cap * (1.0 + 1e-12))
-        notes.push_back({"solver.spectral.contrast_cap",
-                         fmt::format("{}: shear stiffness {:.3g} times that of the surrounding "
-                                     "layer is capped at {:.4g} times (contrast_cap): it reflects "
-                                     "{:.3f} of a shear wave's amplitude instead of {:.3f}",
-                                     what, d.contrast, cap, shear_reflection(cap, d.dense),
-                                     shear_reflection(d.contrast, d.dense))});
-    if (d.density || d.viscosity)
-        notes.push_back(
-            {"",
-             fmt::format("{} differs from the layers in {}: every step needs an iterative solve",
-                         what, d.density ? "density" : "viscosity")});
+void add_cap(const std::string& what, const Contrast& all, double cap,
+             std::vector<engines::Choice>& choices) {
+    if (all.stiffness <= cap * (1.0 + 1e-12)) return;
+    choices.push_back(
+        {"solver.spectral.contrast_cap",
+         fmt::format("{}: shear stiffness {:.3g} times that of the surrounding layer "
+                     "is capped at {:.4g} times (contrast_cap): it reflects {:.3f} of "
+                     "a shear wave's amplitude instead of {:.3f}",
+                     what, all.stiffness, cap, shear_reflection(cap, all.density),
+                     shear_reflection(all.stiffness, all.density))});
 }
 
 std::string rigid_note(const Case& given, const Case& c, std::size_t i) {
@@ -94,8 +80,7 @@ std::string elastic_note(const Case& c, std::size_t i) {
     return note;
 }
 
-} // namespace
-
+/// Time step and elements, with the errors if they have been estimated.
 std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
                                               const std::optional<ProbedErrors>& errors) {
     double longest_m = 0.0;
@@ -123,6 +108,27 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
     return notes;
 }
 
+std::string sponge_note(const Case& c, const SpongePlan& sponge) {
+    const double width_m = c.domain.sponge_m;
+    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
+    return fmt::format("the sponge of {:.3g} mm acts every {} step{} on {} x {} points and returns "
+                       "{:.2g} % of the energy of the longest waves ({:.3g} mm)",
+                       1e3 * width_m, sponge.every, sponge.every == 1 ? "" : "s", sponge.nx,
+                       sponge.ny, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m);
+}
+
+std::string variation_note(const VariationPlan& v, const DepthMesh& mesh) {
+    const std::string where = v.box
+                                  ? fmt::format("in a box of {} x {} points", v.box->nx, v.box->ny)
+                                  : "on complete planes";
+    return fmt::format(
+        "{:.0f} of {} strain points vary laterally: {}; {}", v.points,
+        mesh.elements() * static_cast<std::size_t>(mesh.degree + 1),
+        v.iterates ? "conjugate gradients " + where : "one background solve per step", v.why);
+}
+
+} // namespace
+
 std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     if (errors.norm <= options.accuracy) return {};
@@ -140,15 +146,6 @@ std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors)
                                            : "specify a shorter solver.spectral.time_step_us")}};
 }
 
-std::vector<std::string> edge_notes(const Case& c) {
-    const double width_m = c.domain.sponge_m;
-    if (!(width_m > 0.0)) return {}; // the checks of the case warn if this matters
-    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
-    return {fmt::format("the sponge of {:.3g} mm returns {:.2g} % of the energy of the longest "
-                        "waves ({:.3g} mm)",
-                        1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
-}
-
 std::vector<std::string> body_notes(const Case& given) {
     const Case c = with_rigid_bodies(given);
     std::vector<std::string> notes;
@@ -158,34 +155,46 @@ std::vector<std::string> body_notes(const Case& given) {
     return notes;
 }
 
-std::vector<engines::Choice> variation_choices(const Case& c, const SpectralOptions& options) {
-    std::vector<engines::Choice> notes;
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
-        const Body& body = c.scene().medium.bodies[i];
+std::vector<engines::Choice> cap_choices(const Case& c) {
+    const double cap = std::get<SpectralOptions>(c.solver).contrast_cap;
+    const Medium& medium = c.scene().medium;
+    std::vector<engines::Choice> choices;
+    for (std::size_t i = 0; i < medium.bodies.size(); ++i) {
+        const Body& body = medium.bodies[i];
         if (body.rigid) continue;
         const Bounds box = bounds(body);
-        add_notes(fmt::format("medium.body[{}]", i + 1),
-                  difference(c.scene().medium, box.low_m.z, box.high_m.z,
-                             [&](const Layer& layer, Difference& all) { add(layer, body, all); }),
-                  options.contrast_cap, notes);
+        Contrast all;
+        each_layer(medium, box.low_m.z, box.high_m.z,
+                   [&](const Layer& layer) { add(layer, body.c_s_m_s, body.density_kg_m3, all); });
+        add_cap(fmt::format("medium.body[{}]", i + 1), all, cap, choices);
     }
-    if (!c.scene().medium.map) return notes;
-    const MaterialMap& map = *c.scene().medium.map;
-    const DepthRange range = depths(map);
-    const auto points = static_cast<std::size_t>(map.counts[0] * map.counts[1] * map.counts[2]);
-    add_notes("medium.map",
-              difference(c.scene().medium, range.top_m, range.bottom_m,
-                         [&](const Layer& layer, Difference& all) {
-                             for (std::size_t i = 0; i < points; ++i)
-                                 add(layer,
-                                     MapSample{.c_s_m_s = value_at(map.c_s_m_s, i),
-                                               .c_p_m_s = {},
-                                               .density_kg_m3 = value_at(map.density_kg_m3, i),
-                                               .viscosity_Pa_s = value_at(map.viscosity_Pa_s, i)},
-                                     all);
-                         }),
-              options.contrast_cap, notes);
-    return notes;
+    if (const MaterialMap* map = medium.map.get()) {
+        const DepthRange range = depths(*map);
+        const auto value = [](const std::vector<double>& values, std::size_t i) {
+            return values.empty() ? std::nullopt : std::optional(values[i]);
+        };
+        Contrast all;
+        each_layer(medium, range.top_m, range.bottom_m, [&](const Layer& layer) {
+            for (std::size_t i = 0; i < std::max(map->c_s_m_s.size(), map->density_kg_m3.size());
+                 ++i)
+                add(layer, value(map->c_s_m_s, i), value(map->density_kg_m3, i), all);
+        });
+        add_cap("medium.map", all, cap, choices);
+    }
+    return choices;
+}
+
+std::vector<std::string> SpectralPlan::notes(const Case& given,
+                                             const std::optional<ProbedErrors>& errors,
+                                             const VariationPlan& varying) const {
+    std::vector<std::string> all = discretisation_notes(time, mesh, errors);
+    if (const SpongePlan acting = sponge(varying); acting.every > 0)
+        all.push_back(sponge_note(c, acting));
+    for (const auto& more : {body_notes(given), engines::notes_of(cap_choices(c))})
+        all.insert(all.end(), more.begin(), more.end());
+    if (!rigid.why.empty()) all.push_back(rigid.why);
+    if (varying.points > 0.0) all.push_back(variation_note(varying, mesh));
+    return all;
 }
 
 } // namespace shearwake::spectral

@@ -16,18 +16,13 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Collective.
-engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes) {
-    notes.insert(notes.end(), stepper.notes().begin(), stepper.notes().end());
-    if (stepper.uses_box()) notes.push_back("iterations take place in a box around the bodies");
-    const StepStatistics& s = stepper.statistics();
-    const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time
-    return {.notes = std::move(notes),
-            .steps = s.steps,
-            .iterations = s.iterations,
-            .most_iterations = s.most_iterations,
-            .work_J = balance.work_J,
-            .energy_J = balance.energy_J};
+/// The lateral variation as the stepper treats it.
+VariationPlan treated_variation(const Stepper& stepper) {
+    const LateralVariation& v = stepper.field().variation();
+    return {.points = static_cast<double>(v.strain_points.size()),
+            .iterates = v.iterates,
+            .why = v.why,
+            .box = stepper.box()};
 }
 
 } // namespace
@@ -65,14 +60,7 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
         static_cast<double>(steps_to_probe(c, time.step_s)) * static_cast<double>(mesh.elements());
     std::optional<ProbedErrors> errors;
     if (probed <= most_probed) errors = probed_errors(c, options, time.step_s);
-    auto notes = discretisation_notes(time, mesh, errors);
-    for (const auto& more :
-         {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
-        notes.insert(notes.end(), more.begin(), more.end());
-    if (!rigid.why.empty()) notes.push_back(rigid.why);
-    if (const VariationPlan varying = plan.variation(variation_of(plan), 1); varying.points > 0.0)
-        notes.push_back(varying.note());
-    return notes;
+    return plan.notes(given, errors, plan.variation(variation_of(plan), 1));
 }
 
 engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
@@ -108,12 +96,16 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     if (engines::march(stepper, plan.steps(), observer, checkpoints, plan.work(), began) ==
         engines::MarchEnd::stopped)
         return;
-    auto notes = discretisation_notes(time, mesh, errors);
-    for (const auto& more : {edge_notes(c), body_notes(given)})
-        notes.insert(notes.end(), more.begin(), more.end());
-    if (!rigid.why.empty()) notes.push_back(rigid.why);
-    engines::SolverReport report = report_of(stepper, std::move(notes));
-    report.warnings = accuracy_warnings(c, errors);
+    const StepStatistics& s = stepper.statistics();
+    const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time
+    const engines::SolverReport report = {.notes =
+                                              plan.notes(given, errors, treated_variation(stepper)),
+                                          .steps = s.steps,
+                                          .iterations = s.iterations,
+                                          .most_iterations = s.most_iterations,
+                                          .work_J = balance.work_J,
+                                          .energy_J = balance.energy_J,
+                                          .warnings = accuracy_warnings(c, errors)};
     stepper.finish(observer);
     observer.solved(report);
 }

@@ -90,8 +90,7 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
         refused.push_back(std::move(warning));
     for (Remark& warning : resolution_remarks(chosen))
         refused.push_back(std::move(warning));
-    for (Remark& warning :
-         engines::warnings_of(variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
+    for (Remark& warning : engines::warnings_of(cap_choices(chosen)))
         refused.push_back(std::move(warning));
     return refused;
 }

@@ -47,12 +47,6 @@ double sponge_B(const SpongePlan& sponge, double levels, double rows) {
            std::min(rows, static_cast<double>(sponge.ny / 2 + 1)) * 2.0 * sizeof(double);
 }
 
-double factor_entries(const DepthMesh& mesh) {
-    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
-    return static_cast<double>(SkylineMatrix(moving, mesh.degree, 2).entries() +
-                               SkylineMatrix(moving, mesh.degree, 1).entries());
-}
-
 /// The planes of strain on a grid of nx x ny points: lines over x, or a window of them and the
 /// spectra of one ky.
 double strain_planes_B(const VariationPlan& v, double nx, double ny, int ranks) {
@@ -132,13 +126,6 @@ double VariationPlan::window(std::ptrdiff_t nx) const {
     return LineWindow::pays(nx, count) ? static_cast<double>(count) : 0.0;
 }
 
-std::string VariationPlan::note() const {
-    const std::string where =
-        box ? fmt::format("in a box of {} x {} points", box->nx, box->ny) : "on complete planes";
-    return fmt::format("{:.0f} planes of strain points vary laterally: {}", points,
-                       iterates ? "iterations " + where : "one background solve per step");
-}
-
 SpectralPlan::SpectralPlan(const Case& given, engines::ChoiceLimit limit)
     : c(with_rigid_bodies(given)),
       time(choose_time_step(c, std::get<SpectralOptions>(c.solver), limit)),
@@ -185,10 +172,12 @@ SampledVariation SpectralPlan::sampled_variation() const {
     for (const auto& of_point : v.surfaces) // as many per length of an outline
         sizes.surfaces += static_cast<double>(of_point.size()) * result.stride;
     sizes.iterates = v.iterates;
+    sizes.why = v.why;
     sizes.extent = PlaneCells{.points = v.points}.extent(nullptr);
-    for (std::ptrdiff_t* end :
-         {&sizes.extent.x_begin, &sizes.extent.x_end, &sizes.extent.y_begin, &sizes.extent.y_end})
-        *end *= stride;
+    if (sizes.extent.is_complete(sampled.domain.nx, sampled.domain.ny))
+        sizes.extent = {0, c.domain.nx, 0, c.domain.ny};
+    else
+        sizes.extent = extent_of(layers.scene().medium, c.domain);
     return result;
 }
 
@@ -206,22 +195,21 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
     for (int rank = 0; rank < ranks; ++rank)
         plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -
                                                               cells_before(rank * of_rank));
-    if (plan.iterates && without_rigid_bodies(c) == c)
-        plan.box = box_grid(c.domain, plan.extent,
-                            {.planes = plan.planes(),
-                             .factor_entries = factor_entries(mesh),
-                             .steps = static_cast<double>(steps())});
+    if (plan.iterates && !plan.extent.is_complete(c.domain.nx, c.domain.ny))
+        plan.box = box_grid(c, mesh, time.step_s);
     return plan;
+}
+
+SpongePlan SpectralPlan::sponge(const VariationPlan& varying) const {
+    const bool varies = rigid.treatment != RigidTreatment::none || varying.points > 0.0;
+    return sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
 }
 
 engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int ranks) const {
     const Case layers = without_rigid_bodies(c);
     const VariationPlan v = variation(sampled, ranks);
-    const bool varies = rigid.treatment != RigidTreatment::none || v.points > 0.0;
-    const SpongePlan sponge =
-        sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
     engines::Resources all;
-    all.arrays = arrays_of_stepper(layers, mesh, v, sponge, ranks);
+    all.arrays = arrays_of_stepper(layers, mesh, v, sponge(v), ranks);
     for (const engines::Array& array : arrays_of_output(layers, mesh, v, ranks))
         all.arrays.push_back(array);
     all.arrays.push_back({"material map", map_bytes(c.scene().medium)});

@@ -6,6 +6,7 @@
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/lateral/box_response.hpp"
+#include "engines/spectral/stepping/stages.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 
 #include <optional>
@@ -22,12 +23,11 @@ struct VariationPlan {
     double fullest_cells = 0.0; // on the rank with most cells
     double surfaces = 0.0;      // cells that surfaces of bodies cross, sum over all points
     bool iterates = false;      // whether every step takes iterations
+    std::string why;            // it iterates or does not
     CellExtent extent;          // that of all cells
     std::optional<BoxGrid> box; // on which iterations take place
 
     double planes() const { return points * components; }
-    /// What varies, and how steps treat it.
-    std::string note() const;
     /// Points of the window of a line over x of nx points that is transformed; 0 for FFTs.
     double window(std::ptrdiff_t nx) const;
 };
@@ -56,6 +56,12 @@ struct SpectralPlan {
     DepthMesh mesh;
     RigidPlan rigid;
 
+    /// All decisions with their reasons, one line each, for the case that was given; with the
+    /// estimated errors if they are known. `varying`: the plan's, or that of the run. Not
+    /// collective.
+    std::vector<std::string> notes(const Case& given, const std::optional<ProbedErrors>& errors,
+                                   const VariationPlan& varying) const;
+    SpongePlan sponge(const VariationPlan& varying) const;
     /// Equal for plans whose sampled_variation() is equal.
     std::string key_of_variation() const;
     std::ptrdiff_t steps() const { return c.time.frames * time.per_frame; }
@@ -69,24 +75,14 @@ struct SpectralPlan {
     engines::Resources resources(int ranks) const { return resources(sampled_variation(), ranks); }
 };
 
-/// Notes on the discretisation in time and depth, with the errors if they have been estimated, one
-/// line each. Not collective.
-std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
-                                              const std::optional<ProbedErrors>& errors);
-
 /// A warning if the estimated error exceeds the accuracy of the options. Not collective.
 std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors);
-
-/// Notes on the share of energy that the absorbing edges return, one line each. Not collective.
-std::vector<std::string> edge_notes(const Case& c);
 
 /// How each body is treated: as rigid because the case or the engine says so, or as elastic, and
 /// why a stiff one is elastic; one line each. Not collective.
 std::vector<std::string> body_notes(const Case& given);
 
-/// Choices about elastic bodies and the map, as far as it follows from the case without
-/// the grid: shear stiffnesses above the cap, and properties that require an iterative solve. Not
-/// collective.
-std::vector<engines::Choice> variation_choices(const Case& c, const SpectralOptions& options);
+/// Shear stiffnesses of elastic bodies and the map above the cap. Not collective.
+std::vector<engines::Choice> cap_choices(const Case& c);
 
 } // namespace shearwake::spectral

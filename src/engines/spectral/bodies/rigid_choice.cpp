@@ -239,8 +239,12 @@ RigidPlan rigid_plan(const Case& c) {
             fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
                         "of them cross the domain along it",
                         endless_along(moving.front(), c.domain) == Endless::along_x ? "x" : "y")};
-    return {RigidTreatment::lumps, "the rigid bodies have one system for all markers, because not "
-                                   "all of them cross the domain along the same axis"};
+    return {RigidTreatment::lumps,
+            moving.size() == 1
+                ? "the rigid body has one system for all its markers, because it does "
+                  "not cross the domain"
+                : "the rigid bodies have one system for all markers, because not "
+                  "all of them cross the domain along the same axis"};
 }
 
 std::vector<Body> section_bodies(const Case& c) {

@@ -47,27 +47,50 @@ Axis axis_of(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t points) {
     return {begin, period};
 }
 
+/// Planes of strain if all points vary in the elements that bodies or the map reach.
+double most_planes(const Medium& medium, const DepthMesh& mesh) {
+    double points = 0.0;
+    for (std::size_t e = 0; e < mesh.elements(); ++e)
+        if (varies_between(medium, mesh.ends_m[e], mesh.ends_m[e + 1])) points += mesh.degree + 1.0;
+    const bool density = (medium.map && !medium.map->density_kg_m3.empty()) ||
+                         std::ranges::any_of(medium.bodies, [](const Body& body) {
+                             return body.density_kg_m3.has_value();
+                         });
+    return points * static_cast<double>(density ? all_components : strain_components);
+}
+
 } // namespace
 
 double box_values(const BoxGrid& grid, double planes) {
     return 0.25 * static_cast<double>(grid.nx * grid.ny) * 0.5 * planes * (planes + 1.0);
 }
 
-std::optional<BoxGrid> box_grid(const Domain& domain, const CellExtent& extent,
-                                const BoxCosts& costs) {
-    if (extent.x_end == extent.x_begin) return {};
+double factor_entries(const DepthMesh& mesh) {
+    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
+    return static_cast<double>(SkylineMatrix(moving, mesh.degree, 2).entries() +
+                               SkylineMatrix(moving, mesh.degree, 1).entries());
+}
+
+std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, double step_s) {
+    const Medium& medium = c.scene().medium;
+    const CellExtent extent = extent_of(medium, c.domain);
+    if (extent.x_end == extent.x_begin || std::ranges::any_of(medium.bodies, &Body::rigid))
+        return {};
+    const Domain& domain = c.domain;
     const Axis x = axis_of(extent.x_begin, extent.x_end, domain.nx),
                y = axis_of(extent.y_begin, extent.y_end, domain.ny);
     if (x.period == domain.nx && y.period == domain.ny) return {};
     const BoxGrid grid{.corner = {x.corner, y.corner}, .nx = x.period, .ny = y.period};
     const double box = static_cast<double>(grid.nx * grid.ny),
-                 plane = static_cast<double>(domain.nx * domain.ny);
-    const double in_box = box_values(grid, costs.planes) * 4.0 + box * plane_cost * costs.planes;
-    const double in_plane = plane * (costs.factor_entries + plane_cost * costs.planes);
-    const bool fits = 4.0 * box_values(grid, costs.planes) <= 2.0 * plane * costs.factor_entries;
+                 plane = static_cast<double>(domain.nx * domain.ny),
+                 planes = most_planes(medium, mesh), factors = factor_entries(mesh);
+    const double in_box = box_values(grid, planes) * 4.0 + box * plane_cost * planes;
+    const double in_plane = plane * (factors + plane_cost * planes);
+    const bool fits = 4.0 * box_values(grid, planes) <= 2.0 * plane * factors;
     // Most steps take at least two iterations. A column of the matrices takes as long as two thirds
     // of an iteration on the plane.
-    const bool pays = 2.0 * costs.steps * (in_plane - in_box) > 2.0 / 3.0 * costs.planes * in_plane;
+    const double steps = c.time.duration_s() / step_s;
+    const bool pays = 2.0 * steps * (in_plane - in_box) > 2.0 / 3.0 * planes * in_plane;
     return fits && pays ? std::optional(grid) : std::nullopt;
 }
 

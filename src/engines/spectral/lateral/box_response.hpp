@@ -20,16 +20,14 @@ struct BoxGrid {
     StrainPlanes::Corner corner; // of the cells
     std::ptrdiff_t nx = 0, ny = 0;
 };
-/// Sizes that determine whether iterations on a box are faster.
-struct BoxCosts {
-    double planes = 0.0;         // of strain
-    double factor_entries = 0.0; // of the implicit operator, per wave vector
-    double steps = 0.0;          // of the run
-};
-/// The box, if its matrices are smaller than twice the factors and save more time during the run
-/// than their computation takes. Independent of the number of ranks. Not collective.
-std::optional<BoxGrid> box_grid(const Domain& domain, const CellExtent& extent,
-                                const BoxCosts& costs);
+/// The box of a case whose steps iterate, if there are no rigid bodies, whose response depends on
+/// the positions of both cells, and if its matrices are smaller than twice the factors of the
+/// implicit operator and save more time during the run than their computation takes. The plan of a
+/// case and its run call this with the same arguments. Independent of the number of ranks. Not
+/// collective.
+std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, double step_s);
+/// Entries of the factors of the implicit operator at a wave vector. Not collective.
+double factor_entries(const DepthMesh& mesh);
 /// Number of doubles of the matrices of a box, on all ranks together.
 double box_values(const BoxGrid& grid, double planes);
 

@@ -97,6 +97,51 @@ std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
                               depth_cell(mesh, element, node));
 }
 
+namespace {
+
+/// Range of the points at which cells of one spacing intersect an interval, which is given in
+/// spacings from the first point.
+std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_of(double low, double high, std::ptrdiff_t points) {
+    constexpr double rounding = 1e-9;
+    const auto within = [points](double at) {
+        return static_cast<std::ptrdiff_t>(std::clamp(at, 0.0, static_cast<double>(points)));
+    };
+    return {within(std::floor(low - 0.5 - rounding) + 1.0),
+            within(std::ceil(high + 0.5 + rounding))};
+}
+
+} // namespace
+
+CellExtent extent_of(const Medium& medium, const Domain& domain) {
+    std::vector<Bounds> boxes;
+    for (const Body& body : medium.bodies)
+        boxes.push_back(bounds(body));
+    if (const MaterialMap* map = medium.map.get()) {
+        const auto first = map->origin_m, step = map->spacing_m;
+        const auto last = [&](std::size_t axis, double from, double by) {
+            return from + static_cast<double>(map->counts[axis] - 1) * by;
+        };
+        // A single point without a spacing has no bounds.
+        const auto half = [](double by) {
+            return by == 0.0 ? std::numeric_limits<double>::infinity() : 0.5 * by;
+        };
+        boxes.push_back({{first.x - half(step.x), first.y - half(step.y), 0.0},
+                         {last(0, first.x, step.x) + half(step.x),
+                          last(1, first.y, step.y) + half(step.y), 0.0}});
+    }
+    CellExtent all;
+    const double h = domain.spacing_m, x_m = domain.x_m(0), y_m = domain.y_m(0);
+    for (const Bounds& box : boxes) {
+        const auto x = cells_of((box.low_m.x - x_m) / h, (box.high_m.x - x_m) / h, domain.nx),
+                   y = cells_of((box.low_m.y - y_m) / h, (box.high_m.y - y_m) / h, domain.ny);
+        if (x.first >= x.second || y.first >= y.second) continue; // beyond the edges
+        if (all.x_begin == all.x_end) all = {x.first, x.second, y.first, y.second};
+        all = {std::min(all.x_begin, x.first), std::max(all.x_end, x.second),
+               std::min(all.y_begin, y.first), std::max(all.y_end, y.second)};
+    }
+    return all;
+}
+
 CellExtent PlaneCells::extent(const Comm* team) const {
     constexpr double none = std::numeric_limits<double>::lowest();
     double most[4] = {none, none, none, none}; // -x, x, -y, y

@@ -17,7 +17,19 @@ namespace shearwake::spectral {
 /// Range of the grid points of a plane, [begin, end), that contains all cells of some planes.
 struct CellExtent {
     std::ptrdiff_t x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+
+    bool is_complete(std::ptrdiff_t nx, std::ptrdiff_t ny) const {
+        return x_begin == 0 && x_end == nx && y_begin == 0 && y_end == ny;
+    }
+    bool contains(const CellExtent& other) const {
+        return other.x_begin == other.x_end || (x_begin <= other.x_begin && other.x_end <= x_end &&
+                                                y_begin <= other.y_begin && other.y_end <= y_end);
+    }
 };
+/// That of the cells within the bounds of the bodies and the map. Where these are softer, lighter
+/// or less viscous than a layer, they are the background, from which the cells around them differ,
+/// so that the complete plane varies. Not collective.
+CellExtent extent_of(const Medium& medium, const Domain& domain);
 
 /// The cells of planes at points over depth on this rank's rows, which belong to someone else.
 /// Their values are stored as [point][component][cell].

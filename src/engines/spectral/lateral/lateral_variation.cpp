@@ -43,11 +43,6 @@ void together_on(const Comm* team, const std::function<void()>& work) {
         work();
 }
 
-/// Highest shear stiffness and its density, relative to the surrounding layer.
-struct Stiffest {
-    double stiffness = 0.0, density = 1.0;
-};
-
 /// Data of one strain point during the collection.
 struct Gathered {
     StrainPoint where;
@@ -64,7 +59,7 @@ bool differs(const Material& a, const Material& b) {
 }
 
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::SlabShare& share,
-                             const Comm* team, Stiffest& stiffest) {
+                             const Comm* team) {
     std::vector<Gathered> result;
     const auto nodes = static_cast<std::size_t>(mesh.degree) + 1;
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
@@ -76,10 +71,6 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::Sl
         for (std::size_t i = 0; i < nodes; ++i) {
             Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, {}, {}, false};
             together_on(team, [&] { g.all = cell_materials(c, mesh, share, g.where); });
-            g.extremes = extremes_of(g.all, layer, team);
-            const double stiffness = g.extremes.greatest.mu_Pa / layer.mu_Pa;
-            if (stiffness > stiffest.stiffness)
-                stiffest = {stiffness, g.extremes.greatest.density_kg_m3 / layer.density_kg_m3};
             for (CellMaterial& m : g.all)
                 m = capped(m);
             g.extremes = extremes_of(g.all, layer, team);
@@ -138,17 +129,14 @@ Variety least_background(const std::vector<Gathered>& gathered, const DepthMesh&
     return variety;
 }
 
-std::string iteration_note(const Variety& variety, std::size_t points, std::size_t of,
-                           bool iterates) {
-    return fmt::format(
-        "{} of {} strain points vary laterally; {}: {}", points, of,
-        iterates ? "conjugate gradients on the true operator" : "one background solve per step",
-        variety.density     ? "the density varies"
-        : variety.viscosity ? "the viscosity varies"
-        : variety.lambda
-            ? "the compressional stiffness varies"
-            : fmt::format("one solve per step would add {:.2g} times the tissue's inertia",
-                          variety.inertia));
+/// Why a variation needs iterations or does not.
+std::string reason_of(const Variety& variety) {
+    return variety.density     ? "the density varies"
+           : variety.viscosity ? "the viscosity varies"
+           : variety.lambda
+               ? "the compressional stiffness varies"
+               : fmt::format("one solve per step would add {:.2g} times the tissue's inertia",
+                             variety.inertia);
 }
 
 /// Fills a variation with the cells that differ from the background.
@@ -277,17 +265,8 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
     const auto& options = std::get<SpectralOptions>(c.solver);
     LateralVariation v;
     v.background = background_of(mesh, c.scene().medium);
-    Stiffest stiffest;
-    const std::vector<Gathered> gathered = gather(c, mesh, share, team, stiffest);
+    const std::vector<Gathered> gathered = gather(c, mesh, share, team);
     if (gathered.empty()) return v;
-
-    if (stiffest.stiffness > options.contrast_cap * (1.0 + 1e-12))
-        v.notes.push_back(fmt::format(
-            "shear stiffness up to {:.3g} times the layer's is capped at {:.4g} times: it reflects "
-            "{:.3f} of a shear wave's amplitude instead of {:.3f}",
-            stiffest.stiffness, options.contrast_cap,
-            shear_reflection(options.contrast_cap, stiffest.density),
-            shear_reflection(stiffest.stiffness, stiffest.density)));
 
     // Requirements on the background, and whether iterations are needed.
     Variety variety = least_background(gathered, mesh, v.background);
@@ -298,9 +277,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
     v.iterates = variety.must_iterate() || options.method == SpectralMethod::iterative ||
                  (options.method == SpectralMethod::automatic &&
                   variety.inertia > tolerated_inertia(options));
-    v.notes.push_back(iteration_note(variety, gathered.size(),
-                                     mesh.elements() * static_cast<std::size_t>(mesh.degree + 1),
-                                     v.iterates));
+    v.why = reason_of(variety);
 
     for (const Gathered& g : gathered) {
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;

@@ -44,7 +44,7 @@ struct LateralVariation {
     Background background;
     bool iterates = false;
     bool density_varies = false;
-    std::vector<std::string> notes;
+    std::string why; // it iterates or does not
 
     bool empty() const { return strain_points.empty(); }
     int components() const { return density_varies ? all_components : strain_components; }

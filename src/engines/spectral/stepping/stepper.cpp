@@ -2,6 +2,7 @@
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace shearwake::spectral {
 
@@ -13,25 +14,17 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
         output_ = output.get();
         stages_.push_back(std::move(output));
     }
-    const std::optional<BoxGrid> grid = box();
-    uses_box_ = grid.has_value();
+    const CellExtent cells = state_.field.cells().extent(&state_.team);
+    if (state_.field.variation().iterates && !cells.is_complete(c.domain.nx, c.domain.ny))
+        box_ = box_grid(c, mesh, step_s);
+    if (box_ && !extent_of(c.scene().medium, c.domain).contains(cells))
+        throw std::logic_error("the medium varies outside of the bounds of its bodies and map");
     stages_.push_back(make_sponge(state_));
-    stages_.push_back(grid ? make_predicted_pencils(state_) : make_pencils(state_));
+    stages_.push_back(box_ ? make_predicted_pencils(state_) : make_pencils(state_));
     stages_.push_back(make_energy(state_));
     if (!state_.bodies->empty()) stages_.push_back(make_constraint(state_));
     if (state_.varies())
-        stages_.push_back(grid ? make_variation_in_box(state_, *grid) : make_variation(state_));
-}
-
-std::optional<BoxGrid> Stepper::box() const {
-    // With rigid bodies the response depends on the positions of both cells.
-    if (!state_.field.variation().iterates || !state_.bodies->empty() ||
-        !state_.slab_bodies.empty())
-        return {};
-    return box_grid(state_.c.domain, state_.field.cells().extent(&state_.team),
-                    {.planes = static_cast<double>(state_.planes.count()),
-                     .factor_entries = static_cast<double>(state_.vertical.factor_size()),
-                     .steps = state_.c.time.duration_s() / state_.step_s});
+        stages_.push_back(box_ ? make_variation_in_box(state_, *box_) : make_variation(state_));
 }
 
 void Stepper::advance() {

@@ -3,7 +3,7 @@
 
 #include "engines/spectral/stepping/stages.hpp"
 
-#include <string>
+#include <optional>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -62,21 +62,17 @@ public:
     const fft::AlignedVector<Block>& now() const { return state_.now; }
     const fft::AlignedVector<Block>& before() const { return state_.before; }
 
-    const std::vector<std::string>& notes() const { return state_.field.variation().notes; }
     const StepStatistics& statistics() const { return state_.statistics; }
-    /// Whether the iterations use the matrices of a box instead of complete planes.
-    bool uses_box() const { return uses_box_; }
+    /// The box on which iterations take place; nothing: complete planes.
+    const std::optional<BoxGrid>& box() const { return box_; }
     const StepClock& clock() const { return state_.clock; }
     const StrainPlanes& planes() const { return state_.planes; }
     const LateralField& field() const { return state_.field; }
     const RigidBodies& bodies() const { return *state_.bodies; }
 
 private:
-    /// The box of the elastic bodies if it accelerates the iterations. Collective.
-    std::optional<BoxGrid> box() const;
-
     StepState state_;
-    bool uses_box_;
+    std::optional<BoxGrid> box_;
     std::vector<std::unique_ptr<Stage>> stages_;
     OutputStage* output_ = nullptr; // among the stages
 };

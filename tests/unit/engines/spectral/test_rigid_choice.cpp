@@ -182,6 +182,9 @@ TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
     }
     SECTION("rigid") {
         CHECK(note().find("medium.body[1] is rigid because it is 1.99e+05 times stiffer") == 0);
+        bone.shape = Ellipsoid{{6e-3, 5e-3, 3e-3}};
+        CHECK_THAT(spectral::rigid_plan(spectral::with_rigid_bodies(c)).why,
+                   Catch::Contains("because it does not cross the domain"));
     }
 }
 
@@ -218,8 +221,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
         CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
         CHECK(chosen.scene().medium.bodies[2].rigid);
         auto notes = spectral::body_notes(c);
-        for (const std::string& note : engines::notes_of(
-                 spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
+        for (const std::string& note : engines::notes_of(spectral::cap_choices(chosen)))
             notes.push_back(note);
         const auto mentions = [&](const std::string& text) {
             return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
 
 namespace test_spectral_plan {
 
@@ -63,7 +64,7 @@ Found found(const Case& c) {
     spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
     for (int n = 0; n < 20; ++n)
         stepper.advance();
-    return {stepper.statistics().iterations > 0, stepper.uses_box()};
+    return {stepper.statistics().iterations > 0, stepper.box().has_value()};
 }
 
 } // namespace
@@ -74,6 +75,11 @@ TEST_CASE("iterations and the box are planned where the stepper uses them", "[sp
     SECTION("with one solve per step") {
         std::get<SpectralOptions>(c.solver).method = SpectralMethod::one_solve;
     }
+    SECTION("softer, so that the cells around it vary") {
+        for (Body& body : c.scene().medium.bodies)
+            body.c_s_m_s = 2.0;
+        c.time.frames = 1000; // a box would pay
+    }
     SECTION("denser") {
         if (!c.scene().medium.bodies.empty()) c.scene().medium.bodies[0].density_kg_m3 = 1900.0;
     }
@@ -81,6 +87,84 @@ TEST_CASE("iterations and the box are planned where the stepper uses them", "[sp
     const Found used = found(c);
     CHECK(planned.iterates == used.iterates);
     CHECK(planned.box.has_value() == used.uses_box);
+}
+
+TEST_CASE("many small bodies have the planned box, although their cells are sampled",
+          "[spectral]") {
+    Case c = body_case(4.0);
+    c.scene().medium.layers[0].thickness_m = 30e-3;
+    c.domain = {96, 72, 1e-3, 0.0};
+    const Body body = c.scene().medium.bodies[0];
+    c.scene().medium.bodies.clear();
+    for (int i = 0; i < 12; ++i) {
+        Body small = body;
+        small.shape = Ellipsoid{{1.7e-3, 1.7e-3, 1.7e-3}};
+        small.density_kg_m3 = 1300.0;
+        small.centre_m = {4.1e-3 * (i % 4 - 1.5), 4.1e-3 * (i / 4 - 1), 4e-3};
+        c.scene().medium.bodies.push_back(small);
+    }
+    bool box_before = false; // longer runs have one
+    int changes = 0;
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    for (c.time.frames = 3; c.time.frames < 1000; c.time.frames *= 100) {
+        const spectral::VariationPlan planned = variation_of(c);
+        const spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
+        REQUIRE(planned.box.has_value() == stepper.box().has_value());
+        changes += planned.box.has_value() != box_before;
+        box_before = planned.box.has_value();
+        if (planned.box) {
+            CHECK(planned.box->nx == stepper.box()->nx);
+            CHECK(planned.box->ny == stepper.box()->ny);
+        }
+    }
+    CHECK(changes == 1);
+}
+
+TEST_CASE("the bounds of bodies and maps contain their cells closely", "[spectral]") {
+    Case c = body_case(4.0);
+    Body body = c.scene().medium.bodies[0];
+    const auto [x_m, y_m, radius_m] =
+        GENERATE(table<double, double, double>({{-22e-3, 0.0, 4.5e-3}, // beyond the edge
+                                                {0.0, 0.4e-3, 2.5e-3}, // ends at a cell's edge
+                                                {0.25e-3, -4e-3, 3.4e-3}}));
+    body.centre_m.x = x_m;
+    body.centre_m.y = y_m;
+    SECTION("ellipsoid") {
+        body.shape = Ellipsoid{{radius_m, 0.8 * radius_m, 2e-3}};
+    }
+    SECTION("turned box") {
+        body.shape =
+            Box{.size_m = {radius_m, 2.0 * radius_m, 3e-3}, .orientation = {.azimuth_deg = 30.0}};
+    }
+    SECTION("smooth") {
+        body.shape = Ellipsoid{{radius_m, radius_m, 2e-3}};
+        body.edge_m = 1e-3;
+    }
+    SECTION("map") {
+        auto map = std::make_shared<MaterialMap>();
+        map->counts = {5, 4, 3};
+        map->spacing_m = {radius_m, 0.8 * radius_m, 1e-3};
+        map->origin_m = {body.centre_m.x, body.centre_m.y, 2e-3};
+        map->c_s_m_s.assign(60, 9.0);
+        c.scene().medium.map = map;
+    }
+    if (!c.scene().medium.map)
+        c.scene().medium.bodies = {body};
+    else
+        c.scene().medium.bodies.clear();
+    fft::SlabShare all;
+    all.x_count = c.domain.nx;
+    const spectral::LateralVariation v = spectral::lateral_variation(
+        c, mesh_of(c), all, spectral::largest_k_rad_m(c.domain), step_s, nullptr);
+    const spectral::CellExtent cells = spectral::PlaneCells{.points = v.points}.extent(nullptr),
+                               bounds = spectral::extent_of(c.scene().medium, c.domain);
+    CHECK(bounds.contains(cells));
+    // A cell may end at a bound, and a corner may fill less of it than its samples resolve. A
+    // smooth edge begins with a change below rounding.
+    const std::ptrdiff_t most = body.edge_m > 0.0 ? 4 : 2;
+    CHECK(cells.x_begin - bounds.x_begin + bounds.x_end - cells.x_end <= most);
+    CHECK(cells.y_begin - bounds.y_begin + bounds.y_end - cells.y_end <= most);
 }
 
 TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
