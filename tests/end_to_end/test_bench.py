@@ -76,7 +76,7 @@ class Bench(ProgramTest):
             self.assertNotIn("core hours", before)
             self.assertEqual(self.planned("job.toml")["wall_s"], None)
             probed = self.shearwake("plan", "job.toml", "--probe").said
-            self.assertIn("measuring the speed of 1 kind of case (layered), for at most 2 s each", probed)
+            self.assertIn("measuring the speed of 1 kind of case (layered), for at most 2 s each after its setup", probed)
             self.assertIn("time: probed on this machine", probed)
             self.assertNotIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
             self.assertEqual([rate["is_probed"] for rate in self.rates(cache) if rate["kind"] == "files"], [True])

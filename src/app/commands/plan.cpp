@@ -393,7 +393,7 @@ void add_plan(CLI::App& app, Action& action) {
     add_ranks_per_case(command, arguments.ranks_per_case);
     command.add_flag("--probe", arguments.probe,
                      "measure the speed of each kind of case that has not been measured on this "
-                     "machine, for about two seconds each");
+                     "machine, for about two seconds after its setup");
     command.add_flag("-v,--verbose", arguments.verbose,
                      "list the arrays of the case that needs most memory");
     command.add_flag("--all", arguments.all_cases, "list every case, also of a long plan");

@@ -219,7 +219,7 @@ bool measure_teams(CaseCosts& costs, const std::vector<const PlannedCase*>& case
     if (world.is_root())
         hooks.report(
             fmt::format("measuring the speed of {} kind{} of case ({}), for at most {:g} s "
-                        "each, once per machine",
+                        "each after its setup, once per machine",
                         probed.size(), probed.size() == 1 ? "" : "s", engines_of(probed), most_s));
     const Comm team = team_of(world, ranks_per_case);
     Rates fresh;
