@@ -12,20 +12,27 @@ SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js",
            "pins.js", "sweeps.js", "tour.js", "main.js")
 
 
-def ranges(schema: dict) -> dict[str, tuple[float | None, float | None]]:
-    """The limits of each number in the schema of jobs, by its key."""
-    found: dict[str, tuple[float | None, float | None]] = {}
+Limits = tuple[float | None, float | None]
 
-    def visit(node: dict, key: str) -> None:
+
+def ranges(schema: dict) -> dict[str, dict[str, Limits]]:
+    """The limits of each number in the schema of jobs, by its key and the alternative that it belongs to: an array and a lens
+    both have a distance. Keys of all alternatives have the alternative ""."""
+    found: dict[str, dict[str, Limits]] = {}
+
+    def visit(node: dict, key: str, alternative: str = "") -> None:
         if "$ref" in node:
             return visit(schema["$defs"][node["$ref"].rpartition("/")[2]], key)
         for name, below in node.get("properties", {}).items():
-            visit(below, f"{key}.{name}".lstrip("."))
+            visit(below, f"{key}.{name}".lstrip("."), alternative)
         for part in node.get("allOf", []):
-            visit(part.get("then", {}), key)
-        visit(node["items"], key) if "items" in node else None
+            chosen = [selected["const"] for selected in part.get("if", {}).get("properties", {}).values() if "const" in selected]
+            visit(part.get("then", {}), key, *chosen)
+        if "items" in node:
+            visit(node["items"], key, alternative)
         if node.get("type") in ("number", "integer"):
-            found[key] = (node.get("minimum", node.get("exclusiveMinimum")), node.get("maximum", node.get("exclusiveMaximum")))
+            found.setdefault(key, {})[alternative] = (node.get("minimum", node.get("exclusiveMinimum")),
+                                                      node.get("maximum", node.get("exclusiveMaximum")))
         return None
 
     visit(schema, "")

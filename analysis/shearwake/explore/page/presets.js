@@ -5,12 +5,13 @@ const LABELS = {"thesis-tissue": "Tissue of the thesis", "forearm": "Forearm", "
 const PRESETS = Object.fromEntries(Object.entries(CONFIGURATION.presets).map(([name, {base, layer}]) => [name, {label: LABELS[name] ?? name,
   base, layers: layer.map(({loss, ...rest}) => loss ? {...rest, tau_us: loss.tau_us, exponent: loss.exponent} : rest)}]));
 
-// A slider stays within the limits of its key.
-function limited(sliders, keyOf) {
-  for (const [name, slider] of Object.entries(sliders)) {
-    const [least, most] = CONFIGURATION.ranges[keyOf(name, slider)] ?? [null, null];
-    slider.min = Math.max(slider.min, least ?? slider.min);
-    slider.max = Math.min(slider.max, most ?? slider.max);
-  }
+// A slider stays within the limits of its keys. Some exist only with one alternative, such as the shape of a path.
+function limited(sliders, keysOf) {
+  for (const [name, slider] of Object.entries(sliders))
+    for (const key of keysOf(name, slider)) {
+      const [least, most] = CONFIGURATION.ranges[key][slider.alternative ?? ""];
+      slider.min = Math.max(slider.min, least ?? slider.min);
+      slider.max = Math.min(slider.max, most ?? slider.max);
+    }
   return sliders;
 }

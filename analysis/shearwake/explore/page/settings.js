@@ -10,12 +10,15 @@ const DEFAULTS = {preset: "thesis-tissue", base: "rigid", layers: null, kind: "A
   drawn: null, am: 400, depth: 1, dv: 2, lm: 2, focus: "gaussian", fwhm: 4.5, peak: 100, distance: 200, pressure: 3.4,
   spacing: 1, duration: 12, receptors: false};
 
+const SWEPT_FREQUENCY = {"AM": "load.modulation.am_frequency_Hz", "AM-STM": "load.modulation.am_frequency_Hz",
+  "SM-STM": "load.modulation.sm_frequency_Hz", "LM": "load.modulation.lm_frequency_Hz"};
+
 // One entry per slider; `shows` decides whether the setting has an effect.
 const MOVES = s => s.kind.includes("STM");
 const SLIDERS = limited({
   speed: {label: "Speed", unit: "m/s", min: 0.5, max: 15, step: 0.1, shows: MOVES, key: "load.modulation.speed_m_s"},
   radius: {label: "Radius of the circle", unit: "mm", min: 3, max: 30, step: 0.5, shows: s => MOVES(s) && s.path === "circle",
-    key: "load.modulation.path.radius_mm"},
+    key: "load.modulation.path.radius_mm", alternative: "circle"},
   am: {label: "Modulation frequency", unit: "Hz", min: 20, max: 1000, step: 5, shows: s => s.kind !== "STM"},
   depth: {label: "Modulation depth", unit: "", min: 0, max: 1, step: 0.05, shows: s => s.kind.startsWith("AM"),
     key: "load.modulation.am_depth"},
@@ -24,21 +27,19 @@ const SLIDERS = limited({
   lm: {label: "Amplitude of the motion", unit: "mm", min: 0.5, max: 10, step: 0.1, shows: s => s.kind === "LM",
     key: "load.modulation.lm_amplitude_mm"},
   fwhm: {label: "Size (FWHM)", unit: "mm", min: 3, max: 15, step: 0.1, shows: s => s.focus === "gaussian",
-    key: "load.footprint.fwhm_mm"},
+    key: "load.footprint.fwhm_mm", alternative: "gaussian"},
   peak: {label: "Peak pressure on the skin", unit: "Pa", min: 10, max: 300, step: 5, shows: s => s.focus === "gaussian",
     key: "load.peak_Pa"},
   distance: {label: "Distance of the array", unit: "mm", min: 120, max: 300, step: 5, shows: s => s.focus === "array",
-    key: "load.footprint.distance_mm"},
+    key: "load.footprint.distance_mm", alternative: "array"},
   pressure: {label: "Pressure of a transducer", unit: "Pa m", min: 0.5, max: 5, step: 0.1, shows: s => s.focus === "array",
-    key: "load.footprint.pressure_Pa_m"},
-}, (_, slider) => slider.key);
-const SWEPT_FREQUENCY = {"AM": "load.modulation.am_frequency_Hz", "AM-STM": "load.modulation.am_frequency_Hz",
-  "SM-STM": "load.modulation.sm_frequency_Hz", "LM": "load.modulation.lm_frequency_Hz"};
+    key: "load.footprint.pressure_Pa_m", alternative: "array"},
+}, (name, slider) => name === "am" ? Object.values(SWEPT_FREQUENCY) : [slider.key]);
 const LAYER_SLIDERS = limited({
   thickness_mm: {label: "Thickness", unit: "mm", min: 0.1, max: 40, step: 0.1},
   c_s_m_s: {label: "Shear-wave speed", unit: "m/s", min: 1, max: 40, step: 0.1},
   viscosity_Pa_s: {label: "Viscosity", unit: "Pa s", min: 0, max: 10, step: 0.1},
-}, name => `medium.layer.${name}`);
+}, name => [`medium.layer.${name}`]);
 
 const exact = value => {  // a TOML float
   const text = String(Number(value));
