@@ -95,7 +95,7 @@ class Afferents(ProgramTest):
 
     def test_errors_are_reported_before_the_run(self):
         for old, new, words in [
-                ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be above 0"),
+                ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be between 1e-09 and 10000"),
                 ("noise = true", "patch_mm = [400, 0]", "all 7 pins are outside of the skin"),
                 ("noise = true", 'input = "carrier"\ncarrier = { amplitude_um = 50, '
                  'sampling_kHz = 80 }', "2 samples per cycle of 40 kHz")]:

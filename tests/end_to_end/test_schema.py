@@ -93,7 +93,7 @@ class Schema(ProgramTest):
     def test_descriptions_state_meaning_unit_default_and_range(self):
         spacing = self.validator.schema["properties"]["domain"]["properties"]["spacing_mm"]
         self.assertIn("[mm]", spacing["description"])
-        self.assertEqual(spacing["exclusiveMinimum"], 0.0)
+        self.assertEqual((spacing["minimum"], spacing["maximum"]), (1e-9, 1e4))
         depth = self.validator.schema["properties"]["measure"]["properties"]["depths_mm"]
         self.assertEqual(depth["type"], "array")
         degree = self.validator.schema["properties"]["solver"]["properties"]["spectral"]["properties"]["degree"]

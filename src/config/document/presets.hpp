@@ -3,7 +3,6 @@
 
 #include "config/document/tree.hpp"
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,17 +34,6 @@ NodePtr with_body_preset(const NodePtr& body);
 /// are not replaced. An unknown name is left in place and reported by the reader; the most similar
 /// preset supplies the layers.
 NodePtr with_medium_preset(const NodePtr& root);
-
-/// The physically plausible range of a quantity in SI units, which applies in addition to the range
-/// of a key. Values outside it would lead to overflow and to grids and tables of arbitrary size.
-struct PhysicalBounds {
-    double least; // smallest nonzero magnitude
-    double most;
-    std::string_view reason;
-};
-
-/// Determined by the unit suffix of the key, and for wave speeds by the key itself.
-std::optional<PhysicalBounds> physical_bounds(std::string_view key);
 
 /// How to request what a user may have meant by the value 0 of a key that must not be 0; empty if
 /// nothing is known. `kind`: that of the same table, or empty. A sentence without a capital letter

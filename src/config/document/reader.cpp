@@ -3,6 +3,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "config/document/key_range.hpp"
 #include "config/document/presets.hpp"
 #include "engines/registry/check.hpp"
 
@@ -75,30 +76,20 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         wrong_kind(key, "a number", node);
         return std::nullopt;
     }
-    if (!std::isfinite(*value) || !range.contains(*value)) {
+    const KeyRange allowed = key_range(key, range);
+    if (std::isfinite(*value) && allowed.contains(*value)) return to_SI(key, *value);
+    std::string more;
+    if (range.contains(*value)) {
+        more = fmt::format(": {}", allowed.why);
+    } else if (*value == 0.0) {
         const Entry* kind = std::get<TableNode>(table_->value).find("kind");
         const auto* word = kind ? std::get_if<std::string>(&kind->value->value) : nullptr;
-        const std::string_view hint =
-            *value == 0.0 ? instead_of_zero(key, word ? *word : std::string_view()) : "";
-        diagnostics_->error(node.at,
-                            fmt::format("{} must be {}, but is {}{}{}", full(key), range.words(),
-                                        exact(*value), hint.empty() ? "" : "; ", hint));
-        return std::nullopt;
+        const std::string_view hint = instead_of_zero(key, word ? *word : std::string_view());
+        if (!hint.empty()) more = fmt::format("; {}", hint);
     }
-    const double in_SI = to_SI(key, *value);
-    if (const auto bounds = physical_bounds(key)) {
-        const double size = std::abs(in_SI);
-        if (size > bounds->most || (size != 0.0 && size < bounds->least)) {
-            const double per_unit = *value / in_SI;
-            diagnostics_->error(
-                node.at,
-                fmt::format("{} must be 0 or have a magnitude from {:.3g} to {:.3g}, but is {}: {}",
-                            full(key), bounds->least * per_unit, bounds->most * per_unit,
-                            exact(*value), bounds->reason));
-            return std::nullopt;
-        }
-    }
-    return in_SI;
+    diagnostics_->error(node.at, fmt::format("{} must be {}, but is {}{}", full(key),
+                                             allowed.words(), exact(*value), more));
+    return std::nullopt;
 }
 
 std::optional<double> Reader::find_number(std::string_view key, const Range& range) {

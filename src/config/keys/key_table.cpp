@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
+#include "config/document/key_range.hpp"
 #include "config/document/presets.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
@@ -155,7 +156,8 @@ private:
         return words_or_range(field);
     }
     static std::string words_or_range(const Field& field) {
-        const std::string range = field.range.words() == Range{}.words() ? "" : field.range.words();
+        std::string range = key_range(field.key, field.range).words();
+        if (range == Range{}.words()) range.clear();
         const auto words = words_of(field);
         if (words.empty()) return range;
         if (!std::string_view(field.type).starts_with("point")) return list_of(words);

@@ -5,18 +5,16 @@
 #include "config/document/job_keys.hpp"
 #include "config/document/presets.hpp"
 #include "config/document/tree.hpp"
+#include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::config {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The member in which a table under construction lists the keys that are required in a job without
 /// a sweep. In a job with a sweep, the sweep may give them instead.
@@ -33,103 +31,6 @@ std::pair<Json*, std::string> place_of(Json& table, const std::string& key) {
     Json& below = table["properties"][key.substr(0, dot)];
     if (below.is_null()) below = object();
     return place_of(below, key.substr(dot + 1));
-}
-
-Json number(const Range& range, bool integer = false) {
-    Json type = {{"type", integer ? "integer" : "number"}};
-    if (std::isfinite(range.least))
-        type[range.least_excluded ? "exclusiveMinimum" : "minimum"] = range.least;
-    if (std::isfinite(range.most))
-        type[range.most_excluded ? "exclusiveMaximum" : "maximum"] = range.most;
-    return type;
-}
-
-Json list_of(const Json& item, std::size_t least = 0, std::size_t most = 0) {
-    Json type = {{"type", "array"}, {"items", item}};
-    if (least > 0) type["minItems"] = least;
-    if (most > 0) type["maxItems"] = most;
-    return type;
-}
-
-Json one_of(const std::vector<std::string>& words) {
-    return {{"enum", words}};
-}
-
-/// The schema of a type name in a description, see Field::type.
-Json named_type(const Field& field) {
-    const std::string type = field.type;
-    Json point = list_of(number(field.range), 2, 2);
-    if (type.starts_with("word:")) return one_of(words_of(field));
-    if (type.starts_with("point or word:")) return {{"anyOf", {point, one_of(words_of(field))}}};
-    if (type == "word" || type == "file") return {{"type", "string"}};
-    if (type == "name") return {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}};
-    if (type == "words") return list_of({{"type", "string"}});
-    if (type == "pair of words") return list_of({{"type", "string"}}, 2, 2);
-    if (type == "table") return {{"type", "object"}};
-    if (type == "tables") return list_of({{"type", "object"}});
-    if (type == "table of numbers")
-        return {{"type", "object"}, {"additionalProperties", number(field.range)}};
-    if (type == "number") return number(field.range);
-    if (type == "integer") return number(field.range, true);
-    if (type == "boolean") return {{"type", "boolean"}};
-    if (type == "point") return point;
-    if (type == "point or triple") return list_of(number(field.range), 2, 3);
-    if (type == "points") return list_of(point);
-    if (type == "path") return {{"$ref", "#/$defs/path"}};
-    return Json::object();
-}
-
-template <class T>
-Json type_of(const T&, const Field& field) {
-    if constexpr (Named<T>) {
-        const auto names = names_of(std::type_identity<T>{});
-        return one_of({names.begin(), names.end()});
-    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
-        return {{"type", "boolean"}};
-    else if constexpr (std::is_arithmetic_v<T>)
-        return number(field.range, std::is_integral_v<T>);
-    else if constexpr (std::is_same_v<T, Vec2>)
-        return list_of(number(field.range), 2, 2);
-    else if constexpr (std::is_same_v<T, Vec3>)
-        return list_of(number(field.range), 3, 3);
-    else
-        return {{"type", "string"}}; // words, and names of files
-}
-template <class T>
-Json type_of(const std::optional<T>&, const Field& field) {
-    return type_of(T{}, field);
-}
-Json type_of(const std::vector<ListedAfferent>&, const Field&) {
-    return {{"type", "string"}};
-}
-template <class T>
-Json type_of(const std::vector<T>&, const Field& field) {
-    return list_of(type_of(T{}, field));
-}
-
-/// The default in the unit of the key; null where there is none that can be stated.
-Json shown(double value, const char* key) {
-    const auto unit = unit_of(key);
-    const double given = unit ? value / unit->to_SI : value;
-    return std::isfinite(given) ? Json(std::stod(fmt::format("{:.6g}", given))) : Json();
-}
-Json shown(Switch value, const char*) {
-    return value == Switch::on;
-}
-template <class T>
-requires std::integral<T> || std::same_as<T, std::string> Json shown(const T& value, const char*) {
-    return value;
-}
-Json shown(Vec2 at, const char* key) {
-    return {shown(at.x, key), shown(at.y, key)};
-}
-template <Named E>
-Json shown(const E& value, const char*) {
-    return name_in_text(value);
-}
-template <class T>
-Json shown(const T&, const char*) {
-    return {};
 }
 
 /// A walk that describes the keys of the current table.

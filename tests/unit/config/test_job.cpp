@@ -209,7 +209,8 @@ TEST_CASE("all errors in a job are reported at once, in the order of the file", 
     text = replaced(text, "am_frequency_Hz", "am_frequncy_Hz");
     text = replaced(text, "spacing_mm = 0.75\n", "");
     CHECK(diagnostics_of(text) ==
-          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is -20",
+          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and "
+                "10000, but is -20",
                 "job.toml:14:11: error: load.peak_Pa must be a number, but is a string (\"much\")",
                 "job.toml:20:1: error: load.modulation.am_frequncy_Hz is unknown; did you mean "
                 "am_frequency_Hz?",

@@ -11,7 +11,7 @@ using namespace shearwake::config;
 TEST_CASE("the reference has ranges and defaults in the units of the keys", "[fields]") {
     const std::string text = key_reference();
     for (const char* row :
-         {"| `silence_ms` | between 0 and 10000 | 20 |",
+         {"| `silence_ms` | 0 or between 1e-09 and 10000 | 20 |",
           "| `footprint.distance_mm` | between 20 and",
           "| `top` | `\"void\"`, `\"continued\"`, `\"fluid\"` | `\"void\"` |",
           "## `[[load.modulation.envelope]]` with `shape = \"square\"`", "## `[solver.pstd]`",

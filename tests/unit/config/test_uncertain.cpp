@@ -131,7 +131,7 @@ TEST_CASE("hostile distributions are rejected with a clear message", "[config][u
                                                 std::string(two_keys))),
                        "is also swept"));
     const Texts negative = of_speed("{ distribution = \"normal\", mean = 1.0, sd = 1.0 }");
-    CHECK(any_contains(negative, "must be above 0, but is -"));
+    CHECK(any_contains(negative, "must be between 0.001 and 20000, but is -"));
     CHECK(any_contains(negative, "truncate its distribution with min and max"));
     const auto errors = std::ranges::count_if(
         negative, [](const auto& text) { return text.find("error:") != text.npos; });

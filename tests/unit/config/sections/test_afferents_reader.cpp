@@ -161,8 +161,9 @@ TEST_CASE("the sampling rate of a carrier must resolve it", "[config][afferents]
 }
 
 TEST_CASE("errors in [afferents] name the key", "[config][afferents]") {
-    CHECK_THAT(refusal("pin_radius_mm = -1"),
-               Catch::Contains("afferents.pin_radius_mm must be above 0, but is -1"));
+    CHECK_THAT(
+        refusal("pin_radius_mm = -1"),
+        Catch::Contains("afferents.pin_radius_mm must be between 1e-09 and 10000, but is -1"));
     CHECK_THAT(refusal("classes = [\"SA2\"]"), Catch::Contains("but contains \"SA2\""));
     CHECK_THAT(refusal("where = \"plam\""), Catch::Contains("did you mean \"palm\"?"));
     CHECK_THAT(refusal("nois = true"), Catch::Contains("did you mean noise?"));

@@ -122,7 +122,8 @@ TEST_CASE("an error in a body is reported with its location", "[config][body]") 
          "job.toml:31:16: error: medium.body[1].semi_axes_mm must be three numbers [x, y, z], but "
          "has 2"},
         {"[3.0, 4.0, 5.0]", "[3.0, 4.0, 0.0]",
-         "job.toml:31:27: error: medium.body[1].semi_axes_mm must be above 0, but is 0"},
+         "job.toml:31:27: error: medium.body[1].semi_axes_mm must be between 1e-09 and 10000, but "
+         "is 0"},
         {"semi_axes_mm", "size_mm", "job.toml:31:1: error: medium.body[1].size_mm is unknown"},
         {"c_s_m_s = 9.0", "edge_mm = 1.0",
          "job.toml:29:9: error: medium.body[1].shape has the same material as its surroundings; "
@@ -133,7 +134,8 @@ TEST_CASE("an error in a body is reported with its location", "[config][body]") 
         {"c_s_m_s = 9.0", "preset = \"bone\"",
          "job.toml:32:10: error: medium.body[1].preset must be \"cortical-bone\", but is \"bone\""},
         {"c_s_m_s = 9.0", "c_s_m_s = -9",
-         "job.toml:32:11: error: medium.body[1].c_s_m_s must be at least 0, but is -9"},
+         "job.toml:32:11: error: medium.body[1].c_s_m_s must be 0 or between 0.001 and 20000, but "
+         "is -9"},
         {"c_s_m_s = 9.0", "c_s_m_s = 1400.0",
          "job.toml:32:11: error: medium.body[1].c_s_m_s gives c_p = 1500 and c_s = 1400 m/s in "
          "layer \"tissue\": c_p must be above 1616.58, 1.1547 times c_s, for a positive bulk "

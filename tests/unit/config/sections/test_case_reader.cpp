@@ -61,7 +61,7 @@ TEST_CASE("a grid has at least the requested extent and a size with fast FFTs", 
 TEST_CASE("an error in domain or time is reported with its location", "[config][case]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"[96.0, 64.0]", "[96.0, -64.0]",
-         "job.toml:22:20: error: domain.extent_mm must be above 0, but is -64"},
+         "job.toml:22:20: error: domain.extent_mm must be between 1e-09 and 10000, but is -64"},
         {"extent_mm", "extent_cm",
          "job.toml:22:1: error: domain.extent_cm is unknown; the unit of extent is mm: use "
          "extent_mm"},
@@ -69,8 +69,8 @@ TEST_CASE("an error in domain or time is reported with its location", "[config][
          "job.toml:23:14: error: domain.spacing_mm results in 48000 points along 96 mm; at most "
          "32768 are supported"},
         {"[96.0, 64.0]", "[1e6, 64.0]",
-         "job.toml:22:14: error: domain.extent_mm must be 0 or have a magnitude from 1e-09 to "
-         "1e+04, but is 1000000: atoms are 0.1 nm apart, and no human is longer than 10 m"},
+         "job.toml:22:14: error: domain.extent_mm must be between 1e-09 and 10000, but "
+         "is 1000000: atoms are 0.1 nm apart, and no human is longer than 10 m"},
         {"= 0.75", "= 0.75\nsponge_mm = 34",
          "job.toml:24:13: error: domain.sponge_mm must leave a measured region between the "
          "margins: it must be below 33.75 mm, half of the shorter side, but is 34"},
@@ -123,8 +123,8 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
          "job.toml:28:13: error: measure.depths_mm must be in ascending order, but 0.5 follows 1"},
         {"[measure]\ndepths_mm = [0, 20]", "job.toml:28:13: error: measure.depths_mm must lie "
                                            "above the rigid base at 20 mm, but contains 20"},
-        {"[measure]\ndepths_mm = [0, -1]",
-         "job.toml:28:17: error: measure.depths_mm must be at least 0, but is -1"},
+        {"[measure]\ndepths_mm = [0, -1]", "job.toml:28:17: error: measure.depths_mm must be 0 or "
+                                           "between 1e-09 and 10000, but is -1"},
         {"[measure]\ndepths_mm = []", "job.toml:28:13: error: measure.depths_mm must contain at "
                                       "least one depth; 0 is the surface"},
         {"[measure]\ndepths_mm = 1",

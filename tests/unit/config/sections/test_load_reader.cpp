@@ -142,7 +142,8 @@ TEST_CASE("an error in the modulation is reported with its location", "[config][
          "job.toml:21:9: error: load.modulation.am_on must be one of \"force\" or \"pressure\", "
          "but is \"presure\"; did you mean \"pressure\"?"},
         {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nramp_ms = 0",
-         "job.toml:21:11: error: load.modulation.ramp_ms must be above 0, but is 0"},
+         "job.toml:21:11: error: load.modulation.ramp_ms must be between 1e-09 and 10000000, but "
+         "is 0"},
         {"kind = \"AM-STM\"\n", "kind = \"AM\"\n",
          "job.toml:19:13: error: load.modulation.speed_m_s does not apply to kind AM"},
     }));

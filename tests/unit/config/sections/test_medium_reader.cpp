@@ -52,11 +52,14 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
          "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a string "
          "(\"20\")"},
         {"= 20.0", "= 0",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is 0"},
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
+         "is 0"},
         {"= 20.0", "= nan",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is nan"},
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
+         "is nan"},
         {"= 20.0", "= inf",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is inf"},
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
+         "is inf: atoms are 0.1 nm apart, and no human is longer than 10 m"},
         {"= 20.0", "= 1979-05-27",
          "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a date or "
          "time"},
@@ -75,7 +78,8 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
          "job.toml:10:11: error: medium.layer[1].c_p_m_s must be above 5.7735, 1.1547 times "
          "c_s_m_s = 5, for a positive bulk modulus, but is 5.5"},
         {"c_s_m_s = 5.0", "c_s_m_s = 0",
-         "job.toml:11:11: error: medium.layer[1].c_s_m_s must be above 0, but is 0"},
+         "job.toml:11:11: error: medium.layer[1].c_s_m_s must be between 0.001 and 20000, but is "
+         "0"},
         {"viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1.0\nloss = \"none\"",
          "job.toml:13:8: error: medium.layer[1].loss and viscosity_Pa_s are both given; specify "
          "only one of them"},
@@ -170,7 +174,7 @@ TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[co
         replaced(with_medium("[medium]\npreset = \"soup\"\n"), "spacing_mm = ", "spacing_mm = -"));
     REQUIRE(found.size() == 2);
     CHECK(found[0].find("medium.preset must be one of") != std::string::npos);
-    CHECK(found[1].find("domain.spacing_mm must be above 0") != std::string::npos);
+    CHECK(found[1].find("domain.spacing_mm must be between 1e-09 and 10000") != std::string::npos);
 }
 
 TEST_CASE("a medium without layers is rejected", "[config][medium]") {
