@@ -58,6 +58,9 @@ INVALID = [
     ('x = "load.modulation.am_frequency_Hz"', "x = 1"), (END, 'referenz = { kind = "STM" }\n'),
     (END, END + '[afferents]\nwhere = "foot"\n'), (END, END + "[afferents]\nclasses = [\"SA2\"]\n"),
     (END, END + '[afferents]\nwhere = "grid"\nextent_mm = [10.0, 10.0]\npitch_mm = 0.0\n'),
+    (END, END + "[afferents]\npin_line = { from_mm = [0.0, 0.0], to_mm = [1.0, 0.0], count = 1 }\n"),
+    (END, END + "[afferents]\npin_line = { from_mm = [0.0, 0.0], to_mm = [1.0, 0.0], number = 3 }\n"),
+    (END, END + "[afferents]\npin_grid = { extent_mm = [-1.0, 1.0], pitch_mm = 1.0 }\n"),
 ]
 
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
+#include "base/vectors.hpp"
 #include "sampling/design.hpp"
 
 #include <variant>
@@ -87,6 +88,51 @@ void walk_fields(Walk& walk, Keys&) {
 }
 
 using PathShapes = std::variant<CircleKeys, PolygonKeys, PathFileKeys>;
+
+/// Inline tables of [afferents] that become lists of pins.
+struct PinLineKeys {
+    static constexpr const char* name = "pin_line";
+    Vec2 from_m, to_m;
+    int count = 2;
+};
+template <class Walk, Is<PinLineKeys> Keys>
+void walk_fields(Walk& walk, Keys& line) {
+    walk(line.from_m,
+         {.key = "from_mm", .given = Given::required, .meaning = "position of the first pin"});
+    walk(line.to_m,
+         {.key = "to_mm", .given = Given::required, .meaning = "position of the last pin"});
+    walk(line.count, {.key = "count",
+                      .range = Range::between(2.0, 1000.0),
+                      .given = Given::required,
+                      .meaning = "number of pins"});
+}
+
+struct PinGridKeys {
+    static constexpr const char* name = "pin_grid";
+    Vec2 extent_m, center_m;
+    double pitch_m = 0.0;
+};
+template <class Walk, Is<PinGridKeys> Keys>
+void walk_fields(Walk& walk, Keys& grid) {
+    walk(grid.extent_m, {.key = "extent_mm",
+                         .range = Range::between(0.0, 1e4),
+                         .given = Given::required,
+                         .meaning = "size of the grid"});
+    walk(grid.pitch_m, {.key = "pitch_mm",
+                        .range = Range::between(1e-3, 1e4),
+                        .given = Given::required,
+                        .meaning = "spacing of the pins"});
+    walk(grid.center_m, {.key = "center_mm", .meaning = "centre of the grid, where a pin is"});
+}
+
+using InlineTables = std::variant<PinLineKeys, PinGridKeys>;
+
+/// Calls `use` with the keys of a table that is described here.
+void with_inline_table(const Field& field, const auto& use) {
+    for_each_alternative(std::type_identity<InlineTables>{}, [&](const auto& keys) {
+        if (field.key == std::string_view(keys.name)) use(keys);
+    });
+}
 
 // The tables of a job that are not those of a case.
 

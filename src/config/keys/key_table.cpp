@@ -41,6 +41,12 @@ public:
             field.given == Given::required ? "required"
             : field.given == Given::preset ? "required without a preset"
                                            : field.fallback);
+        with_inline_table(field, [&](const auto& keys) {
+            const std::string name = fmt::format("{}.{}", sections_[at_].name, field.key);
+            open({.name = name, .heading = fmt::format("`[{}]`", name)});
+            walk_fields(*this, keys);
+            close();
+        });
     }
 
     template <class... T>

@@ -49,7 +49,15 @@ public:
         put(field, std::move(type));
     }
 
-    void key(const Field& field) { put(field, named_type(field)); }
+    void key(const Field& field) {
+        Json type = named_type(field);
+        with_inline_table(field, [&](const auto& keys) {
+            type = object();
+            SchemaWalk walk(type);
+            walk_fields(walk, keys);
+        });
+        put(field, std::move(type));
+    }
 
     template <class... T>
     void choice(const std::variant<T...>& value, const Field& field, const auto&...) {

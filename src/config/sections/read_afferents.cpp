@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "config/document/job_keys.hpp"
 #include "config/files/csv_files.hpp"
 #include "config/sections/read_fields.hpp"
 #include "problem/load/footprint.hpp"
@@ -15,7 +16,6 @@
 namespace shearwake::config {
 namespace {
 
-const Range lengths = Range::between(1e-3, 1e4);
 constexpr double most_points = 1e5; // limit for a grid of pins or afferents
 /// Limit for pins that are placed along a long path; their spacing is increased accordingly.
 constexpr double most_default_pins = 100.0;
@@ -112,25 +112,28 @@ AfferentInput read_input(Reader& reader) {
 }
 
 std::vector<Vec2> read_pin_line(Reader table) {
-    const Vec2 from_m = table.point("from_mm"), to_m = table.point("to_mm");
-    const double count = table.number("count", Range::between(2.0, 1000.0));
-    if (count != std::floor(count)) table.error("count", "must be a whole number");
+    PinLineKeys line;
+    read_fields(table, line);
     table.finish();
-    if (!(count >= 2.0)) return {{}}; // already reported
+    if (table.empty()) return {{}}; // already reported
     std::vector<Vec2> pins_m;
-    for (int i = 0; i < static_cast<int>(count); ++i)
-        pins_m.push_back(from_m + static_cast<double>(i) / (count - 1.0) * (to_m - from_m));
+    for (int i = 0; i < line.count; ++i)
+        pins_m.push_back(line.from_m + static_cast<double>(i) /
+                                           (static_cast<double>(line.count) - 1.0) *
+                                           (line.to_m - line.from_m));
     return pins_m;
 }
 
 std::vector<Vec2> read_pin_grid(Reader table) {
-    const Vec2 extent_m = table.point("extent_mm", Range::between(0.0, 1e4)),
-               center_m = table.point_or("center_mm", {});
-    const double pitch_m = table.number("pitch_mm", lengths);
+    PinGridKeys grid;
+    read_fields(table, grid);
     table.finish();
-    const auto half = [&](double length_m) { return std::floor(0.5 * length_m / pitch_m + 1e-9); };
+    if (table.empty()) return {{}}; // already reported
+    const auto half = [&](double length_m) {
+        return std::floor(0.5 * length_m / grid.pitch_m + 1e-9);
+    };
     std::vector<Vec2> pins_m;
-    const double half_x = half(extent_m.x), half_y = half(extent_m.y);
+    const double half_x = half(grid.extent_m.x), half_y = half(grid.extent_m.y);
     if ((2.0 * half_x + 1.0) * (2.0 * half_y + 1.0) > 1000.0) {
         table.error("pitch_mm", fmt::format("results in {:.0f} pins; at most 1000 are supported",
                                             (2.0 * half_x + 1.0) * (2.0 * half_y + 1.0)));
@@ -138,7 +141,7 @@ std::vector<Vec2> read_pin_grid(Reader table) {
     }
     for (double i = -half_x; i <= half_x; ++i)
         for (double j = -half_y; j <= half_y; ++j)
-            pins_m.push_back(center_m + pitch_m * Vec2{i, j});
+            pins_m.push_back(grid.center_m + grid.pitch_m * Vec2{i, j});
     return pins_m;
 }
 
