@@ -42,6 +42,7 @@ INVALID = [
     (PATH, 'path = { shape = "line", from_mm = [-14.0], to_mm = [14.0, 0.0] }'),
     (PATH, 'path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0], at_end = "jump" }'),
     (PATH, 'path = { shape = "circle", radius_mm = 5.0, sweep_deg = 90.0 }'),
+    (PATH, 'path = { shape = "circle", radius_mm = 0.0 }'),
     (PATH, 'path = { shape = "polygon", sides = 2, radius_mm = 5.0 }'),
     ("speed_m_s = 7.0", "speed_m_s = 0.0"), ("speed_m_s = 7.0", "speed = 7.0"), ("speed_m_s = 7.0", 'speed_m_s = "7"'),
     ("am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_depth = 2.0"), ("am_frequency_Hz = 500.0", "am_frequenzy_Hz = 500.0"),

@@ -89,6 +89,17 @@ void walk_fields(Walk& walk, Keys&) {
 
 using PathShapes = std::variant<CircleKeys, PolygonKeys, PathFileKeys>;
 
+/// What a path that must have a length requires in addition to the keys of its shape; the pattern
+/// of STP may be a point.
+struct PathLengthKeys {};
+template <class Walk, Is<PathLengthKeys> Keys>
+void walk_fields(Walk& walk, Keys&) {
+    walk.key({.key = "radius_mm",
+              .range = Range::between(1e-3, 1e4),
+              .type = "number",
+              .meaning = "radius; it must not be 0, so that the path has a length"});
+}
+
 /// Inline tables of [afferents] that become lists of pins.
 struct PinLineKeys {
     static constexpr const char* name = "pin_line";

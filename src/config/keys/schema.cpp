@@ -282,15 +282,19 @@ std::string job_schema() {
 
     // A path is described once and used in two places of the modulations.
     Json& modulation = root["properties"]["load"]["properties"]["modulation"]["properties"];
-    Json path, travel;
+    Json path, travel, path_with_length = {{"$ref", "#/$defs/path"}};
+    SchemaWalk longer(path_with_length);
+    const PathLengthKeys length;
+    walk_fields(longer, length);
     for (Json& part : modulation["trajectory"]["items"]["allOf"])
         if (Json& keys = part["then"]["properties"]; keys.contains("path")) {
             path = keys["path"];
-            keys["path"] = {{"$ref", "#/$defs/path"}};
+            keys["path"] = path_with_length;
             travel = keys;
         }
     for (const auto& [key, type] : travel.items()) // of speed and corners
         if (!modulation.contains(key)) modulation[key] = type;
+    modulation["path"].update(path_with_length);
     SchemaWalk(path).shapes();
 
     Json rules = extract_requirements(root);

@@ -18,8 +18,6 @@ namespace shearwake::config {
 
 namespace {
 
-constexpr double least_radius_m = 1e-6; // of a path
-
 struct Context {
     Reader& reader;
     const PathContext& path;
@@ -37,25 +35,22 @@ Curve read_line(Context& c) {
     return line;
 }
 
-void check_radius(Context& c, const Arc& arc) {
-    if (c.least == LeastLength::some && c.reader.has("radius_mm") && arc.radius_m < least_radius_m)
-        c.reader.error("radius_mm", fmt::format("must be at least 0.001, so that the path has a "
-                                                "length, but is {:.6g}",
-                                                1e3 * arc.radius_m));
+double read_radius_m(Context& c) {
+    return c.reader.number("radius_mm", c.least == LeastLength::some
+                                            ? range_of<PathLengthKeys>("radius_mm")
+                                            : range_of<Arc>("radius_mm"));
 }
 
 Curve read_circle(Context& c) {
-    Arc arc{.sweep_rad = two_pi};
-    read_fields(c.reader, arc, {.without = {"sweep_deg"}});
-    check_radius(c, arc);
+    Arc arc{.radius_m = read_radius_m(c), .sweep_rad = two_pi};
+    read_fields(c.reader, arc, {.without = {"radius_mm", "sweep_deg"}});
     if (c.reader.find_flag("clockwise").value_or(false)) arc.sweep_rad = -two_pi;
     return arc;
 }
 
 Curve read_arc(Context& c) {
-    Arc arc;
-    read_fields(c.reader, arc);
-    check_radius(c, arc);
+    Arc arc{.radius_m = read_radius_m(c)};
+    read_fields(c.reader, arc, {.without = {"radius_mm"}});
     if (arc.sweep_rad == 0.0) c.reader.error("sweep_deg", "is 0, so the path has no length");
     return arc;
 }

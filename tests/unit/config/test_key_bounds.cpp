@@ -71,21 +71,22 @@ private:
     }
 
     void table(const Json& node, const std::string& key, const std::string& before,
-               const std::string& after, std::string siblings) {
+               const std::string& after, std::string siblings, const Json& tighter = {}) {
         if (node.contains("$ref")) {
             const std::string name = node["$ref"].get<std::string>();
             return table(schema_["$defs"][name.substr(name.rfind('/') + 1)], key, before, after,
-                         siblings);
+                         siblings, member(node, "properties"));
         }
         for (const auto& [name, content] : member(node, "properties").items())
-            property(content, name, key, before, after, siblings);
+            property(tighter.contains(name) ? tighter[name] : content, name, key, before, after,
+                     siblings);
         for (const Json& rule : member(node, "allOf")) {
             if (!rule.contains("if") || !rule.contains("then")) continue;
             std::string chosen = siblings;
             for (const auto& [selector, is] : member(rule["if"], "properties").items())
                 if (is.contains("const"))
                     chosen += fmt::format("{} = {}, ", selector, is["const"].dump());
-            table(rule["then"], key, before, after, chosen);
+            table(rule["then"], key, before, after, chosen, tighter);
         }
     }
 

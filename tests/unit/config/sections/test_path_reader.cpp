@@ -289,7 +289,7 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
     const std::string where = "error: load.modulation.";
     const auto [path, more, said] = GENERATE(table<std::string, std::string, std::string>({
         {"shape = \"circle\", radius_mm = 0", "speed_m_s = 7\n",
-         "path.radius_mm must be at least 0.001, so that the path has a length, but is 0"},
+         "path.radius_mm must be between 0.001 and 10000, but is 0"},
         {"shape = \"circle\", radius_mm = 5, to_mm = [1, 1]", "speed_m_s = 7\n",
          "path.to_mm is unknown"},
         {"radius_mm = 5", "speed_m_s = 7\n", "path.shape is missing"},
