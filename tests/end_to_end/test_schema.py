@@ -17,7 +17,7 @@ END = 'reference = { kind = "STM" }\n'
 # (text of the small job, what replaces it): each makes it invalid in one place.
 INVALID = [
     ("schema = 1", "schema = 2"), ("schema = 1", 'schema = "1"'), ("schema = 1", ""),
-    ('name = "small"', 'name = "../small"'), ('name = "small"', "name = 3"), ('name = "small"', ""),
+    ('name = "small"', 'name = "../small"'), ('name = "small"', f'name = "{101 * "a"}"'), ('name = "small"', "name = 3"), ('name = "small"', ""),
     ('title = "a small', 'titel = "a small'),
     ('base = "rigid"', 'base = "rigit"'), ('base = "rigid"', "base = 1"), ('base = "rigid"', 'bass = "rigid"'),
     ('name = "tissue"', "name = 4"), ("thickness_mm = 20.0", "thickness_mm = 0.0"),

@@ -162,6 +162,8 @@ private:
         return words_or_range(field);
     }
     static std::string words_or_range(const Field& field) {
+        if (field.type == std::string_view("name"))
+            return fmt::format("1 to {} characters", longest_file_name);
         std::string range = key_range(field.key, field.range).words();
         if (range == Range{}.words()) range.clear();
         const auto words = words_of(field);

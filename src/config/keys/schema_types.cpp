@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/keys/schema_types.hpp"
 
+#include "base/text.hpp"
 #include "config/document/key_range.hpp"
 #include "config/keys/key_table.hpp"
 
@@ -39,7 +40,10 @@ Json named_type(const Field& field) {
     if (type.starts_with("word:")) return one_of(words_of(field));
     if (type.starts_with("point or word:")) return {{"anyOf", {point, one_of(words_of(field))}}};
     if (type == "word" || type == "file") return {{"type", "string"}};
-    if (type == "name") return {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}};
+    if (type == "name")
+        return {{"type", "string"},
+                {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"},
+                {"maxLength", longest_file_name}};
     if (type == "words") return list_of({{"type", "string"}});
     if (type == "pair of words") return list_of({{"type", "string"}}, 2, 2);
     if (type == "table") return {{"type", "object"}};
