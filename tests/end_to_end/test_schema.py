@@ -13,6 +13,7 @@ from program import JOB, ROOT, ProgramTest, changed
 JOBS = sorted((ROOT / "jobs").glob("*.toml"))
 FOOTPRINT = 'footprint = { shape = "gaussian", fwhm_mm = 4.5 }'
 PATH = 'path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }'
+SWEPT = '"load.modulation.am_frequency_Hz" = [400, 500, 1000]'
 END = 'reference = { kind = "STM" }\n'
 # (text of the small job, what replaces it): each makes it invalid in one place.
 INVALID = [
@@ -54,8 +55,12 @@ INVALID = [
     ('engine = "layered"', 'engine = "spectral"\n[solver.spectral]\ndegree = 1'),
     ('engine = "layered"', 'engine = "pstd"\n[solver.pstd]\nprecision = "half"'),
     ("at_ms = 4.0", "at_ms = 0"), ("frames = true", 'frames = "yes"'), ("frames = true", "frame = true"),
-    ('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"load.modulation.am_frequency_Hz" = 400'),
-    ('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"modulation.am_frequency_Hz" = [400]'),
+    (SWEPT, '"load.modulation.am_frequency_Hz" = 400'),
+    (SWEPT, '"load.modulation.am_frequency_Hz" = { linspace = [400, 1000, 1] }'),
+    (SWEPT, '"load.modulation.am_frequency_Hz" = { linspace = [400, 1000] }'),
+    (SWEPT, '"load.modulation.am_frequency_Hz" = { refine = [400, 1000], column = "peak_um", tolerance = 1, initial = 2 }'),
+    (SWEPT, '"load.modulation.am_frequency_Hz" = { refine = [400, 1000], column = "peak_um", tolerance = 1, first = 3 }'),
+    (SWEPT, '"modulation.am_frequency_Hz" = [400]'),
     ('x = "load.modulation.am_frequency_Hz"', "x = 1"), (END, 'referenz = { kind = "STM" }\n'),
     (END, END + '[afferents]\nwhere = "foot"\n'), (END, END + "[afferents]\nclasses = [\"SA2\"]\n"),
     (END, END + '[afferents]\nwhere = "grid"\nextent_mm = [10.0, 10.0]\npitch_mm = 0.0\n'),

@@ -3,6 +3,7 @@
 
 #include "base/field.hpp"
 #include "base/vectors.hpp"
+#include "problem/case/plan.hpp"
 #include "sampling/design.hpp"
 
 #include <variant>
@@ -179,6 +180,98 @@ void walk_fields(Walk& walk, Keys&) {
               .type = "tables",
               .fallback = "none",
               .meaning = "combinations of values whose cases are left out"});
+}
+
+/// The values of a swept key: three numbers that generate them, or an adaptive axis.
+struct AxisKeys {
+    std::size_t initial = AdaptiveAxis{}.initial, most = AdaptiveAxis{}.most;
+};
+template <class Walk, Is<AxisKeys> Keys>
+void walk_fields(Walk& walk, Keys& axis) {
+    constexpr Range counts = Range::between(2.0, 1e4), points = Range::between(3.0, 1e4);
+    walk.key({.key = "linspace",
+              .range = counts,
+              .type = "ends and count",
+              .fallback = "none",
+              .meaning = "`[first, last, count]`: equally spaced values"});
+    walk.key({.key = "logspace",
+              .range = counts,
+              .type = "ends and count",
+              .fallback = "none",
+              .meaning = "`[first, last, count]`: values with equal ratios"});
+    walk.key(
+        {.key = "range", .type = "triple", .fallback = "none", .meaning = "`[start, stop, step]`"});
+    walk.key({.key = "refine",
+              .type = "point",
+              .fallback = "none",
+              .meaning = "`[first, last]`: points are added where `column` is not yet resolved"});
+    walk.key({.key = "find",
+              .type = "word:maximum|minimum|crossing",
+              .fallback = "none",
+              .meaning = "point of `column` that is located"});
+    walk.key({.key = "in",
+              .type = "point",
+              .fallback = "required with `find`",
+              .meaning = "`[first, last]`: interval in which the point is sought"});
+    walk.key({.key = "level",
+              .type = "number",
+              .fallback = "the reference of `[table]`",
+              .meaning = "with `find = \"crossing\"`: value that is crossed"});
+    walk.key({.key = "column",
+              .type = "word",
+              .fallback = "required with `refine` and `find`",
+              .meaning = "column of the table"});
+    walk.key({.key = "tolerance",
+              .range = Range::above(0.0),
+              .type = "number",
+              .fallback = "required with `refine` and `find`",
+              .meaning = "of `refine`: error of `column`; of `find`: error of the swept key"});
+    walk.key({.key = "smallest_step",
+              .range = Range::above(0.0),
+              .type = "number",
+              .fallback = "a thousandth of the interval",
+              .meaning = "of `refine`: least distance of two points"});
+    walk(axis.initial,
+         {.key = "initial", .range = points, .meaning = "number of points of the first round"});
+    walk(axis.most, {.key = "most", .range = points, .meaning = "largest number of points"});
+}
+
+/// The distribution of an uncertain key. Which keys apply depends on the distribution.
+struct DistributionKeys {
+    double density_kg_m3 = 1000.0;
+};
+template <class Walk, Is<DistributionKeys> Keys>
+void walk_fields(Walk& walk, Keys& keys) {
+    walk.key({.key = "preset",
+              .type = "word",
+              .fallback = "none",
+              .meaning = "published distribution, instead of the other keys"});
+    walk.key({.key = "distribution",
+              .type = "word:uniform|normal|lognormal|triangular|csv",
+              .fallback = "required without a preset",
+              .meaning = "its shape"});
+    const auto number = [&](const char* key, const char* fallback, const char* meaning) {
+        walk.key({.key = key, .type = "number", .fallback = fallback, .meaning = meaning});
+    };
+    number("min", "none", "lower end; of other shapes than uniform and triangular: truncation");
+    number("max", "none", "upper end; of other shapes than uniform and triangular: truncation");
+    number("mode", "required", "of triangular: most likely value");
+    number("mean", "required", "of normal");
+    number("sd", "required", "of normal: standard deviation");
+    number("median", "required", "of lognormal");
+    number("geometric_sd", "required", "of lognormal: geometric standard deviation");
+    walk.key({.key = "file", .type = "file", .fallback = "required", .meaning = "of csv: values"});
+    walk.key({.key = "column",
+              .type = "word",
+              .fallback = "required",
+              .meaning = "of csv: column of the file"});
+    walk.key({.key = "of",
+              .type = "word:youngs_modulus_kPa|shear_modulus_kPa",
+              .fallback = "the key itself",
+              .meaning = "modulus that has this distribution, from which c_s follows"});
+    walk(keys.density_kg_m3, {.key = "density_kg_m3",
+                              .range = Range::between(100.0, 10000.0),
+                              .meaning = "with `of`: density"});
 }
 
 /// [table].

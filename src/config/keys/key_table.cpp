@@ -162,13 +162,14 @@ private:
         return words_or_range(field);
     }
     static std::string words_or_range(const Field& field) {
-        if (field.type == std::string_view("name"))
-            return fmt::format("1 to {} characters", longest_file_name);
+        const std::string_view type = field.type;
+        if (type == "name") return fmt::format("1 to {} characters", longest_file_name);
+        if (type == "ends and count") return "a count " + field.range.words();
         std::string range = key_range(field.key, field.range).words();
         if (range == Range{}.words()) range.clear();
         const auto words = words_of(field);
         if (words.empty()) return range;
-        if (!std::string_view(field.type).starts_with("point")) return list_of(words);
+        if (!type.starts_with("point")) return list_of(words);
         return fmt::format("{}, or `[x, y]` {}", list_of(words), range);
     }
     static std::string list_of(const auto& names) {
@@ -242,7 +243,7 @@ std::string key_reference() {
         "`shearwake keys` prints this reference. Values and defaults are in the unit of the key;\n"
         "[job-file.md](job-file.md) has examples and explanations. Besides these options, "
         "`[sweep]` and\n"
-        "`[uncertain]` contain keys in full.\n";
+        "`[uncertain]` contain keys in full, which `KEY` stands for.\n";
     KeyTable table;
     const auto add = [&]<class Keys>(const char* name, Keys keys) {
         table.section(name);
@@ -255,7 +256,9 @@ std::string key_reference() {
     const OptimiseOptions optimise;
     walk_fields(table, optimise);
     add("sweep", SweepTableKeys{});
+    add("sweep.KEY", AxisKeys{});
     add("uncertain", UncertainTableKeys{});
+    add("uncertain.KEY", DistributionKeys{});
     add("table", TableKeys{});
     return preface + table.markdown();
 }

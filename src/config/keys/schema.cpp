@@ -240,6 +240,22 @@ Json& add_table(Json& root, const char* name) {
     return table;
 }
 
+/// The value of a full key in [sweep] or [uncertain]: a table with one of the keys `marks`, or a
+/// table of keys that continue this one; the latter are described by the same entry of $defs.
+template <class Keys>
+Json value_of_key(const std::string& entry, const std::vector<std::string>& marks) {
+    Json described = object();
+    SchemaWalk walk(described);
+    const Keys keys;
+    walk_fields(walk, keys);
+    Json when = {{"type", "object"}, {"anyOf", Json::array()}};
+    for (const std::string& mark : marks)
+        when["anyOf"].push_back({{"required", Json::array({mark})}});
+    return {{"if", std::move(when)},
+            {"then", std::move(described)},
+            {"else", {{"additionalProperties", {{"$ref", "#/$defs/" + entry}}}}}};
+}
+
 /// The tables of a job in addition to those of a case.
 void add_job_tables(Json& root) {
     root["properties"]["schema"] = {{"const", 1},
@@ -253,12 +269,12 @@ void add_job_tables(Json& root) {
     sweep["propertyNames"] = {
         {"pattern", fmt::format("^({}({})([.\\[].*)?)$", options, fmt::join(case_tables(), "|"))}};
     sweep.erase("unevaluatedProperties");
-    sweep["additionalProperties"] = {{"type", {"array", "object"}}};
+    sweep["additionalProperties"] = {{"$ref", "#/$defs/axis"}};
     sweep["description"] = "keys in full, each with a list of values or one of linspace, logspace, "
                            "range, refine and find";
     Json& uncertain = add_table<UncertainTableKeys>(root, "uncertain");
     uncertain.erase("unevaluatedProperties");
-    uncertain["additionalProperties"] = {{"type", "object"}};
+    uncertain["additionalProperties"] = {{"$ref", "#/$defs/distribution"}};
     uncertain["description"] = "uncertain keys in full, each with its distribution";
 }
 
@@ -306,7 +322,14 @@ std::string job_schema() {
     schema["if"] = {{"anyOf", {{{"required", {"sweep"}}}, {{"required", {"uncertain"}}}}}};
     schema["then"] = Json::object();
     schema["else"] = {{"$ref", "#/$defs/complete"}};
-    schema["$defs"] = {{"path", std::move(path)}, {"complete", std::move(rules)}};
+    Json axis = value_of_key<AxisKeys>("axis", {"linspace", "logspace", "range", "refine", "find"});
+    axis["type"] = {"array", "object"};
+    Json distribution = value_of_key<DistributionKeys>("distribution", {"distribution", "preset"});
+    distribution["type"] = "object";
+    schema["$defs"] = {{"path", std::move(path)},
+                       {"axis", std::move(axis)},
+                       {"distribution", std::move(distribution)},
+                       {"complete", std::move(rules)}};
     return schema.dump(2) + "\n";
 }
 

@@ -55,6 +55,12 @@ Json named_type(const Field& field) {
     if (type == "boolean") return {{"type", "boolean"}};
     if (type == "point") return point;
     if (type == "point or triple") return list_of(number(field), 2, 3);
+    if (type == "triple") return list_of(number(field), 3, 3);
+    if (type == "ends and count")
+        return {{"type", "array"},
+                {"prefixItems", {number({}), number({}), number(field, true)}},
+                {"minItems", 3},
+                {"maxItems", 3}};
     if (type == "points") return list_of(point);
     if (type == "path") return {{"$ref", "#/$defs/path"}};
     return Json::object();

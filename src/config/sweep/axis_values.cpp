@@ -2,7 +2,9 @@
 #include "config/sweep/sweep_axes.hpp"
 
 #include "base/text.hpp"
+#include "config/document/job_keys.hpp"
 #include "config/document/reader.hpp"
+#include "config/sections/read_fields.hpp"
 
 #include <array>
 #include <cmath>
@@ -37,10 +39,6 @@ double rounded(double value) {
     return std::stod(fmt::format("{:.12g}", value));
 }
 
-bool is_count(double n) {
-    return n >= 2.0 && n <= static_cast<double>(most_cases) && n == std::floor(n);
-}
-
 /// The numbers of a generator, or the reason why it was rejected.
 struct Generated {
     std::vector<double> values;
@@ -48,10 +46,11 @@ struct Generated {
 };
 
 Generated spaced(double a, double b, double n, bool logarithmic) {
-    if (!is_count(n))
+    const Range counts = range_of<AxisKeys>("linspace");
+    if (!counts.contains(n) || n != std::floor(n))
         return {{},
-                fmt::format("requires a count from 2 to {} as its third number, which is {:.6g}",
-                            most_cases, n)};
+                fmt::format("requires a count from {} to {} as its third number, which is {:.6g}",
+                            counts.least, counts.most, n)};
     if (logarithmic && !(a > 0.0 && b > 0.0)) return {{}, "requires both ends to be above 0"};
     Generated out;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
@@ -129,7 +128,6 @@ std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
 
 namespace {
 
-constexpr double most_points = 10000.0;
 /// Tables have nine digits, so that points much closer than this share of the interval coincide.
 constexpr double least_share = 1e-6;
 /// The default of smallest_step as a share of the interval.
@@ -146,13 +144,6 @@ void read_ends(Reader& reader, const char* key, AdaptiveAxis& axis) {
     } else {
         reader.error(key, "must be two ascending numbers, [first, last]");
     }
-}
-
-std::size_t read_count(Reader& reader, const char* key, double fallback, double least) {
-    const double count = reader.number_or(key, fallback, Range::between(least, most_points));
-    if (count != std::floor(count))
-        reader.error(key, fmt::format("must be a whole number, but is {}", count));
-    return static_cast<std::size_t>(count);
 }
 
 void read_goal(Reader& reader, AdaptiveAxis& axis) {
@@ -172,14 +163,16 @@ void read_goal(Reader& reader, AdaptiveAxis& axis) {
 
 void read_resolution(Reader& reader, AdaptiveAxis& axis) {
     const double length = axis.last - axis.first;
-    axis.tolerance = reader.number("tolerance", Range::above(0.0));
-    if (axis.goal == AdaptiveAxis::Goal::refine)
+    const bool refines = axis.goal == AdaptiveAxis::Goal::refine;
+    axis.tolerance = reader.number("tolerance", range_of<AxisKeys>("tolerance"));
+    if (refines)
         axis.smallest_step = reader.number_or("smallest_step", default_share * length,
-                                              Range::at_least(least_share * length));
-    else if (axis.tolerance < least_share * length)
-        reader.error("tolerance",
+                                              range_of<AxisKeys>("smallest_step"));
+    const double step = refines ? axis.smallest_step : axis.tolerance;
+    if (step < least_share * length)
+        reader.error(refines ? "smallest_step" : "tolerance",
                      fmt::format("must be at least {:g}, a millionth of the interval, but is {:g}",
-                                 least_share * length, axis.tolerance));
+                                 least_share * length, step));
 }
 
 } // namespace
@@ -197,8 +190,10 @@ std::optional<AdaptiveAxis> read_adaptive_axis(const std::string& key, const Nod
     read_goal(reader, axis);
     axis.column = reader.word("column");
     read_resolution(reader, axis);
-    axis.initial = read_count(reader, "initial", 9.0, 3.0);
-    axis.most = read_count(reader, "most", 200.0, 3.0);
+    AxisKeys points;
+    read_fields(reader, points);
+    axis.initial = points.initial;
+    axis.most = points.most;
     reader.finish();
     if (diagnostics.errors() != before) return std::nullopt;
     return axis;

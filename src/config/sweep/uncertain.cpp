@@ -217,7 +217,7 @@ constexpr double shear_modulus_factor(double density_kg_m3) {
 constexpr double youngs_modulus_factor(double density_kg_m3) {
     return 1000.0 / (3.0 * density_kg_m3);
 }
-constexpr double tissue_kg_m3 = 1000.0;
+constexpr double tissue_kg_m3 = DistributionKeys{}.density_kg_m3;
 
 struct DistributionPreset {
     const char* name;
@@ -335,8 +335,8 @@ std::optional<Distribution> read_shape(Reader& reader, const FileLoaders& files)
 /// `of`: the numbers are moduli, from which the shear-wave speed follows.
 void read_modulus(Reader& reader, const std::string& key, Distribution& d) {
     const auto modulus = reader.find_choice("of", moduli);
-    const double density =
-        reader.number_or("density_kg_m3", tissue_kg_m3, Range::between(100.0, 10000.0));
+    const double density = reader.number_or("density_kg_m3", tissue_kg_m3,
+                                            range_of<DistributionKeys>("density_kg_m3"));
     if (!modulus) return;
     if (!key.ends_with("c_s_m_s"))
         reader.error("of", fmt::format("is only possible for keys that end in c_s_m_s, not for {}",
