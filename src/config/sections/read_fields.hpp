@@ -6,7 +6,6 @@
 #include "config/document/reader.hpp"
 #include "problem/case/case.hpp"
 
-#include <map>
 #include <string>
 
 namespace shearwake::config {
@@ -25,8 +24,7 @@ public:
     struct Table {
         const char* prefix = ""; // prefix of its keys, such as "am_" for the wave of AM
         bool has_preset = false; // keys that a preset supplies are optional
-        std::map<std::string, Range> ranges = {}; // replacements of the described ranges
-        std::vector<std::string> without = {};    // keys that do not exist in this table
+        std::vector<std::string> without = {}; // keys that do not exist in this table
     };
     FieldReader(Reader& reader, const Table& table) : reader_(reader), table_(table) {}
 
@@ -42,8 +40,7 @@ public:
             return;
         }
         if (is_required(field) && !reader_.has(key)) reader_.missing(key);
-        const auto range = table_.ranges.find(field.key);
-        read(value, key, range == table_.ranges.end() ? field.range : range->second, field);
+        read(value, key, field.range, field);
     }
     template <class T>
     void choice(T&, const Field&, const auto&...) {}
