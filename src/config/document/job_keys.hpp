@@ -314,26 +314,30 @@ void walk_fields(Walk& walk, Keys&) {
 }
 
 /// The options of [uncertain]; its other keys are uncertain keys with their distributions.
-struct UncertainTableKeys {};
+struct UncertainTableKeys {
+    std::size_t samples = 2;
+    sampling::Sampling sampling = sampling::Sampling::sobol;
+    std::uint64_t seed = 1;
+    sampling::Analysis analysis = sampling::Analysis::distribution;
+    std::vector<CorrelationKeys> correlation = {};
+};
 template <class Walk, Is<UncertainTableKeys> Keys>
-void walk_fields(Walk& walk, Keys&) {
-    walk.key({.key = "samples",
-              .range = Range::between(2.0, 1e12),
-              .given = Given::required,
-              .type = "integer",
-              .meaning = "size of the sample. A larger sample contains all cases of a smaller one, "
-                         "so a run in the same output folder extends it"});
-    walk(sampling::Sampling::sobol,
+void walk_fields(Walk& walk, Keys& keys) {
+    walk(keys.samples,
+         {.key = "samples",
+          .range = Range::between(2.0, 1e12),
+          .given = Given::required,
+          .meaning = "size of the sample. A larger sample contains all cases of a smaller one, "
+                     "so a run in the same output folder extends it"});
+    walk(keys.sampling,
          {.key = "sampling",
           .meaning = "`\"sobol\"`: Sobol sequence with a random shift; `\"latin-hypercube\"`: "
                      "nested, exact "
                      "at powers of two; `\"random\"`: independent numbers"});
-    walk.key({.key = "seed",
-              .range = Range::between(0.0, 9007199254740992.0),
-              .type = "integer",
-              .fallback = "1",
-              .meaning = "seed of the random numbers; at most 2^53, exact as a number"});
-    walk(sampling::Analysis::distribution,
+    walk(keys.seed, {.key = "seed",
+                     .range = Range::between(0.0, 9007199254740992.0),
+                     .meaning = "seed of the random numbers; at most 2^53, exact as a number"});
+    walk(keys.analysis,
          {.key = "analysis",
           .meaning =
               "`\"distribution\"`: one case per sample; `\"sobol-indices\"`: keys + 2 (Saltelli's "
@@ -343,7 +347,7 @@ void walk_fields(Walk& walk, Keys&) {
               .fallback = "none",
               .meaning = "columns with a threshold, whose probability of being exceeded `reduce` "
                          "estimates"});
-    walk.each("uncertain.correlation", std::vector<CorrelationKeys>{}, {});
+    walk.each("uncertain.correlation", keys.correlation, {});
 }
 
 } // namespace shearwake::config

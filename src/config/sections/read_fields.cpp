@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_fields.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -8,6 +9,26 @@ namespace shearwake::config {
 
 std::string in_milli(double x_SI) {
     return fmt::format("{:.6g}", 1e3 * x_SI);
+}
+
+std::optional<double> find_integer(Reader& reader, std::string_view key, const Range& range) {
+    const auto number = reader.find_number(key, range);
+    if (!number) return std::nullopt;
+    const double below = std::floor(*number);
+    if (below != *number)
+        reader.error(key, fmt::format("must be a whole number, but is {:.6g}", *number));
+    return below;
+}
+
+std::optional<std::array<int, 2>> find_integer_pair(Reader& reader, std::string_view key,
+                                                    const Range& range, std::string_view meaning) {
+    const auto numbers = reader.find_numbers(key, range);
+    if (!numbers) return std::nullopt;
+    const auto is_whole = [](double number) { return number == std::floor(number); };
+    if (numbers->size() == 2 && std::ranges::all_of(*numbers, is_whole))
+        return std::array{static_cast<int>((*numbers)[0]), static_cast<int>((*numbers)[1])};
+    reader.error(key, fmt::format("must be two whole numbers{}", meaning));
+    return std::nullopt;
 }
 
 Vec3 read_triple(Reader& reader, std::string_view key, const Range& range) {
@@ -42,12 +63,6 @@ void FieldReader::read(Vec2& value, const std::string& key, const Range& range,
         value = reader_.has(key) ? reader_.point(key, range) : Vec2{1.0, 1.0};
     else
         value = reader_.point_or(key, value);
-}
-
-double FieldReader::integer(const std::string& key, double fallback, const Range& range) {
-    const double number = reader_.number_or(key, fallback, range);
-    if (number != std::floor(number)) reader_.error(key, "must be a whole number");
-    return std::floor(number);
 }
 
 } // namespace shearwake::config

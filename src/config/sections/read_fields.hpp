@@ -6,6 +6,7 @@
 #include "config/document/reader.hpp"
 #include "problem/case/case.hpp"
 
+#include <array>
 #include <string>
 
 namespace shearwake::config {
@@ -15,6 +16,13 @@ std::string in_milli(double x_SI);
 
 /// Reads [x, y, z]; a valid substitute after an error.
 Vec3 read_triple(Reader& reader, std::string_view key, const Range& range);
+
+/// A whole number, or nothing; after an error, the next smaller one.
+std::optional<double> find_integer(Reader& reader, std::string_view key, const Range& range);
+
+/// Two whole numbers; after an error, nothing. `meaning`: how the message continues.
+std::optional<std::array<int, 2>> find_integer_pair(Reader& reader, std::string_view key,
+                                                    const Range& range, std::string_view meaning);
 
 /// A walk that reads the keys of one table into the fields of a struct, which initially contain the
 /// defaults. Callers read choices, lists of tables and fields that are `by_hand`.
@@ -62,7 +70,8 @@ private:
               const Field& field);
     template <std::integral Integer>
     void read(Integer& value, const std::string& key, const Range& range, const Field&) {
-        value = static_cast<Integer>(integer(key, static_cast<double>(value), range));
+        if (const auto found = find_integer(reader_, key, range))
+            value = static_cast<Integer>(*found);
     }
     void read(bool& value, const std::string& key, const Range&, const Field&) {
         value = reader_.find_flag(key).value_or(value);
@@ -97,8 +106,6 @@ private:
     void read(std::vector<T>&, const std::string&, const Range&, const Field&) {}
     template <class T>
     void read(std::shared_ptr<const T>&, const std::string&, const Range&, const Field&) {}
-
-    double integer(const std::string& key, double fallback, const Range& range);
 
     Reader& reader_;
     const Table& table_;

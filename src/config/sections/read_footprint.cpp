@@ -188,16 +188,11 @@ const std::vector<std::string>& array_preset_names() {
 
 void read_elements(Reader& reader, ArrayFootprint& array, bool has_preset) {
     if (!has_preset && !reader.has("elements")) reader.missing("elements");
-    const auto counts = reader.find_numbers("elements", range_of<ArrayFootprint>("elements"));
+    const auto counts = find_integer_pair(reader, "elements", range_of<ArrayFootprint>("elements"),
+                                          ", the number of elements along x and along y");
     if (!counts) return;
-    if (counts->size() != 2 || counts->front() != std::floor(counts->front()) ||
-        counts->back() != std::floor(counts->back())) {
-        reader.error("elements",
-                     "must be two whole numbers, the number of elements along x and along y");
-        return;
-    }
-    array.columns = static_cast<std::ptrdiff_t>(counts->front());
-    array.rows = static_cast<std::ptrdiff_t>(counts->back());
+    array.columns = counts->front();
+    array.rows = counts->back();
     array.missing.clear();
 }
 

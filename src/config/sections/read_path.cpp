@@ -90,7 +90,10 @@ Curve read_polygon(Context& c) {
         return checked_polyline(c, "corners_mm", std::move(*points_m), Ends::closed);
     }
     const Vec2 center_m = c.reader.point_or("center_mm", {});
-    const int sides = read_count(c.reader, "sides", range_of<PolygonKeys>("sides"));
+    const Range counts = range_of<PolygonKeys>("sides");
+    if (!c.reader.has("sides")) c.reader.missing("sides");
+    const int sides =
+        static_cast<int>(find_integer(c.reader, "sides", counts).value_or(counts.least));
     const auto radius_m = c.reader.find_number("radius_mm", range_of<PolygonKeys>("radius_mm"));
     const auto side_m = c.reader.find_number("side_mm", range_of<PolygonKeys>("side_mm"));
     if (c.reader.has("radius_mm") && c.reader.has("side_mm"))
@@ -106,17 +109,12 @@ Curve read_lissajous(Context& c) {
     Lissajous curve = Example<Lissajous>::make();
     read_fields(c.reader, curve);
     LissajousShape shape = curve.shape();
-    const auto counts = c.reader.find_numbers("frequencies", range_of<Lissajous>("frequencies"));
     if (!c.reader.has("frequencies")) c.reader.missing("frequencies");
+    const auto counts = find_integer_pair(
+        c.reader, "frequencies", range_of<Lissajous>("frequencies"), " [along x, along y]");
     if (!counts) return {};
-    const bool is_pair = counts->size() == 2 && counts->front() == std::floor(counts->front()) &&
-                         counts->back() == std::floor(counts->back());
-    if (!is_pair) {
-        c.reader.error("frequencies", "must be two whole numbers [along x, along y]");
-        return {};
-    }
-    shape.p = static_cast<int>(counts->front());
-    shape.q = static_cast<int>(counts->back());
+    shape.p = counts->front();
+    shape.q = counts->back();
     if (const int common = std::gcd(shape.p, shape.q); common > 1) {
         c.reader.error("frequencies",
                        fmt::format("have the common factor {}, so the figure would be drawn {} "
@@ -189,13 +187,6 @@ static_assert([]<class... S>(std::type_identity<std::variant<S...>>) {
 }(std::type_identity<decltype(Curve::shape)>{}));
 
 } // namespace
-
-int read_count(Reader& reader, std::string_view key, const Range& range) {
-    const double count = reader.number(key, range);
-    if (count != std::floor(count))
-        reader.error(key, fmt::format("must be a whole number, but is {:.6g}", count));
-    return static_cast<int>(std::max(count, range.least));
-}
 
 PathAndEnd read_path(Reader reader, const PathContext& context, LeastLength least) {
     constexpr auto names_of_ends = names_of(std::type_identity<AtEnd>{});

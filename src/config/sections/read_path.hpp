@@ -35,7 +35,4 @@ enum class SpeedKind { constant, oscillating, either };
 /// sm_frequency_Hz, sm_phase_deg of a table.
 Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed);
 
-/// A whole number; after an error, the smallest allowed one.
-int read_count(Reader& reader, std::string_view key, const Range& range);
-
 } // namespace shearwake::config

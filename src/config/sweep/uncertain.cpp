@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/files/csv_files.hpp"
+#include "config/sections/read_fields.hpp"
 #include "config/sweep/sweep_axes.hpp"
 #include "sampling/design.hpp"
 
@@ -21,12 +22,6 @@ constexpr std::size_t most_uncertain_keys = 30;
 
 bool is_option(const std::string& key) {
     return key == "correlation" || is_described<UncertainTableKeys>(key);
-}
-
-double read_integer(Reader& reader, std::string_view key, double value) {
-    if (value == std::floor(value)) return value;
-    reader.error(key, fmt::format("must be a whole number, but is {}", value));
-    return 2.0;
 }
 
 /// The keys with their distributions.
@@ -133,17 +128,12 @@ void fill(UncertainKeys& keys, const sampling::Points& points) {
 }
 
 void read_options(Reader& reader, UncertainPlan& plan) {
-    plan.samples = static_cast<std::size_t>(read_integer(
-        reader, "samples", reader.number("samples", range_of<UncertainTableKeys>("samples"))));
-    const auto word = [&]<class E>(std::string_view key, E fallback) {
-        const auto names = names_of(std::type_identity<E>{});
-        return reader.choice_or(key, name_in_text(fallback),
-                                std::vector<std::string>(names.begin(), names.end()));
-    };
-    plan.sampling = word("sampling", sampling::Sampling::sobol);
-    plan.analysis = word("analysis", sampling::Analysis::distribution);
-    plan.seed = static_cast<std::uint64_t>(read_integer(
-        reader, "seed", reader.number_or("seed", 1.0, range_of<UncertainTableKeys>("seed"))));
+    UncertainTableKeys keys;
+    read_fields(reader, keys);
+    plan.samples = keys.samples;
+    plan.sampling = name_in_text(keys.sampling);
+    plan.analysis = name_in_text(keys.analysis);
+    plan.seed = keys.seed;
     plan.exceedance = read_thresholds(reader);
 }
 

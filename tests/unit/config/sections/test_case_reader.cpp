@@ -94,7 +94,7 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
          "job.toml:28:10: error: solver.engine must be one of \"layered\", \"spectral\" or "
          "\"pstd\", but is \"fem\""},
         {"[solver]\nengine = \"spectral\"\n[solver.spectral]\ndegree = 8.5",
-         "job.toml:30:10: error: solver.spectral.degree must be a whole number"},
+         "job.toml:30:10: error: solver.spectral.degree must be a whole number, but is 8.5"},
         {"[solver.layered]\nwindow_factor = 1",
          "job.toml:28:17: error: solver.layered.window_factor must be between 1.25 and 16, but is "
          "1"},
