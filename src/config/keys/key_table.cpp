@@ -6,6 +6,7 @@
 #include "config/document/job_keys.hpp"
 #include "config/document/key_range.hpp"
 #include "config/document/presets.hpp"
+#include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
@@ -13,7 +14,6 @@
 #include <deque>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::config {
 namespace {
@@ -269,8 +269,7 @@ constexpr std::size_t most_suggestions = 3;
 constexpr std::size_t longest_ending = 60;
 
 /// Adds the keys that a table of the schema describes.
-void add_keys(const nlohmann::ordered_json& table, const std::string& prefix,
-              std::vector<std::string>& keys) {
+void add_keys(const Json& table, const std::string& prefix, std::vector<std::string>& keys) {
     if (!table.is_object()) return;
     const auto properties = table.find("properties");
     if (properties == table.end()) return;
@@ -298,7 +297,7 @@ std::vector<std::string> keys_that_end_in(const std::string& ending,
 /// The keys of a job in full, such as "load.peak_Pa" and "medium.layer[1].c_s_m_s".
 std::vector<std::string> key_names() {
     std::vector<std::string> keys;
-    add_keys(nlohmann::ordered_json::parse(job_schema()), "", keys);
+    add_keys(schema_of_jobs(), "", keys);
     return keys;
 }
 

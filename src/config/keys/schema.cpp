@@ -280,7 +280,7 @@ void add_job_tables(Json& root) {
 
 } // namespace
 
-std::string job_schema() {
+Json schema_of_jobs() {
     Json root = object();
     root["required"] = {"schema", "job"};
     root[required_keys] = {"medium", "load", "domain", "time"};
@@ -330,7 +330,11 @@ std::string job_schema() {
                        {"axis", std::move(axis)},
                        {"distribution", std::move(distribution)},
                        {"complete", std::move(rules)}};
-    return schema.dump(2) + "\n";
+    return schema;
+}
+
+std::string job_schema() {
+    return schema_of_jobs().dump(2) + "\n";
 }
 
 } // namespace shearwake::config

@@ -15,9 +15,12 @@
 
 namespace shearwake::config {
 
-// The JSON Schema of the value of one key.
+// The JSON Schema of jobs, and that of the value of one key.
 
 using Json = nlohmann::ordered_json;
+
+/// The document of job_schema().
+Json schema_of_jobs();
 
 /// A number with the bounds of the key.
 Json number(const Field& field, bool integer = false);
