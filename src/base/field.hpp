@@ -84,9 +84,10 @@ struct Field {
     std::size_t most_in_text = static_cast<std::size_t>(-1); // a longer list is hashed
     bool own_tables = false; // of a choice: each alternative has a table with its name
     /// In job files, where it differs from the type of the field or there is none: "number",
-    /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "name" (of a folder),
-    /// "words", "pair of words", "point", "points", "point or word:a|b", "point or triple", "path",
-    /// "table", "tables", "table of numbers".
+    /// "integer", "boolean", "word", "word:a|b" (one of these; the first is the default of an
+    /// optional key), "file", "name" (of a folder), "words", "pair of words", "point", "points",
+    /// "point or word:a|b", "point or triple", "triple", "ends and count", "path", "table",
+    /// "tables", "table of numbers".
     const char* type = "";
     const char* fallback = ""; // in the reference, when the default is not the struct's own value
     const char* meaning = "";  // in the reference
@@ -132,49 +133,54 @@ constexpr const char* name_in_jobs() {
         return alternative_name<T>();
 }
 
-/// The walk of range_of().
-class RangeWalk {
+/// The walk of field_of().
+class FieldWalk {
 public:
-    explicit RangeWalk(std::string_view key) : key_(key) {}
+    explicit FieldWalk(std::string_view key) : key_(key) {}
     template <class T>
     void operator()(const T&, const Field& field) {
         key(field);
     }
     void key(const Field& field) {
-        if (key_ == field.key) found_ = field.range;
+        if (key_ == field.key) found_ = field;
     }
     template <class T>
-    void choice(const T&, const Field&, const auto&...) {}
+    void choice(const T&, const Field& field, const auto&...) {
+        key(field);
+    }
     template <class T>
     void each(const char*, const T&, const Field&) {}
     template <class T>
     void maybe(const char*, const T&) {}
     void section(const char*) {}
-    std::optional<Range> found() const { return found_; }
+    const std::optional<Field>& found() const { return found_; }
 
 private:
     std::string_view key_;
-    std::optional<Range> found_;
+    std::optional<Field> found_;
 };
 
-/// Whether `Struct` has a key of its own with this name.
+/// The description of a key of `Struct` itself, if there is one.
 template <class Struct>
-bool is_described(std::string_view key) {
-    RangeWalk walk(key);
+std::optional<Field> described_field(std::string_view key) {
+    FieldWalk walk(key);
     const Struct example = Example<Struct>::make();
     walk_fields(walk, example);
-    return walk.found().has_value();
+    return walk.found();
 }
 
-/// The range in the description of a key of `Struct`, for a reader that interprets the key itself.
-/// Throws std::logic_error if the key is not described.
+/// The description of a key, for a reader that interprets the key itself. Throws std::logic_error
+/// if the key is not described.
+template <class Struct>
+Field field_of(std::string_view key) {
+    const auto found = described_field<Struct>(key);
+    if (!found) throw std::logic_error("no description of " + std::string(key));
+    return *found;
+}
+
 template <class Struct>
 Range range_of(std::string_view key) {
-    RangeWalk walk(key);
-    const Struct example = Example<Struct>::make();
-    walk_fields(walk, example);
-    if (!walk.found()) throw std::logic_error("no description of " + std::string(key));
-    return *walk.found();
+    return field_of<Struct>(key).range;
 }
 
 /// Calls `use` with an example of each alternative in turn.

@@ -104,4 +104,16 @@ KeyRange key_range(std::string_view key, const Range& declared) {
     return allowed;
 }
 
+std::vector<std::string> words_of(const Field& field) {
+    const std::string type = field.type;
+    const std::size_t list = type.find("word:");
+    if (list == std::string::npos) return {};
+    std::vector<std::string> words;
+    for (std::size_t at = list + 5, end = 0; end != std::string::npos; at = end + 1) {
+        end = type.find('|', at);
+        words.push_back(type.substr(at, end == std::string::npos ? end : end - at));
+    }
+    return words;
+}
+
 } // namespace shearwake::config

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace shearwake::config {
 
@@ -22,5 +23,9 @@ struct KeyRange {
 
 /// The quantity is that of the unit suffix of the key; wave speeds are recognised by their names.
 KeyRange key_range(std::string_view key, const Range& declared);
+
+/// The allowed words of a field whose type is "word:a|b" or "point or word:a|b"; none for other
+/// types. The first one is the default of an optional key.
+std::vector<std::string> words_of(const Field& field);
 
 } // namespace shearwake::config

@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/field.hpp"
-
 #include <string>
-#include <vector>
 
 namespace shearwake::config {
-
-/// The allowed words of a field whose type is "word:a|b" or "point or word:a|b"; none for other
-/// types.
-inline std::vector<std::string> words_of(const Field& field) {
-    const std::string type = field.type;
-    const std::size_t list = type.find("word:");
-    if (list == std::string::npos) return {};
-    std::vector<std::string> words;
-    for (std::size_t at = list + 5, end = 0; end != std::string::npos; at = end + 1) {
-        end = type.find('|', at);
-        words.push_back(type.substr(at, end == std::string::npos ? end : end - at));
-    }
-    return words;
-}
 
 /// The Markdown reference of all keys of a case, with one table per table of the job. It is
 /// generated from the descriptions next to the structs (base/field.hpp). The site shows it.

@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
+#include "config/document/key_range.hpp"
 #include "config/document/presets.hpp"
 #include "config/document/tree.hpp"
 #include "config/keys/schema_types.hpp"

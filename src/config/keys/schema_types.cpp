@@ -3,7 +3,6 @@
 
 #include "base/text.hpp"
 #include "config/document/key_range.hpp"
-#include "config/keys/key_table.hpp"
 
 #include <cmath>
 

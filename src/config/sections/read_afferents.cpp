@@ -48,8 +48,7 @@ AfferentPlaces read_grid(Reader& reader) {
 }
 
 AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
-    static const std::array<std::string, 5> all = {"palm", "fingertip", "hand", "grid", "csv"};
-    const std::string where = reader.choice_or("where", "palm", all);
+    const std::string where = read_optional_word(reader, field_of<AfferentOptions>("where"));
     require(reader, "extent_mm", where == "grid", "where = \"grid\"");
     require(reader, "pitch_mm", where == "grid", "where = \"grid\"");
     require(reader, "file", where == "csv", "where = \"csv\"");

@@ -161,8 +161,7 @@ TimeAxis read_time(Reader& reader, const Load* load) {
     const Sound sound(reader.diagnostics());
     TimeAxis time;
     const auto duration_s = reader.find_number("duration_ms", range_of<TimeAxis>("duration_ms"));
-    const double longest_s =
-        reader.number_or("longest_period_ms", 1.0, range_of<TimeAxis>("longest_period_ms"));
+    const double longest_s = read_optional_number(reader, field_of<TimeAxis>("longest_period_ms"));
     read_fields(reader, time);
     const bool repeats = time.regime == Regime::periodic;
     if (!repeats && !reader.has("duration_ms")) reader.missing("duration_ms");

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_fields.hpp"
 
+#include "base/units.hpp"
+#include "config/document/key_range.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -9,6 +12,17 @@ namespace shearwake::config {
 
 std::string in_milli(double x_SI) {
     return fmt::format("{:.6g}", 1e3 * x_SI);
+}
+
+double read_optional_number(Reader& reader, const Field& field) {
+    const auto unit = unit_of(field.key);
+    const double fallback = std::stod(field.fallback) * (unit ? unit->to_SI : 1.0);
+    return reader.number_or(field.key, fallback, field.range);
+}
+
+std::string read_optional_word(Reader& reader, const Field& field) {
+    const std::vector<std::string> words = words_of(field);
+    return reader.choice_or(field.key, words.front(), words);
 }
 
 std::optional<double> find_integer(Reader& reader, std::string_view key, const Range& range) {

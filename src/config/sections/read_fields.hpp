@@ -17,6 +17,11 @@ std::string in_milli(double x_SI);
 /// Reads [x, y, z]; a valid substitute after an error.
 Vec3 read_triple(Reader& reader, std::string_view key, const Range& range);
 
+/// An optional key with the default that its description states: its fallback in the unit of the
+/// key, or the first of its words.
+double read_optional_number(Reader& reader, const Field& field);
+std::string read_optional_word(Reader& reader, const Field& field);
+
 /// A whole number, or nothing; after an error, the next smaller one.
 std::optional<double> find_integer(Reader& reader, std::string_view key, const Range& range);
 

@@ -62,12 +62,11 @@ Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Tab
 
 /// The keys am_... of a modulation: a sine or a square wave.
 Gain read_am_gain(Reader& reader) {
-    static const std::array<std::string, 2> waves = {"sine", "square"};
-    const bool square = reader.choice_or("am_wave", "sine", waves) == "square";
-    if (square) return read_shape(reader, "square", {.prefix = "am_"});
+    const std::string wave = read_optional_word(reader, field_of<Modulation>("am_wave"));
+    if (wave == SquareGain::name) return read_shape(reader, wave, {.prefix = "am_"});
     for (const char* key : {"am_duty", "am_edge_us"})
         if (reader.has(key)) reader.error(key, "applies only with am_wave = \"square\"");
-    return read_shape(reader, "sine", {.prefix = "am_"});
+    return read_shape(reader, wave, {.prefix = "am_"});
 }
 
 /// One table of [[load.modulation.envelope]].
@@ -134,8 +133,7 @@ bool contains_word(std::string_view words, std::string_view word) {
 
 /// A short line through the centre, traversed back and forth.
 Swing read_lateral(Reader& reader) {
-    const double angle =
-        reader.number_or("lm_angle_deg", 0.0, range_of<Modulation>("lm_angle_deg"));
+    const double angle = read_optional_number(reader, field_of<Modulation>("lm_angle_deg"));
     const double amplitude_m =
         reader.number("lm_amplitude_mm", range_of<Modulation>("lm_amplitude_mm"));
     Swing swing{.amplitude_m = {amplitude_m * std::cos(angle), amplitude_m * std::sin(angle)}};

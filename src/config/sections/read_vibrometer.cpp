@@ -141,11 +141,9 @@ std::optional<VibrometerOptions> read_vibrometer(Reader& reader, const Case& c,
         reader.error("points_mm", "must contain at least one point");
     read_fields(reader, options);
     options.noise_m_s_rtHz =
-        micro *
-        reader.number_or("noise_um_s_rtHz", 0.0, range_of<VibrometerOptions>("noise_um_s_rtHz"));
+        micro * read_optional_number(reader, field_of<VibrometerOptions>("noise_um_s_rtHz"));
     options.missing_share =
-        percent *
-        reader.number_or("missing_percent", 0.0, range_of<VibrometerOptions>("missing_percent"));
+        percent * read_optional_number(reader, field_of<VibrometerOptions>("missing_percent"));
     reader.finish();
     check_points(reader, options, c.domain);
     if (c.measure.depths_m.empty() || c.measure.depths_m.front() != 0.0)

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t most_uncertain_keys = 30;
 
 bool is_option(const std::string& key) {
-    return key == "correlation" || is_described<UncertainTableKeys>(key);
+    return key == "correlation" || described_field<UncertainTableKeys>(key);
 }
 
 /// The keys with their distributions.
