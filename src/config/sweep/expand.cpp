@@ -51,14 +51,6 @@ Setting setting(const std::string& key, const Node& node) {
     return {key, render(node)};
 }
 
-std::string words(const std::vector<Setting>& settings) {
-    std::string out;
-    for (const Setting& s : settings)
-        out += fmt::format("{}{} = {}", out.empty() ? "" : ", ", s.key,
-                           std::visit([](const auto& v) { return fmt::format("{}", v); }, s.value));
-    return out;
-}
-
 class Expander {
 public:
     Expander(const Sweep& sweep, const NodePtr& reference, const FileLoaders& files,
@@ -210,7 +202,7 @@ private:
         std::erase_if(settings, [&](const Setting& s) {
             return is_idle_in_reference(s.key, word ? *word : "");
         });
-        const auto [known, is_new] = reference_ids_.try_emplace(words(settings), "");
+        const auto [known, is_new] = reference_ids_.try_emplace(settings_text(settings), "");
         if (!is_new) return known->second;
         const auto c = read_case(root, OtherKinds::ignored, files_, diagnostics_);
         if (!c) {
@@ -231,10 +223,10 @@ private:
         const auto [twin, is_new] = ordinary_.try_emplace(planned.id, cases_.size());
         if (is_new) return;
         if (twins_++ == 0)
-            twin_message_ =
-                fmt::format("sweep: two combinations of values describe the same case: {{ {} }} "
-                            "and {{ {} }}; exclude one of them",
-                            words(cases_[twin->second].settings), words(planned.settings));
+            twin_message_ = fmt::format(
+                "sweep: two combinations of values describe the same case: {{ {} }} "
+                "and {{ {} }}; exclude one of them",
+                settings_text(cases_[twin->second].settings), settings_text(planned.settings));
     }
 
     const Sweep& sweep_;

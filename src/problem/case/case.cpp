@@ -2,7 +2,10 @@
 #include "problem/case/case.hpp"
 
 #include "base/text.hpp"
+#include "problem/case/plan.hpp"
 #include "problem/case/text_walk.hpp"
+
+#include <fmt/format.h>
 
 namespace shearwake {
 bool wants_tangential(const Case& c) {
@@ -60,6 +63,14 @@ std::string unmistakable(std::string id) {
 
 std::string case_id(const Case& c) {
     return unmistakable(hex(stable_hash(canonical_text(c))));
+}
+
+std::string settings_text(const std::vector<Setting>& settings) {
+    std::string text;
+    for (const auto& [key, value] : settings)
+        text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key,
+                            std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
+    return text;
 }
 
 } // namespace shearwake

@@ -70,6 +70,9 @@ struct Setting {
     bool operator==(const Setting&) const = default;
 };
 
+/// "key = value, ...".
+std::string settings_text(const std::vector<Setting>& settings);
+
 /// A case with its place in the sweep.
 struct PlannedCase {
     std::string id; // case_id(physics)

@@ -51,15 +51,6 @@ std::string signed_number(double value) {
     return std::isnan(value) ? "" : fmt::format("{:+.2g}", value);
 }
 
-std::string words(const std::vector<Setting>& settings) {
-    std::string text;
-    for (const Setting& s : settings)
-        text +=
-            fmt::format("{}{} = {}", text.empty() ? "" : ", ", s.key,
-                        std::visit([](const auto& v) { return fmt::format("{}", v); }, s.value));
-    return text;
-}
-
 std::string order_words(const Refinement& r) {
     return r.order ? fmt::format("order {:g}", *r.order) : "no order: the change is the estimate";
 }
@@ -126,7 +117,7 @@ std::string markdown_text(const std::vector<CaseChange>& changes,
         text +=
             fmt::format("{}## {}{}{}{}{}\n\n", text.empty() ? "" : "\n", planned.id,
                         planned.is_reference ? ", reference" : "", c.is_valid ? "" : ", not valid",
-                        planned.settings.empty() ? "" : ": ", words(planned.settings));
+                        planned.settings.empty() ? "" : ": ", settings_text(planned.settings));
         for (const Refinement& r : c.studied->refinements)
             text += fmt::format("* {}: {} ({})\n", r.name, r.change, order_words(r));
         text += "\n| column | value |";
