@@ -27,6 +27,13 @@ constexpr double milli(double value) {
     return 1e3 * value;
 }
 
+constexpr double to_radians(double angle_deg) {
+    return angle_deg * std::numbers::pi / 180.0;
+}
+constexpr double to_degrees(double angle_rad) {
+    return 180.0 / std::numbers::pi * angle_rad;
+}
+
 /// The unit suffix at the end of `key`, if any; the longest one that matches. Ratios, such as
 /// "c_p_over_c_s", have none.
 std::optional<Unit> unit_of(std::string_view key);

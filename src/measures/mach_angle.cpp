@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/mach_angle.hpp"
 
+#include "base/units.hpp"
 #include "measures/surface_sums.hpp"
 
 #include <fmt/format.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -17,7 +17,6 @@
 namespace shearwake::measures {
 namespace {
 
-constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr std::size_t fewest_points = 8; // minimum number of points on one side
 constexpr double start_fwhm = 3.0;       // closer to the focus, its own shape dominates
 constexpr double end_fwhm = 3.0;     // end of the evaluated part: this distance from the transient,
@@ -179,10 +178,10 @@ Fronts fronts_of(const Surface& surface, Wake wake) {
             fronts.crooked = true;
             continue;
         }
-        fronts.angles_deg.push_back(std::atan(least_squares_slope(part.points)) * degrees);
+        fronts.angles_deg.push_back(to_degrees(std::atan(least_squares_slope(part.points))));
         const std::span<const FrontPoint> all(part.points);
         for (const auto half : {all.first(all.size() / 2), all.last(all.size() / 2)})
-            fronts.halves_deg.push_back(std::atan(least_squares_slope(half)) * degrees);
+            fronts.halves_deg.push_back(to_degrees(std::atan(least_squares_slope(half))));
         fronts.points += static_cast<int>(part.points.size());
     }
     return fronts;
@@ -192,7 +191,7 @@ Fronts fronts_of(const Surface& surface, Wake wake) {
 
 double mach_angle_theory_deg(double wave_speed_m_s, double speed_m_s) {
     if (!(speed_m_s > wave_speed_m_s)) return not_a_number;
-    return std::asin(wave_speed_m_s / speed_m_s) * degrees;
+    return to_degrees(std::asin(wave_speed_m_s / speed_m_s));
 }
 
 MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Vec2 velocity_m_s,

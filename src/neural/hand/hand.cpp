@@ -2,6 +2,7 @@
 #include "neural/hand/hand.hpp"
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <array>
@@ -56,7 +57,7 @@ constexpr std::array<Vec2, 15> heel_mm = {{{139.0, -45.5},
 
 /// The position on a finger at the given distances along its axis and to its left.
 Vec2 on(const Finger& finger, double along_mm, double left_mm) {
-    const double angle = finger.direction_deg * std::numbers::pi / 180.0;
+    const double angle = to_radians(finger.direction_deg);
     const Vec2 ahead = {std::cos(angle), std::sin(angle)}, left = {-ahead.y, ahead.x};
     return finger.base_mm + along_mm * ahead + left_mm * left;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/medium/body.hpp"
 
+#include "base/units.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace shearwake {
@@ -18,7 +19,7 @@ Vec2 direction(double angle_deg) {
     if (turn_deg == 0.0) return {1.0, 0.0};
     if (std::abs(turn_deg) == 90.0) return {0.0, std::copysign(1.0, turn_deg)};
     if (std::abs(turn_deg) == 180.0) return {-1.0, 0.0};
-    const double turn_rad = turn_deg * std::numbers::pi / 180.0;
+    const double turn_rad = to_radians(turn_deg);
     return {std::cos(turn_rad), std::sin(turn_rad)};
 }
 

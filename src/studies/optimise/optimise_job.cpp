@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "config/document/tree.hpp"
 #include "config/sweep/override.hpp"
 #include "schedule/run/job_source.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace shearwake::optimise {
 namespace {
@@ -138,7 +138,7 @@ void set_motion(JobTree& job, const Case& base, const MovedCase& moved) {
             set("speed_m_s", speed.mean_m_s);
             set("speed_deviation_m_s", speed.deviation_m_s);
             set("sm_frequency_Hz", speed.frequency_Hz);
-            set("sm_phase_deg", 180.0 / std::numbers::pi * speed.phase_rad);
+            set("sm_phase_deg", to_degrees(speed.phase_rad));
         };
         std::visit(
             overloaded{[&](const ConstantSpeed& constant) { set("speed_m_s", constant.speed_m_s); },

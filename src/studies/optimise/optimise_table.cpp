@@ -10,14 +10,9 @@
 #include "studies/tables.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 namespace shearwake::optimise {
 namespace {
-
-double degrees(double rad) {
-    return 180.0 / std::numbers::pi * rad;
-}
 
 Reading reading(const Readings& all, const Case& physics) {
     const auto found = all.find(case_id(physics));
@@ -47,7 +42,7 @@ void add_motion(Row& row, const MovedCase& moved) {
                                {"optimum_speed_m_s", mean_m_s},
                                {"optimum_sm_frequency_Hz", swings ? frequency_Hz : none},
                                {"optimum_sm_deviation_m_s", swings ? deviation_m_s : none},
-                               {"optimum_sm_phase_deg", swings ? degrees(phase_rad) : none}});
+                               {"optimum_sm_phase_deg", swings ? to_degrees(phase_rad) : none}});
         return;
     }
 }
@@ -78,7 +73,7 @@ Row row_of(const Study& study, const Optima& results, std::size_t i, std::size_t
                {"strength_am_1", of.am.envelope.strength},
                {"am_frequency_Hz", of.am.frequency_Hz},
                {"am_depth_1", of.am.depth},
-               {"am_phase_deg", degrees(of.am.phase_rad)}};
+               {"am_phase_deg", to_degrees(of.am.phase_rad)}};
     const BestSm& sm = results.sm[i][s];
     const SmCase* best = sm ? &c.sm[*sm] : nullptr;
     const Reading of_sm =
@@ -88,7 +83,7 @@ Row row_of(const Study& study, const Optima& results, std::size_t i, std::size_t
                 {"strength_sm_1", of_sm.focal_rms_um / reading(basis, c.plain).focal_rms_um},
                 {"sm_frequency_Hz", best ? best->frequency_Hz : not_a_number},
                 {"sm_deviation_m_s", best ? best->deviation_m_s : not_a_number},
-                {"sm_phase_deg", best ? degrees(best->phase_rad) : not_a_number}});
+                {"sm_phase_deg", best ? to_degrees(best->phase_rad) : not_a_number}});
     const auto uniform = [&](const Case& physics) { return uniformity_in(study.folder, physics); };
     row.insert(row.end(), {{"uniformity_optimum_1", uniform(cases.found)},
                            {"uniformity_unmodulated_1", uniform(cases.unmodulated)},

@@ -2,6 +2,7 @@
 #include "engines/spectral/bodies/lump_markers.hpp"
 
 #include "base/field.hpp"
+#include "base/units.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 
 #include <algorithm>
@@ -211,7 +212,7 @@ std::vector<Vec3> on_lying(const Cylinder& shape, Endless along, const Spacings&
     const Line axis = along == Endless::no
                           ? along_line(0.5 * shape.length_m - flat_inset * h.across_m, apart_m)
                           : around_domain(shape.length_m, apart_m);
-    const double turn = shape.azimuth_deg * std::numbers::pi / 180.0;
+    const double turn = to_radians(shape.azimuth_deg);
     std::vector<Vec3> points;
     const auto add = [&](double on_axis, double across, double down) {
         points.push_back({on_axis * std::cos(turn) - across * std::sin(turn),
@@ -321,7 +322,7 @@ void join_points(double across_m, double down_m, std::vector<Vec3>& points) {
 
 /// Cuts an endless cylinder off at the edges of the domain.
 void cut_axis(const Domain& domain, Vec3& centre_m, Cylinder& cylinder) {
-    const double turn = cylinder.azimuth_deg * std::numbers::pi / 180.0;
+    const double turn = to_radians(cylinder.azimuth_deg);
     const double c = std::cos(turn), s = std::sin(turn);
     double from = -std::numeric_limits<double>::infinity(), to = -from;
     const auto cut = [&](double at_m, double slope, double half_m) {

@@ -7,13 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake {
 namespace {
 
 /// Smaller turns are not corners, so that the points of a sampled curve are not.
-constexpr double least_turn_rad = 20.0 * std::numbers::pi / 180.0;
+constexpr double least_turn_rad = to_radians(20.0);
 
 Vec2 unit(Vec2 along) {
     const double length = norm(along);

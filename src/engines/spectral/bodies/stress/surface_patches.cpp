@@ -141,7 +141,7 @@ std::vector<SurfacePoint> on_box(Vec3 size_m, Endless along, double spacing_m) {
 
 std::vector<SurfacePoint> on_cylinder(const Cylinder& shape, bool has_ends, double spacing_m) {
     std::vector<SurfacePoint> points;
-    const double turn = shape.azimuth_deg * std::numbers::pi / 180.0;
+    const double turn = to_radians(shape.azimuth_deg);
     const bool upright = shape.axis == CylinderAxis::vertical;
     const Vec3 axis = upright ? Vec3{0.0, 0.0, 1.0} : Vec3{std::cos(turn), std::sin(turn), 0.0};
     const Vec3 side = upright ? Vec3{1.0, 0.0, 0.0} : Vec3{-std::sin(turn), std::cos(turn), 0.0};
