@@ -91,6 +91,7 @@ struct Field {
     const char* type = "";
     const char* fallback = ""; // in the reference, when the default is not the struct's own value
     const char* meaning = "";  // in the reference
+    std::size_t least_count = 0, most_count = 0; // of the elements of a list; 0: any number
 };
 
 /// `T` is `Struct`, constant or not: one description serves readers and writers.

@@ -48,7 +48,8 @@ void walk_fields(Walk& walk, Keys&) {
               .fallback = "none",
               .meaning =
                   "corners `[[x, y], ...]`, at least three; the last one is connected with the "
-                  "first. The other keys of this table define a regular polygon instead"});
+                  "first. The other keys of this table define a regular polygon instead",
+              .least_count = 3});
     walk.key({.key = "sides",
               .range = Range::between(3, 1000),
               .type = "integer",

@@ -167,6 +167,12 @@ private:
         if (type == "ends and count") return "a count " + field.range.words();
         std::string range = key_range(field.key, field.range).words();
         if (range == Range{}.words()) range.clear();
+        if (field.least_count > 0) {
+            const std::string most =
+                field.most_count > 0 ? fmt::format("to {}", field.most_count) : "or more";
+            range = fmt::format("{} {} values{}{}", field.least_count, most,
+                                range.empty() ? "" : ", each ", range);
+        }
         const auto words = words_of(field);
         if (words.empty()) return range;
         if (!type.starts_with("point")) return list_of(words);

@@ -60,7 +60,7 @@ Json named_type(const Field& field) {
                 {"prefixItems", {number({}), number({}), number(field, true)}},
                 {"minItems", 3},
                 {"maxItems", 3}};
-    if (type == "points") return list_of(point);
+    if (type == "points") return list_of(point, field.least_count, field.most_count);
     if (type == "path") return {{"$ref", "#/$defs/path"}};
     return Json::object();
 }

@@ -54,7 +54,7 @@ inline Json type_of(const std::vector<ListedAfferent>&, const Field&) {
 }
 template <class T>
 Json type_of(const std::vector<T>&, const Field& field) {
-    return list_of(type_of(T{}, field));
+    return list_of(type_of(T{}, field), field.least_count, field.most_count);
 }
 
 /// The default in the unit of the key; null where there is none that can be stated.

@@ -59,8 +59,6 @@ void check_depths(const Reader& reader, const std::vector<double>& depths_m, con
     double total_m = 0.0;
     for (const Layer& layer : medium.layers)
         total_m += layer.thickness_m;
-    if (depths_m.empty())
-        reader.error("depths_mm", "must contain at least one depth; 0 is the surface");
     for (std::size_t i = 0; i < depths_m.size(); ++i) {
         if (i > 0 && !(depths_m[i] > depths_m[i - 1]))
             reader.error("depths_mm",

@@ -70,6 +70,20 @@ void FieldReader::read(std::optional<double>& value, const std::string& key, con
     value = reader_.find_number(key, range);
 }
 
+void FieldReader::read(std::vector<double>& values, const std::string& key, const Range& range,
+                       const Field& field) {
+    const auto found = reader_.find_numbers(key, range);
+    if (!found) return;
+    values = *found;
+    const std::size_t least = field.least_count, most = field.most_count;
+    if (values.size() < least || (most > 0 && values.size() > most))
+        reader_.error(key,
+                      fmt::format("must contain {} {} number{}, but has {}",
+                                  values.size() < least ? "at least" : "at most",
+                                  values.size() < least ? least : most,
+                                  values.size() < least && least == 1 ? "" : "s", values.size()));
+}
+
 void FieldReader::read(Vec2& value, const std::string& key, const Range& range,
                        const Field& field) {
     // A missing required point has been reported.

@@ -103,9 +103,7 @@ private:
         value = read_triple(reader_, key, range);
     }
     void read(std::vector<double>& values, const std::string& key, const Range& range,
-              const Field&) {
-        values = reader_.find_numbers(key, range).value_or(values);
-    }
+              const Field& field);
     // Always `by_hand`.
     template <class T>
     void read(std::vector<T>&, const std::string&, const Range&, const Field&) {}

@@ -42,16 +42,6 @@ void settle(Reader& reader, const FieldReader::Table&, bool read, WindowGain& wi
                                  0.5e6 * lasts_s, 1e6 * window.edge_s));
 }
 
-void settle(Reader& reader, const FieldReader::Table&, bool read, SampledGain& sampled) {
-    if (!read || !reader.has("values")) return;
-    if (sampled.values.size() < 2)
-        reader.error("values", fmt::format("must contain at least two numbers, but has {}",
-                                           sampled.values.size()));
-    else if (sampled.values.size() > most_samples)
-        reader.error("values", fmt::format("must contain at most {} numbers, but has {}",
-                                           most_samples, sampled.values.size()));
-}
-
 Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Table& table = {}) {
     const std::size_t before = reader.diagnostics().errors();
     Gain gain = read_alternative<Gain>(reader, shape, table).value_or(SineGain{});

@@ -253,7 +253,8 @@ void walk_fields(Walk& walk, Options& o) {
                                       "at each grid point; `\"csv\"`: afferents from a file"});
     walk(o.classes, {.key = "classes",
                      .given = Given::by_hand,
-                     .meaning = "classes of afferents; for `\"csv\"`, the file specifies them"});
+                     .meaning = "classes of afferents; for `\"csv\"`, the file specifies them",
+                     .least_count = 1});
     walk(o.seed, {.key = "seed",
                   .range = Range::between(0.0, 1e15),
                   .meaning = "seed of the random positions and neurons"});
@@ -282,7 +283,9 @@ void walk_fields(Walk& walk, Options& o) {
           .given = Given::by_hand,
           .fallback = "at the foci or along the path, one FWHM apart; `[[0, 0]]` for a carrier",
           .meaning = "positions `[[x, y], ...]` of the pins, at most 1000 (see "
-                     "[receptors](../explanation/receptors.md)); or `pin_line` or `pin_grid`"});
+                     "[receptors](../explanation/receptors.md)); or `pin_line` or `pin_grid`",
+          .least_count = 1,
+          .most_count = 1000});
     walk.key({.key = "pin_line",
               .type = "table",
               .fallback = "none",

@@ -245,7 +245,8 @@ void walk_fields(Walk& walk, Options& o) {
                   "instead of `focal_radius_mm`: the radius divided by the FWHM of the footprint"});
     walk(o.depths_m, {.key = "depths_mm",
                       .range = Range::at_least(0.0),
-                      .meaning = "depths at which u_z is computed"});
+                      .meaning = "depths at which u_z is computed",
+                      .least_count = 1});
     walk(o.bands, {.key = "bands_Hz",
                    .given = Given::by_hand,
                    .in_text = !o.bands.empty(),

@@ -70,7 +70,8 @@ void walk_fields(Walk& walk, Options& o) {
                            .only_with = "volumes_ms",
                            .fallback = "[\"u\"]",
                            .meaning = "fields that are stored at these times (`pstd`: only "
-                                      "`\"u\"`), see [case-files.md](case-files.md)"});
+                                      "`\"u\"`), see [case-files.md](case-files.md)",
+                           .least_count = 1});
 }
 
 /// A quantity over named dimensions, row-major, in SI units unless `units` differs. A variable with

@@ -128,7 +128,8 @@ void walk_fields(Walk& walk, M& modulation) {
               "`[[x, y], ...]`: positions of simultaneous foci relative to the moving or "
               "resting point. They share the power of one focus: each of n Gaussian foci "
               "has 1/n of `peak_Pa`, and the pistons of an array radiate as much power as "
-              "for one focus. The focal disc of the measures is then a disc around each of them"});
+              "for one focus. The focal disc of the measures is then a disc around each of them",
+          .least_count = 1});
     walk.key(
         {.key = "ramp_ms",
          .range = Range::above(0.0),

@@ -67,6 +67,7 @@ public:
               "uncertain = { \"load.peak_Pa\" = { distribution = \"normal\", ", " } }", {});
     }
     std::vector<Bounded> found;
+    std::vector<std::string> short_lists; // jobs with a list that is too short
 
 private:
     /// A member, or an empty one.
@@ -114,10 +115,20 @@ private:
             table(*node, key, open + "{ ", " }" + after, "");
         else if (node->value("type", "") == "array" && node->contains("items")) {
             const Json& item = (*node)["items"];
+            const std::size_t least = node->value("minItems", 0), most = node->value("maxItems", 0);
+            if (least > 0 && least != most) {
+                std::string list;
+                for (std::size_t i = 1; i < least; ++i)
+                    list +=
+                        is_number(item) ? fmt::format("0.{}, ", i) : fmt::format("[0.{}, 0], ", i);
+                short_lists.push_back(open + "[" + list + "]" + after);
+            }
             if (item.value("type", "") == "object")
                 table(item, key + "[1]", open + "[{ ", " }]" + after, "");
             else if (is_number(item))
                 number(item, key, open + "[", (node->contains("minItems") ? ", %]" : "]") + after);
+            else if (item.contains("items") && is_number(item["items"]))
+                number(item["items"], key, open + "[[", ", %]]" + after);
         } else if (is_number(*node))
             number(*node, key, open, after);
     }
@@ -148,6 +159,20 @@ private:
     const Json& schema_;
 };
 
+/// The messages about a job, one per line.
+std::string messages(const std::string& job) {
+    std::vector<Diagnostic> diagnostics;
+    try {
+        diagnostics = read_job("schema = 1\n" + job + "\n", "job.toml").diagnostics;
+    } catch (const BadJob& bad) {
+        diagnostics = bad.diagnostics();
+    }
+    std::string all;
+    for (const Diagnostic& diagnostic : diagnostics)
+        all += diagnostic.message + "\n";
+    return all;
+}
+
 std::string number_text(double value) {
     const std::string text = fmt::format("{}", value);
     return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
@@ -165,17 +190,10 @@ Answers answers(const Bounded& b, double value) {
     std::string job = b.before + text + b.after;
     if (const std::size_t hole = job.find('%'); hole != std::string::npos)
         job.replace(hole, 1, text);
-    std::vector<Diagnostic> diagnostics;
-    try {
-        diagnostics = read_job("schema = 1\n" + job + "\n", "job.toml").diagnostics;
-    } catch (const BadJob& bad) {
-        diagnostics = bad.diagnostics();
-    }
     const std::string start = b.key.substr(b.key.rfind('.') + 1) + " must be ";
-    Answers found{.all = job + "\n"};
-    for (const Diagnostic& diagnostic : diagnostics) {
-        const std::string& message = diagnostic.message;
-        found.all += message + "\n";
+    Answers found{.all = job + "\n" + messages(job)};
+    std::istringstream lines(found.all);
+    for (std::string message; std::getline(lines, message);) {
         const std::size_t at = message.find(start);
         if (at == std::string::npos) continue;
         std::string_view rest = std::string_view(message).substr(at + start.size());
@@ -246,6 +264,11 @@ TEST_CASE("schema and reader and the reference agree on each bound", "[fields][s
         CHECK(has_row(reference, b.key.substr(b.key.rfind('.') + 1), b.allowed.words()));
     }
     CHECK(bounds >= 300);
+    for (const std::string& job : walk.short_lists) {
+        INFO(job);
+        CHECK_THAT(messages(job), Catch::Contains("must contain") || Catch::Contains("but has"));
+    }
+    CHECK(walk.short_lists.size() >= 8);
 }
 
 } // namespace test_key_bounds

@@ -110,7 +110,8 @@ void walk_fields(Walk& walk, P& polyline) {
                     .given = Given::by_hand,
                     .most_in_text = 100,
                     .fallback = "required",
-                    .meaning = "points `[[x, y], ...]`"});
+                    .meaning = "points `[[x, y], ...]`",
+                    .least_count = 2});
     if constexpr (!std::is_const_v<P>) polyline = Polyline(std::move(points_m), ends);
 }
 

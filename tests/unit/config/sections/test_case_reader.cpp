@@ -126,7 +126,7 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
         {"[measure]\ndepths_mm = [0, -1]", "job.toml:28:17: error: measure.depths_mm must be 0 or "
                                            "between 1e-09 and 10000, but is -1"},
         {"[measure]\ndepths_mm = []", "job.toml:28:13: error: measure.depths_mm must contain at "
-                                      "least one depth; 0 is the surface"},
+                                      "least 1 number, but has 0"},
         {"[measure]\ndepths_mm = 1",
          "job.toml:28:13: error: measure.depths_mm must be a list of numbers, but is a number"},
         {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
