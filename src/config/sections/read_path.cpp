@@ -25,7 +25,7 @@ struct Context {
     std::optional<Rests> rests; // of a file of points
 };
 
-Curve read_line(Context& c) {
+Curve read_shape(Context& c, const Line&) {
     const std::size_t before = c.reader.diagnostics().errors();
     Line line;
     read_fields(c.reader, line);
@@ -41,14 +41,14 @@ double read_radius_m(Context& c) {
                                             : range_of<Arc>("radius_mm"));
 }
 
-Curve read_circle(Context& c) {
+Curve read_shape(Context& c, const CircleKeys&) {
     Arc arc{.radius_m = read_radius_m(c), .sweep_rad = two_pi};
     read_fields(c.reader, arc, {.without = {"radius_mm", "sweep_deg"}});
     if (c.reader.find_flag("clockwise").value_or(false)) arc.sweep_rad = -two_pi;
     return arc;
 }
 
-Curve read_arc(Context& c) {
+Curve read_shape(Context& c, const Arc&) {
     Arc arc{.radius_m = read_radius_m(c)};
     read_fields(c.reader, arc, {.without = {"radius_mm"}});
     if (arc.sweep_rad == 0.0) c.reader.error("sweep_deg", "is 0, so the path has no length");
@@ -73,7 +73,7 @@ Curve checked_polyline(Context& c, const char* key, std::vector<Vec2> points_m, 
     return {};
 }
 
-Curve read_polyline(Context& c) {
+Curve read_shape(Context& c, const Polyline&) {
     const bool closed = c.reader.find_flag("closed").value_or(false);
     if (!c.reader.has("points_mm")) c.reader.missing("points_mm");
     auto points_m = c.reader.find_points("points_mm");
@@ -83,7 +83,7 @@ Curve read_polyline(Context& c) {
 }
 
 /// A polygon given by its corners, or a regular polygon, which stands on a side by default.
-Curve read_polygon(Context& c) {
+Curve read_shape(Context& c, const PolygonKeys&) {
     if (c.reader.has("corners_mm") || c.reader.has_misspelled("corners_mm")) {
         auto points_m = c.reader.find_points("corners_mm");
         if (!points_m) return {};
@@ -105,7 +105,7 @@ Curve read_polygon(Context& c) {
     return regular_polygon(center_m, radius_m.value_or(of_side_m), sides, start_rad);
 }
 
-Curve read_lissajous(Context& c) {
+Curve read_shape(Context& c, const Lissajous&) {
     Lissajous curve = Example<Lissajous>::make();
     read_fields(c.reader, curve);
     LissajousShape shape = curve.shape();
@@ -151,7 +151,7 @@ Curve path_with_rests(Context& c, const PointsFile& file, Ends ends) {
     return path;
 }
 
-Curve read_csv(Context& c) {
+Curve read_shape(Context& c, const PathFileKeys&) {
     const bool closed = c.reader.find_flag("closed").value_or(false);
     if (!c.reader.has("file")) c.reader.missing("file");
     const auto text = load_named(c.reader, "file", c.path.load_text);
@@ -165,25 +165,10 @@ Curve read_csv(Context& c) {
     return {};
 }
 
-struct Shape {
-    const char* name;
-    Curve (*read)(Context&);
-};
-constexpr std::array shapes = {
-    Shape{"line", read_line},
-    Shape{CircleKeys::name, read_circle},
-    Shape{"arc", read_arc},
-    Shape{PolygonKeys::name, read_polygon},
-    Shape{"lissajous", read_lissajous},
-    Shape{"polyline", read_polyline},
-    Shape{PathFileKeys::name, read_csv},
-};
-constexpr bool has_reader(std::string_view name) {
-    return std::string_view(path_words).find(name) != std::string_view::npos &&
-           std::ranges::any_of(shapes, [&](const Shape& shape) { return shape.name == name; });
-}
+/// In the order of path_words.
+using Shapes = std::variant<Line, CircleKeys, Arc, PolygonKeys, Lissajous, Polyline, PathFileKeys>;
 static_assert([]<class... S>(std::type_identity<std::variant<S...>>) {
-    return (has_reader(S::name) && ...);
+    return (std::is_constructible_v<Shapes, S> && ...);
 }(std::type_identity<decltype(Curve::shape)>{}));
 
 } // namespace
@@ -193,18 +178,16 @@ PathAndEnd read_path(Reader reader, const PathContext& context, LeastLength leas
     const std::vector<std::string> ends(names_of_ends.begin(), names_of_ends.end());
     PathAndEnd read;
     if (reader.empty()) return read;
-    std::vector<std::string> names;
-    for (const Shape& shape : shapes)
-        names.emplace_back(shape.name);
-    const auto name = reader.find_choice("shape", names);
+    const auto name = reader.find_choice("shape", alternative_names<Shapes>());
     const auto end = reader.find_choice("at_end", ends);
     if (!name) { // its other keys belong to some shape
         reader.report_missing("shape");
         return read;
     }
     Context c{reader, context, least, {}};
-    for (const Shape& shape : shapes)
-        if (*name == shape.name) read.path = shape.read(c);
+    for_each_alternative(std::type_identity<Shapes>{}, [&](const auto& shape) {
+        if (*name == shape.name) read.path = read_shape(c, shape);
+    });
     read.rests = std::move(c.rests);
     reader.finish();
     read.end_is_given = end.has_value();
