@@ -147,6 +147,7 @@ void walk_fields(Walk& walk, G& g) {
 
 /// The largest number of samples of a gain: they are in the text of a case, which is an attribute
 /// of its file of at most 60 kB.
+inline constexpr std::size_t most_samples = 2000;
 
 /// Straight lines between `values` at t = 0, interval, 2 interval, ... The last value is held, or
 /// the first one follows it and the gain has the period values.size() interval.
@@ -169,7 +170,7 @@ void walk_fields(Walk& walk, G& g) {
                     .meaning = "gain at t = 0, one interval, two intervals, ..., with straight "
                                "lines between",
                     .least_count = 2,
-                    .most_count = 2000});
+                    .most_count = most_samples});
     walk(g.interval_s, {.key = "interval_us",
                         .range = Range::between(1.0, 1e6),
                         .given = Given::required,
