@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -120,14 +121,14 @@ output_interval_us = 100.0
 DURATIONS_ms = {"DTP": 500.0, "STP": 500.0, "custom": 200.0}  # 14 ms otherwise
 
 
-def run(job, out):
+def run(job: str, out: Path) -> None:
     overrides = [word for value in OVERRIDES.get(job, []) for word in ("-S", value)]
     subprocess.run([PROGRAM, "optimise" if job in OPTIMISED else "run", str(ROOT / "jobs" / f"{job}.toml"), "--out", str(out), "--allow-mixed",
                     *overrides], check=True)
     subprocess.run([PROGRAM, "report", str(out)], check=True)
 
 
-def store(source, target):
+def store(source: Path, target: Path) -> None:
     """A copy of a PNG with a palette of 256 colours, as wide as the size limit permits."""
     with Image.open(source) as opened:
         image = opened.convert("RGB")
@@ -147,11 +148,11 @@ def store(source, target):
     sys.exit(f"{target} is larger than {LIMIT_B} bytes")
 
 
-def draw_job(job, use_existing):
+def draw_job(job: str, use_existing: bool) -> None:
     out = ROOT / "out" / (f"{job}-short" if job in OVERRIDES else f"{job}.optimise" if job in OPTIMISED else job)
     if not use_existing:
         run(job, out)
-    pictures = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
+    pictures: dict[Path, Any] = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
     for page, figures in PAGES.items():
         for name, (its_job, figure) in figures.items():
             if its_job == job:
@@ -165,7 +166,7 @@ def draw_job(job, use_existing):
             store(out / "report" / f"{figure}.png", target)
 
 
-def draw_modulations():
+def draw_modulations() -> None:
     """The modulations of the page, each from the block above its picture."""
     page = (DOCS / "explanation" / "modulations.md").read_text(encoding="utf-8")
     found = re.findall(r"```toml\n([^`]*)```\s*!\[[^\]]*\]\((modulations/([\w-]+)\.png)\)", page)
@@ -182,7 +183,7 @@ def draw_modulations():
             store(picture, DOCS / "explanation" / path)
 
 
-def main(arguments):
+def main(arguments: list[str]) -> None:
     use_existing = "--keep" in arguments
     jobs = sorted(path.stem for path in (ROOT / "jobs").glob("*.toml") if path.stem not in WITHOUT_PICTURE)
     studies = [name for name in GALLERY if "/" in name]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The diagrams of docs/developer/architecture.md, as SVG: boxes at given places and labelled arrows between them."""
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -41,17 +42,18 @@ COMPONENTS = {
     }.items() for b in others.split()],
     "spacing": (2.3, 0.86), "box": (1.25, 0.46),
 }
-DIAGRAMS = {"path-of-a-case": PATH_OF_A_CASE, "components": COMPONENTS}
+DIAGRAMS: dict[str, dict[str, Any]] = {"path-of-a-case": PATH_OF_A_CASE, "components": COMPONENTS}
+Point = tuple[float, float]
 
 
-def edge(middle, half, towards):
+def edge(middle: Point, half: Point, towards: Point) -> Point:
     """Where the line from the middle of a box towards a point leaves the box."""
     (x, y), (to_x, to_y) = middle, towards
     part = min(size / abs(step) for size, step in zip(half, (to_x - x, to_y - y)) if step)
     return x + part * (to_x - x), y + part * (to_y - y)
 
 
-def draw(diagram, path):
+def draw(diagram: dict[str, Any], path: Path) -> None:
     (dx, dy), (width, height) = diagram["spacing"], diagram["box"]
     place = {name: (dx * column, -dy * row) for name, (column, row, _) in diagram["boxes"].items()}
     xs, ys = [x for x, _ in place.values()], [y for _, y in place.values()]
@@ -77,7 +79,7 @@ def draw(diagram, path):
     plt.close(figure)
 
 
-def draw_all(folder: Path):
+def draw_all(folder: Path) -> list[Path]:
     """Draws every diagram into the folder; returns the paths."""
     folder.mkdir(exist_ok=True)
     paths = [folder / f"{name}.svg" for name in DIAGRAMS]

@@ -7,10 +7,13 @@ import subprocess
 import tempfile
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import h5py
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from shearwake.report import style
@@ -19,13 +22,14 @@ from shearwake.report.load import load, surface
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
 DPI = 200
+Picture = tuple[Any, np.ndarray]  # the edges in mm, and the values with y upwards
 
 
-def shearwake(*arguments):
+def shearwake(*arguments: object) -> None:
     subprocess.run([PROGRAM, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
 
-def square_map(path):
+def square_map(path: Path) -> Picture:
     """The edges of a square table (x_mm, y_mm, value) and its values as a picture with y upwards."""
     with open(path, encoding="utf-8") as file:
         x, _, values = np.array(list(csv.reader(file))[1:], dtype=float).T
@@ -34,14 +38,17 @@ def square_map(path):
     return (x.min() - half, x.max() + half) * 2, values.reshape(side, side).T
 
 
-def surface_of(folder, case=0, time=-1):
+def surface_of(folder: Path, case: int = 0, time: int = -1) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
     """A snapshot of a complete case of an output folder: extent in mm, displacement in um with y upwards, x and y in mm."""
-    _, x, y, u = surface([c for c in load(folder).cases if c.is_complete][case], time)
+    found = surface([c for c in load(folder).cases if c.is_complete][case], time)
+    if found is None:
+        raise ValueError(f"{folder} contains no snapshot")
+    _, x, y, u = found
     half = 0.5 * (x[1] - x[0])
     return 1e3 * np.array([x[0] - half, x[-1] + half, y[0] - half, y[-1] + half]), 1e6 * u.T, (1e3 * x, 1e3 * y)
 
 
-def panel(figure, axes, picture, title, label, **options):
+def panel(figure: Figure, axes: Axes, picture: Picture, title: str, label: str, **options: Any) -> None:
     extent, values = picture
     image = axes.imshow(values, origin="lower", extent=extent, **options)
     axes.set(xlabel="x (mm)", ylabel="y (mm)", title=title)
@@ -52,12 +59,12 @@ def panel(figure, axes, picture, title, label, **options):
     bar.ax.grid(False)
 
 
-def save(figure, picture):
+def save(figure: Figure, picture: Path) -> None:
     figure.savefig(picture, dpi=DPI, facecolor="white")
     plt.close(figure)
 
 
-def lens_letter(folder, picture):
+def lens_letter(folder: Path, picture: Path) -> None:
     """The thickness of the lens, its pressure on the skin with the outline of the target, and the displacement."""
     job = ROOT / "jobs" / "lens-letter.toml"
     outline = tomllib.loads(job.read_text(encoding="utf-8"))["load"]["footprint"]["target_polygon_mm"]
@@ -78,7 +85,7 @@ def lens_letter(folder, picture):
     save(figure, picture)
 
 
-def read_back(_, picture):
+def read_back(_folder: Path, picture: Path) -> None:
     """The simulated surface, that from its scan, their difference, and the residuals of the fit."""
     jobs = ROOT / "jobs"
     with tempfile.TemporaryDirectory() as name:

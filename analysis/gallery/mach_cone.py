@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The annotated picture of jobs/mach-cone.toml."""
+from pathlib import Path
+
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from shearwake import wake
 from shearwake.report import style
-from shearwake.report.figures.fig_surface import snapshot
+from shearwake.report.figures.fig_surface import Snapshot, snapshot
 from shearwake.report.load import load
 from shearwake.report.words import number
 
@@ -15,9 +19,10 @@ SHOWN_mm = (-80.0, 68.0, -51.0, 51.0)  # left, right, below, above
 SCALE_end_um = 1.0  # end of the colour scale; the displacement at the focus is larger
 
 
-def arrow_and_words(axes, shot, speed_m_s, angle_deg):
+def arrow_and_words(axes: Axes, shot: Snapshot, speed_m_s: float, angle_deg: float) -> None:
     """Labels of the focus, the Mach line and the echo, in the region at rest."""
     focus, direction, _ = wake.focus_at(shot.case, shot.t_s)
+    assert direction is not None
     axes.annotate("", focus + 15 * direction, focus + 5.5 * direction,
                   arrowprops={"arrowstyle": "-|>", "color": wake.LINE, "linewidth": 1.2,
                               "shrinkA": 0, "shrinkB": 0})
@@ -33,14 +38,14 @@ def arrow_and_words(axes, shot, speed_m_s, angle_deg):
                                                             "color": wake.LINE, "shrinkA": 4})
 
 
-def scale_bar(axes, length_mm=20.0):
+def scale_bar(axes: Axes, length_mm: float = 20.0) -> None:
     x, y = SHOWN_mm[0] + 5.0, SHOWN_mm[2] + 5.0
     axes.plot([x, x + length_mm], [y, y], color=wake.LINE, linewidth=2.4, solid_capstyle="butt")
     axes.text(x + length_mm / 2, y + 1.4, f"{number(length_mm)} mm", ha="center", va="bottom",
               fontsize=9)
 
 
-def draw(shot):
+def draw(shot: Snapshot) -> Figure:
     figure = plt.figure(figsize=np.array(SIZE_px) / DPI)
     axes = figure.add_axes([0.078, 0.115, 0.792, 0.865])
     half = 0.5 * (shot.x_mm[1] - shot.x_mm[0])
@@ -67,7 +72,7 @@ def draw(shot):
     return figure
 
 
-def draw_folder(folder, picture):
+def draw_folder(folder: Path, picture: Path) -> None:
     """Draws the first complete case with a snapshot in an output folder of jobs/mach-cone.toml."""
     shots = [s for c in load(folder).cases if c.is_complete and (s := snapshot(c))]
     if not shots:

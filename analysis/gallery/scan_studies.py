@@ -12,6 +12,7 @@ import sys
 import tempfile
 import tomllib
 from pathlib import Path
+from typing import Callable
 
 import numpy as np
 
@@ -30,7 +31,7 @@ LAYER_KEYS = (("thickness_mm", 1e-3), ("density_kg_m3", 1.0), ("c_p_m_s", 1.0), 
 LINE = "line_mm = [[-29.5, 0.0], [29.5, 0.0]]\nspacing_mm = 1.0\n"
 
 
-def job_text(name, scan):
+def job_text(name: str, scan: str) -> str:
     """A job of the repository with another scan, without noise and gaps."""
     lines = (ROOT / "jobs" / f"{name}.toml").read_text(encoding="utf-8").splitlines()
     dropped = ("grid_mm", "noise_um", "averages", "missing", "spacing_mm = 4.0", "# Polytec", "# retro")
@@ -38,7 +39,7 @@ def job_text(name, scan):
     return text.replace("[vibrometer]\n", "[vibrometer]\n" + scan)
 
 
-def shearwake(*arguments, ranks=1):
+def shearwake(*arguments: object, ranks: int = 1) -> str:
     launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
     done = subprocess.run([*launch, str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -46,14 +47,14 @@ def shearwake(*arguments, ranks=1):
     return done.stdout
 
 
-def simulated(folder, text):
+def simulated(folder: Path, text: str) -> tuple[Path, Path]:
     job = folder / "job.toml"
     job.write_text(text, encoding="utf-8")
     shearwake("run", job, "--out", folder / "run", "-S", "uncertain={}", ranks=2)
     return job, next((folder / "run" / "cases").glob("*.h5"))
 
 
-def degraded(scan, spacing_mm, noise_dB, missing, rng):
+def degraded(scan: Scan, spacing_mm: float, noise_dB: float | None, missing: float, rng: np.random.Generator) -> Scan:
     """The points of a coarser lattice, with noise relative to the rms velocity and a share of points without signal."""
     step = spacing_mm * 1e-3
     on = np.ones(len(scan.x_m), dtype=bool)
@@ -68,11 +69,11 @@ def degraded(scan, spacing_mm, noise_dB, missing, rng):
     return Scan(scan.time_s, scan.x_m[on], scan.y_m[on], velocity)
 
 
-def values_in(text):
+def values_in(text: str) -> dict[str, str]:
     return dict(line.split(" = ") for line in text.splitlines() if " = " in line)
 
 
-def degradation():
+def degradation() -> None:
     rng = np.random.default_rng(1)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -97,13 +98,13 @@ TRUTH = {"medium.layer[1].c_s_m_s": 3.0, "medium.layer[1].viscosity_Pa_s": 0.5, 
          "vibrometer.trigger_delay_ms": 0.0, "vibrometer.offset_x_mm": 0.0}
 
 
-def smaller(text):
+def smaller(text: str) -> str:
     """A layer of 12 mm under a Gaussian focus for 20 ms, sampled at 8 kHz: computed in a fraction of the time."""
-    for old, new in ((re.search("footprint = .*pressure_Pa_m = 3.4 }", text), 'footprint = { shape = "gaussian", fwhm_mm = 8.6 }\npeak_Pa = 100.0'),
-                     (re.search("footprint = .*pressure_Pa_m = 3.0 }", text), 'footprint = { shape = "gaussian", fwhm_mm = 8.6 }\npeak_Pa = 80.0'),
-                     (re.search('"load.footprint.pressure.*', text),
-                      '"load.peak_Pa" = { distribution = "normal", mean = 80.0, sd = 40.0, min = 10.0, max = 400.0 }')):
-        text = text.replace(old[0], new) if old else text
+    for found, new in ((re.search("footprint = .*pressure_Pa_m = 3.4 }", text), 'footprint = { shape = "gaussian", fwhm_mm = 8.6 }\npeak_Pa = 100.0'),
+                       (re.search("footprint = .*pressure_Pa_m = 3.0 }", text), 'footprint = { shape = "gaussian", fwhm_mm = 8.6 }\npeak_Pa = 80.0'),
+                       (re.search('"load.footprint.pressure.*', text),
+                        '"load.peak_Pa" = { distribution = "normal", mean = 80.0, sd = 40.0, min = 10.0, max = 400.0 }')):
+        text = text.replace(found[0], new) if found else text
     for old, new in (("extent_mm = [192.0, 192.0]", "extent_mm = [80.0, 80.0]"), ("thickness_mm = 25.0", "thickness_mm = 12.0"),
                      ("duration_ms = 30.0", "duration_ms = 20.0"), ("snapshots_ms = [30.0]", "snapshots_ms = [20.0]"),
                      ("settled_after_ms = 15.0", "settled_after_ms = 10.0"), ("sampling_rate_kHz = 20.0", "sampling_rate_kHz = 8.0")):
@@ -113,7 +114,7 @@ def smaller(text):
     return text
 
 
-def coverage(folder, first=0, last=100):
+def coverage(folder: str | Path, first: str | int = 0, last: str | int = 100) -> None:
     """Fits with noise of the seeds first to last - 1. The results of each are kept in the folder and not computed again."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -141,7 +142,7 @@ def coverage(folder, first=0, last=100):
               f"{np.max(np.abs(values - value)):.2g} |")
 
 
-def dispersion(picture):
+def dispersion(picture: str) -> None:
     """Draws the dispersion of the line of jobs/gel-dispersion.toml on the roots of the secular equation."""
     import matplotlib
     matplotlib.use("Agg")
@@ -170,4 +171,5 @@ def dispersion(picture):
 
 if __name__ == "__main__":
     what, *arguments = sys.argv[1:]
-    {"degradation": degradation, "coverage": coverage, "dispersion": dispersion}[what](*arguments)
+    studies: dict[str, Callable[..., None]] = {"degradation": degradation, "coverage": coverage, "dispersion": dispersion}
+    studies[what](*arguments)

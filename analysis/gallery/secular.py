@@ -4,12 +4,16 @@
 The displacement-stress vector is propagated through the layers by matrix exponentials (Aki and Richards, Quantitative
 Seismology, eq. 7.28), independently of the program.
 """
+from typing import Sequence
+
 import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+Layers = Sequence[tuple[float, ...]]
 
-def secular(k, omega, layers):
+
+def secular(k: float, omega: float, layers: Layers) -> float:
     """The determinant of the tractions at the surface over the states without displacement at the base. `layers`: tuples of
     thickness (m), density (kg/m3), c_p and c_s (m/s), from the surface; k in 1/m."""
     states = np.zeros((4, 2))
@@ -25,7 +29,7 @@ def secular(k, omega, layers):
     return np.linalg.det(states[2:])
 
 
-def secular_speeds(omega, layers, speeds):
+def secular_speeds(omega: float, layers: Layers, speeds: Sequence[float] | np.ndarray) -> list[float]:
     """All phase speeds, ascending, between neighbours of `speeds` (ascending) at which the determinant changes its sign."""
     values = [secular(omega / c, omega, layers) for c in speeds]
     return [brentq(lambda c: secular(omega / c, omega, layers), a, b)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import functools
 import html
 import json
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Sequence
 import numpy as np
 
 from . import checksum, stored
-from .errors import NotRecorded, NotValid, level_of_caller
+from .errors import HOW, NotRecorded, NotValid, level_of_caller, suggestion
 from .plan import Column, first_line
 
 if TYPE_CHECKING:
@@ -26,22 +25,7 @@ if TYPE_CHECKING:
     from .plot import Plot
     from .sweep import Sweep
 
-HOW = {
-    "surface": "set record.snapshots_ms or record.frames in the job", "traces": "set record.traces_mm in the job",
-    "volume": "set record.volumes_ms in the job", "afferents": "add [afferents] to the job",
-    "mean": "no whole period fits between measure.settled_after_ms and the end of the run",
-    "sensation": "set measure.sensation in the job",
-    "sensor": "only cases with solver.pstd.study have a sensor",
-}
-
-
 REQUIRED: Any = object()  # in place of a default: there is none
-
-
-def suggestion(name: str, known: list[str]) -> str:
-    """The continuation of a sentence about a name that is not known."""
-    near = difflib.get_close_matches(name, known, 1)
-    return f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}" if known else ""
 
 
 def warn_of_invalid(warnings_of: Sequence[list[dict[str, str]]], what: str, stacklevel: int) -> None:

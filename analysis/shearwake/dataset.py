@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 
 from . import stored
-from .case import HOW, suggestion
-from .errors import NotRecorded
+from .errors import HOW, NotRecorded, suggestion
 from .keys import cf_unit, short_keys, split_unit
 from .lazy import Cells, Columns, axis_of, lazy, union
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The engine `layered` as a process of a script or a notebook: evaluates one case after the other without starting the program anew."""
+"""The engine `layered` as a process of a script or a notebook: evaluates one case after the other without restarting the program."""
 from __future__ import annotations
 
 import contextlib
@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import program
-from .case import suggestion, warn_of_invalid
-from .errors import Diagnostic, NotRecorded, ProgramError
+from .case import warn_of_invalid
+from .errors import Diagnostic, NotRecorded, ProgramError, suggestion
 from .job import Job, Source
 from .keys import cf_unit
 

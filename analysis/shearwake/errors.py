@@ -2,6 +2,7 @@
 """The exceptions of the package. Those of the program contain the text that the program printed."""
 from __future__ import annotations
 
+import difflib
 import sys
 from dataclasses import dataclass, replace
 from typing import Sequence
@@ -27,9 +28,25 @@ class NotValid(UserWarning):
     """A warning: readings that were requested are not valid. `Case.warnings` states why."""
 
 
+# How a job records what a case does not contain.
+HOW = {
+    "surface": "set record.snapshots_ms or record.frames in the job", "traces": "set record.traces_mm in the job",
+    "volume": "set record.volumes_ms in the job", "afferents": "add [afferents] to the job",
+    "mean": "no whole period fits between measure.settled_after_ms and the end of the run",
+    "sensation": "set measure.sensation in the job",
+    "sensor": "only cases with solver.pstd.study have a sensor",
+}
+
+
 class GridsDiffer(UserWarning):
     """A warning: the grids of the cases in a dataset differ. Its axes contain the values of all of them, and values that a case does
     not have are NaN."""
+
+
+def suggestion(name: str, known: list[str]) -> str:
+    """The continuation of a sentence about a name that is not known."""
+    near = difflib.get_close_matches(name, known, 1)
+    return f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}" if known else ""
 
 
 def level_of_caller() -> int:

@@ -15,7 +15,7 @@ from .files import structures
 from .structures import BadInput, Structure
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(prog="shearwake.kwave")
     parser.add_argument("file", type=Path)
     parser.add_argument("folder", type=Path)
@@ -36,7 +36,7 @@ def main():
     except (BadInput, ShearwakeError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
-    lines = []
+    lines: list[str] = []
     for cuboid, values in enumerate(found if isinstance(found, list) else [found], 1):
         for name, array in values.items():
             np.asarray(array, dtype="<f8").ravel(order="F").tofile(chosen.folder / f"{len(lines) + 1}.bin")

@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rejects media and time steps for which the simulation would be unstable or without meaning, and warns of values that
 are probably not intended."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .structures import BadInput
+
+if TYPE_CHECKING:
+    from .study import Study
 
 LARGEST_SPACING_m, LARGEST_SIZE_m = 0.1, 1.0  # of a body part; larger values are probably not in m
 LEAST_DENSITY_kg_m3, LARGEST_DENSITY_kg_m3 = 10.0, 3e4  # no tissue, liquid or metal lies outside
 ABOVE = 0.01  # share of the energy of a source above the supported frequency that causes a warning
 
 
-def first_node(bad, study):
+def first_node(bad: Any, study: Study) -> str:
     """The first node where `bad` is true, counted from 1 in the grid of kgrid; empty for uniform values."""
     if not np.ndim(bad):
         return ""
@@ -18,7 +25,7 @@ def first_node(bad, study):
     return f" at node ({', '.join(str(int(n)) for n in node)})"
 
 
-def check_range(values, field, study, positive=False):
+def check_range(values: Any, field: str, study: Study, positive: bool = False) -> None:
     """All values must be 0 or more, or positive."""
     bad = values <= 0.0 if positive else values < 0.0
     if np.any(bad):
@@ -27,7 +34,7 @@ def check_range(values, field, study, positive=False):
                        f"{'greater than 0' if positive else '0 or more'}")
 
 
-def check_medium(study):
+def check_medium(study: Study) -> None:
     c_p, c_s = study.medium["c_p_m_s"], study.medium["c_s_m_s"]
     bad = np.asarray(c_s > c_p)
     if np.any(bad):
@@ -38,13 +45,13 @@ def check_medium(study):
                            "modulus is negative, which no material has")
 
 
-def positive_root(a, b):
+def positive_root(a: Any, b: Any) -> Any:
     """The positive root dt of a dt^2 + b dt = 4; infinite without waves."""
     with np.errstate(divide="ignore"):
         return 8.0 / (b + np.sqrt(b * b + 16.0 * a))
 
 
-def step_limits(study):
+def step_limits(study: Study) -> tuple[float, float]:
     """(dt of the stiffest material alone, dt that is stable for any arrangement of these materials) in s. With the
     largest wave number K of the grid (an odd number of points has no wave of two points), dt^2 c^2 K^2 + 2 dt K^2 E/rho <= 4 for compressional waves (c_p,
     E = chi + 2 eta) and shear waves (c_s, E = eta); the C++ counterpart is engines/pstd/scene/case_step.hpp."""
@@ -59,7 +66,7 @@ def step_limits(study):
     return float(alone), float(safe)
 
 
-def check_time_step(study):
+def check_time_step(study: Study) -> None:
     alone_s, safe_s = step_limits(study)
     step_s = study.time_step_s
     if step_s > alone_s:
@@ -72,7 +79,7 @@ def check_time_step(study):
                            "stable")
 
 
-def check_plausible(study):
+def check_plausible(study: Study) -> None:
     """Warns of values that are probably in other units than k-Wave expects. Raises BadInput for a grid that is in
     millimetres, since no job can have its size."""
     for axis, spacing_m, points in zip("xyz", study.spacing_m, study.points):
@@ -90,13 +97,13 @@ def check_plausible(study):
                                   "about 1000 in tissue")
 
 
-def in_layer(study, nodes):
+def in_layer(study: Study, nodes: np.ndarray) -> np.ndarray:
     """Which nodes lie inside the absorbing layer."""
     thick = np.where(study.layer_strength > 0.0, study.layer_points, 0.0)
     return np.any((nodes < thick) | (nodes >= study.points - thick), axis=1)
 
 
-def check_layer_nodes(study, plane):
+def check_layer_nodes(study: Study, plane: int) -> None:
     """Warns if the layer absorbs at sources, sensor or measured plane."""
     groups = [(f"source.{source['field']}", source["nodes"]) for source in study.sources]
     for name, nodes in [*groups, ("sensor.mask", study.sensor_nodes)]:
@@ -109,17 +116,17 @@ def check_layer_nodes(study, plane):
                               "(options.PMLSize); --plane selects another plane")
 
 
-def supported_frequency_Hz(study):
+def supported_frequency_Hz(study: Study) -> float:
     """The frequency whose shortest wave has two points per wavelength, as k-Wave reports it. Fluids have no shear
     waves."""
     c_p, c_s = np.broadcast_arrays(study.medium["c_p_m_s"], study.medium["c_s_m_s"])
     return float(np.min(np.where(c_s > 0.0, c_s, c_p)) / (2.0 * np.max(study.spacing_m)))
 
 
-def energy_spectrum(series, steps):
+def energy_spectrum(series: np.ndarray, steps: int) -> np.ndarray:
     """The energy of all rows over frequency. The row of a source that acts until the last step is continued smoothly,
     since its end has no effect; its begin and an earlier end count as jumps."""
-    energy = 0.0
+    energy = np.zeros(1)
     for first in range(0, len(series), 256):  # so that large sources need little memory
         rows = series[first:first + 256]
         rest = rows[:, ::-1] if rows.shape[1] >= steps else np.zeros_like(rows)
@@ -127,7 +134,7 @@ def energy_spectrum(series, steps):
     return energy
 
 
-def check_spectrum(study):
+def check_spectrum(study: Study) -> None:
     """Warns if the grid does not represent a part of a source's spectrum."""
     supported_Hz = supported_frequency_Hz(study)
     for source in study.sources:

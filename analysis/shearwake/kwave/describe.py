@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Describes an imported simulation, so that a wrong order of indices can be recognised."""
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
 from .checks import supported_frequency_Hz
+from .study import Study
 
 
-def counted(number, noun):
+def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def extent(nodes, study):
+def extent(nodes: np.ndarray, study: Study) -> str:
     """The range of indices along each axis, counted from 1 in the grid of kgrid."""
     if not len(nodes):
         return "none"
@@ -19,12 +24,12 @@ def extent(nodes, study):
     return f"{counted(len(nodes), 'node')}, {', '.join(ranges)}"
 
 
-def triple(values):
+def triple(values: np.ndarray) -> str:
     """Three values, or one if they are equal."""
     return f"{values[0]:g}" if len(set(values)) == 1 else ", ".join(f"{value:g}" for value in values)
 
 
-def grid_lines(study):
+def grid_lines(study: Study) -> list[str]:
     """The size, the absorbing layer and the resolved frequencies."""
     points = study.points - 2 * study.first
     size = " x ".join(f"{mm:.6g}" for mm in 1e3 * points * study.spacing_m)
@@ -38,9 +43,9 @@ def grid_lines(study):
             f"maximum supported frequency: {supported_frequency_Hz(study):.4g} Hz"]
 
 
-def lines_of(study, plane):
+def lines_of(study: Study, plane: int) -> list[str]:
     """Lines about the grid, each group of sources with the same nodes, the sensor and the measured plane."""
-    groups = {}
+    groups: dict[bytes, list[dict[str, Any]]] = {}
     for source in study.sources:
         groups.setdefault(source["nodes"].tobytes(), []).append(source)
     lines = [*grid_lines(study)]
@@ -54,7 +59,7 @@ def lines_of(study, plane):
     return lines
 
 
-def summary_of(name, study, has_job=True):
+def summary_of(name: object, study: Study, has_job: bool = True) -> str:
     points = study.points - 2 * study.first
     outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first)}" if np.any(study.first) else ""
     return (f"{f'{name}.toml and ' if has_job else ''}{name}.h5: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """pstdElastic3D of k-Wave as a Python function, which runs the program `shearwake kwave`."""
+from __future__ import annotations
+
 import os
 import subprocess
 import tempfile
 from pathlib import Path
+from typing import Any, Iterable, Sequence
 
 import h5py
 import numpy as np
@@ -15,6 +18,7 @@ from .structures import BadInput, Structure
 from .study import KNOWN, Study, three
 
 AXES = "xyz"
+Results = dict[str, np.ndarray] | list[dict[str, np.ndarray]]  # a list has one dictionary per cuboid
 # Keywords and the options of pstdElastic3D.
 OPTIONS = {"pml_size": "PMLSize", "pml_alpha": "PMLAlpha", "pml_inside": "PMLInside", "smooth": "Smooth", "smooth_p0": "Smooth",
            "multi_axial_pml_ratio": "MultiAxialPMLRatio", "scale_source_terms": "ScaleSourceTerms", "cart_interp": "CartInterp"}
@@ -31,7 +35,7 @@ WITHOUT_EFFECT = {"use_kspace", "data_recast", "hdf_compression_level", "pml_sea
 MUST_BE_OFF = ("use_fd", "use_finite_difference", "axisymmetric", "pml_auto", "save_to_disk_exit", "save_only")
 
 
-def attribute(item, name, default=None):
+def attribute(item: Any, name: str, default: Any = None) -> Any:
     """A field of a dictionary or object; k-wave-python raises NotImplementedError for some that its objects lack."""
     if isinstance(item, dict):
         return item.get(name, default)
@@ -41,7 +45,7 @@ def attribute(item, name, default=None):
         return default
 
 
-def structure(item, name):
+def structure(item: Any, name: str) -> Structure:
     """The fields of an object that pstdElastic3D has. Raises BadInput for another field with a value."""
     plain = item if isinstance(item, dict) else getattr(item, "__dict__", {})
     for field, value in plain.items():
@@ -57,8 +61,8 @@ def structure(item, name):
     return Structure(fields, name)
 
 
-def grid_structure(kgrid):
-    fields = {}
+def grid_structure(kgrid: Any) -> Structure:
+    fields: dict[str, Any] = {}
     for number, axis in enumerate(AXES):
         for name, of_all in (("N", "N"), ("d", "spacing")):
             value = attribute(kgrid, name + axis)
@@ -75,7 +79,7 @@ def grid_structure(kgrid):
     return Structure(fields, "kgrid")
 
 
-def in_c_order(source):
+def in_c_order(source: Structure) -> None:
     """Sorts the rows of signals, one per node, from C order of the mask into the order with x fastest."""
     for kind, fields in (("u", ("ux", "uy", "uz")), ("s", ("sxx", "syy", "szz", "sxy", "sxz", "syz"))):
         mask = source.values.get(f"{kind}_mask")
@@ -89,7 +93,7 @@ def in_c_order(source):
                 source.values[field] = series[rank]
 
 
-def results_of(records):
+def results_of(records: Iterable[str]) -> list[str]:
     """The names of the results of some records."""
     names = []
     for record in records:
@@ -100,7 +104,7 @@ def results_of(records):
     return names
 
 
-def read_results(file, study, records, order):
+def read_results(file: h5py.File, study: Study, records: set[str], order: str) -> Results:
     """A dictionary of the output file, or one for each cuboid."""
     grid = tuple(slice(f, f + n) for f, n in zip(study.first, study.points - 2 * study.first))
     names = results_of(sorted(records))
@@ -121,10 +125,11 @@ def read_results(file, study, records, order):
     return results
 
 
-def computed(arguments, ranks, launch, progress):
+def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool) -> None:
     """Runs the program and shows its progress on one line. Raises ProgramError with its message."""
     with subprocess.Popen(program.launched(arguments, ranks, launch), env=program.environment(), stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", errors="replace") as running:
+        assert running.stdout and running.stderr
         try:
             for line in running.stdout:
                 share = line[:4].strip()
@@ -140,9 +145,9 @@ def computed(arguments, ranks, launch, progress):
         raise program.error_of(running.returncode, said)
 
 
-def of_simulation_options(simulation_options):
+def of_simulation_options(simulation_options: Any) -> dict[str, Any]:
     """SimulationOptions of k-wave-python as keywords. Raises BadInput for a field that would change the result and is not known."""
-    def value_of(name):
+    def value_of(name: str) -> Any:
         value = attribute(simulation_options, name)
         return None if callable(value) else value
     fields = simulation_options if isinstance(simulation_options, dict) else getattr(simulation_options, "__dict__", {})
@@ -168,7 +173,7 @@ def of_simulation_options(simulation_options):
     return {keyword: value for keyword, value in given.items() if value is not None}
 
 
-def ranks_of(value):
+def ranks_of(value: Any) -> int:
     """A number of ranks: of the argument or of num_threads, which may be "all"."""
     if value == "all":
         return len(os.sched_getaffinity(0))
@@ -177,7 +182,7 @@ def ranks_of(value):
     return int(value)
 
 
-def precision_of(cast, precision):
+def precision_of(cast: Any, precision: str) -> str:
     """The precision of `data_cast` or `dtype` if it is given: "off", "double", "single", also with "gpuArray-", or a type of NumPy."""
     if precision not in ("double", "single"):
         raise BadInput(f"precision must be 'double' or 'single', not {precision!r}")
@@ -190,14 +195,14 @@ def precision_of(cast, precision):
     return found
 
 
-def study_options(options, simulation_options):
+def study_options(options: dict[str, Any], simulation_options: Any) -> tuple[Structure, dict[str, Any]]:
     """The structure `options` of pstdElastic3D, and the other options."""
     given = {**of_simulation_options(simulation_options), **options}
     if "smooth_p0" in options and "smooth" not in options:
         given.pop("smooth", None)
     if given.pop("save_only", None):
         raise BadInput("save_only is not supported")
-    fields = {}
+    fields: dict[str, Any] = {}
     for keyword, name in OPTIONS.items():
         value = given.pop(keyword, None)
         if value is not None:
@@ -209,7 +214,8 @@ def study_options(options, simulation_options):
     return Structure(fields, "options"), {name: value for name, value in given.items() if name not in IGNORED}
 
 
-def solve(parts, notes, order, ranks=1, launch=None, precision="double", quiet=True, progress=False):
+def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int = 1, launch: Sequence[str] | None = None,
+          precision: str = "double", quiet: bool = True, progress: bool = False) -> Results:
     """The results of structures with the fields of pstdElastic3D. Rows of sources and of the sensor are in C or F (Fortran) order
     of their masks. Raises BadInput and ProgramError."""
     given = parts.pop("sensor", None) or Structure({}, "sensor")
@@ -238,8 +244,9 @@ def solve(parts, notes, order, ranks=1, launch=None, precision="double", quiet=T
             return read_results(file, study, records, order if is_mask else "F")
 
 
-def pstd_elastic_3d(kgrid, medium, source, sensor=None, simulation_options=None, execution_options=None, *, ranks=1, launch=None,
-                    precision="double", quiet=False, progress=None, **options):
+def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, simulation_options: Any = None,
+                    execution_options: Any = None, *, ranks: int = 1, launch: Sequence[str] | None = None, precision: str = "double",
+                    quiet: bool = False, progress: bool | None = None, **options: Any) -> Results:
     """Runs a simulation of k-Wave's pstdElastic3D with the program shearwake.
 
     kgrid, medium, source and sensor are objects of k-wave-python, namespaces or dictionaries with the fields of pstdElastic3D:

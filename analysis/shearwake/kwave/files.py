@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
+from __future__ import annotations
+
 import struct
 import zlib
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -23,7 +27,7 @@ OBJECT = ("it is an object, which only MATLAB can read; save a struct or a chara
           "(docs/how-to/kwave.md)")
 
 
-def decoded(value):
+def decoded(value: Any) -> str:
     if isinstance(value, bytes):
         try:
             value = value.decode("utf-8")
@@ -32,7 +36,7 @@ def decoded(value):
     return str(value).rstrip("\0 ")
 
 
-def of_array(values):
+def of_array(values: Any) -> Any:
     """Numbers as float64, texts as str or a list of str. The order of indices is kept."""
     values = np.asarray(values)
     if values.size == 0:
@@ -50,12 +54,12 @@ def of_array(values):
 
 # ---- HDF5: MATLAB 7.3, h5py, and Octave with save -hdf5. Arrays have reversed indices, as (z, y, x).
 
-def class_of(item):
+def class_of(item: Any) -> str:
     """The MATLAB class; empty for other files."""
     return decoded(item.attrs.get("MATLAB_class", b""))
 
 
-def characters(values):
+def characters(values: np.ndarray) -> str | list[str]:
     """The rows of a MATLAB character array."""
     rows = ["".join(chr(int(code)) for code in row).rstrip("\0 ") for row in np.atleast_2d(values.T)]
     return rows[0] if len(rows) == 1 else rows
@@ -65,10 +69,11 @@ class Budget:
     """Limits the number of items that are read and the size of those that are read repeatedly, since any number of links and
     references can lead to one item."""
 
-    def __init__(self):
-        self.items, self.again_B, self.seen = MOST_ITEMS, ALLOWED_B, set()
+    def __init__(self) -> None:
+        self.items, self.again_B = MOST_ITEMS, ALLOWED_B
+        self.seen: set[int] = set()
 
-    def spend(self, item):
+    def spend(self, item: Any) -> None:
         address = h5py.h5o.get_info(item.id).addr
         self.items -= 1
         if address in self.seen and isinstance(item, h5py.Dataset):
@@ -80,7 +85,7 @@ class Budget:
             raise BadInput(f"its structures refer to the same arrays repeatedly, more than {ALLOWED_B // 1_000_000} MB in all")
 
 
-def of_octave(group, level, left):
+def of_octave(group: h5py.Group, level: int, left: Budget) -> Any:
     """A value in the format of Octave: datasets or groups `type` and `value`."""
     kind, value = decoded(group["type"][()]), group["value"]
     if isinstance(value, h5py.Group):
@@ -103,7 +108,7 @@ def of_octave(group, level, left):
     return of_array(np.asarray(value[()]).T)
 
 
-def of_dataset(item, level, left):
+def of_dataset(item: h5py.Dataset, level: int, left: Budget) -> Any:
     kind = class_of(item)
     if item.attrs.get("MATLAB_empty", 0) or item.shape is None or item.size == 0:
         return None
@@ -119,7 +124,7 @@ def of_dataset(item, level, left):
     return of_array(np.asarray(item[()]).T)
 
 
-def of_hdf5(item, left, level=0):
+def of_hdf5(item: Any, left: Budget, level: int = 0) -> Any:
     left.spend(item)
     if level > DEEPEST:
         raise BadInput(f"{item.name} is nested deeper than {DEEPEST} levels")
@@ -133,7 +138,7 @@ def of_hdf5(item, left, level=0):
     return fields
 
 
-def read_hdf5(path):
+def read_hdf5(path: Path) -> tuple[dict[str, Any], list[str]]:
     """The values of the structures, and notes."""
     try:
         file = open_self_contained(path)
@@ -158,14 +163,14 @@ def read_hdf5(path):
         return structures, notes
 
 
-def has_known_order(file):
+def has_known_order(file: h5py.File) -> bool:
     """Whether MATLAB or Octave has written the file, according to the attributes of an array."""
     found = []
     file.visititems(lambda _, item: found.append(item) if {"MATLAB_class", "OCTAVE_NEW_FORMAT"} & set(item.attrs) else None)
     return bool(found)
 
 
-def is_cubic(kgrid):
+def is_cubic(kgrid: Any) -> bool:
     try:
         return float(kgrid["Nx"]) == float(kgrid["Nz"])
     except (KeyError, TypeError, ValueError):
@@ -174,7 +179,7 @@ def is_cubic(kgrid):
 
 # ---- .mat files of versions before 7.3: MATLAB, Octave with save -v7, and scipy.io.savemat
 
-def of_mat(value, level=0):
+def of_mat(value: Any, level: int = 0) -> Any:
     if level > DEEPEST:
         raise BadInput(f"a cell is nested deeper than {DEEPEST} levels")
     if hasattr(value, "toarray"):  # a sparse matrix
@@ -201,7 +206,7 @@ KINDS = {b"PK\3\4": "a zip archive (such as .npz, .mlx or .zip)", b"\x93NUMPY": 
          b"# Created by Octave": "a text file of Octave: use save -v7"}
 
 
-def kind_of_file(path):
+def kind_of_file(path: Path) -> str:
     """What the file is, as far as its first bytes show; otherwise empty."""
     with open(path, "rb") as file:
         start = file.read(512)
@@ -214,7 +219,7 @@ def kind_of_file(path):
     return f"a text file, which begins with \"{decoded(start.split(bytes([10]))[0][:40])}\"" if is_text else ""
 
 
-def variables_of(path):
+def variables_of(path: Path) -> list[str]:
     """The names of all variables of a .mat file before version 7.3."""
     import scipy.io
     try:
@@ -227,7 +232,7 @@ def variables_of(path):
 COMPRESSED = 15  # the type of a variable
 
 
-def refuse_claims(path):
+def refuse_claims(path: Path) -> None:
     """Raises BadInput if a compressed variable of the .mat file contains more than ALLOWED_B and MOST_COMPRESSION times what it
     stores. Damaged files are left to SciPy."""
     with open(path, "rb") as file:
@@ -252,7 +257,7 @@ def refuse_claims(path):
                                "meant to be uniform, save them without compression (-v7.3 -nocompression, or -v6)")
 
 
-def read_mat(path):
+def read_mat(path: Path) -> tuple[dict[str, Any], list[str]]:
     try:
         import scipy.io
     except ImportError as problem:
@@ -271,7 +276,7 @@ def read_mat(path):
     return {name: of_mat(found[variable]) for name, variable in chosen.items() if variable in found}, notes
 
 
-def of_pairs(values):
+def of_pairs(values: list[Any]) -> dict[str, Any]:
     """The fields of a cell array of names and values, as k-Wave's functions take them."""
     if len(values) % 2:
         raise BadInput(f"options is a cell array of {len(values)} elements; it must contain pairs of a name and a value")
@@ -281,10 +286,10 @@ def of_pairs(values):
         at = 2 * bad[0]
         raise BadInput(f"element {at + 1} of options is {kind_of(values[at])}; it must be the name of an option, as in "
                        "{'PMLSize', 10}")
-    return dict(zip(names, values[1::2]))
+    return {str(name): value for name, value in zip(names, values[1::2])}
 
 
-def structure_of(name, value):
+def structure_of(name: str, value: Any) -> Structure | None:
     """The structure of a variable; None if it is empty."""
     if name == "options" and isinstance(value, list):
         value = of_pairs(value)
@@ -297,7 +302,7 @@ def structure_of(name, value):
     raise BadInput(f"{name} is not a structure{found}. Save {name} = struct({EXPECTED[name]}, ...) (docs/how-to/kwave.md)")
 
 
-def structures(path):
+def structures(path: Path) -> tuple[dict[str, Structure], list[str]]:
     """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist; and notes."""
     if path.suffix == ".toml" and path.is_file():
         raise BadInput(f"{path} is a job, not a k-Wave simulation; shearwake run {path} computes it")
@@ -309,8 +314,7 @@ def structures(path):
         found, notes = read_hdf5(path) if h5py.is_hdf5(path) else read_mat(path)
     except (RuntimeError, KeyError, ValueError, OSError) as problem:  # raised by h5py for damaged files
         raise BadInput(f"{path} cannot be read: {problem}") from problem
-    parts = {name: structure_of(name, found[name]) for name in NAMES if name in found}
-    parts = {name: structure for name, structure in parts.items() if structure}
+    parts = {name: structure for name in NAMES if name in found and (structure := structure_of(name, found[name])) is not None}
     for name in ("kgrid", "medium", "source"):
         if name not in parts:
             raise BadInput(f"{path} has no structure {name}")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Converts a k-Wave simulation to a job and its grid study, so that `shearwake run NAME.toml` computes the
 same as pstdElastic3D. docs/how-to/kwave.md has an example."""
+from __future__ import annotations
+
 import argparse
 import contextlib
 import difflib
@@ -9,6 +11,7 @@ import os
 import shlex
 import sys
 from pathlib import Path
+from typing import Any, Iterator
 
 import h5py
 import numpy as np
@@ -48,7 +51,7 @@ exit codes: 0 done, 2 wrong arguments, 3 the simulation cannot be imported, 6 a 
 """
 
 
-def options():
+def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="import-kwave", description=DESCRIPTION, epilog=EPILOG,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", type=Path, metavar="FILE",
@@ -63,17 +66,17 @@ def options():
     return parser.parse_args()
 
 
-def put(group, name, values, units=None):
+def put(group: h5py.Group, name: str, values: Any, units: str | None = None) -> None:
     group[name] = np.atleast_1d(np.asarray(values, dtype=float))
     if units:
         group[name].attrs["units"] = units
 
 
-def text(group, name, value):
+def text(group: h5py.Group, name: str, value: str) -> None:
     group.attrs.create(name, np.bytes_(value))
 
 
-def write_study(path, study):
+def write_study(path: Path, study: Study) -> None:
     units = {"density_kg_m3": "kg/m3", "c_p_m_s": "m/s", "c_s_m_s": "m/s", "eta_Pa_s": "Pa s", "chi_Pa_s": "Pa s"}
     with h5py.File(path, "w") as file:
         text(file, "schema", SCHEMA)
@@ -103,7 +106,7 @@ def write_study(path, study):
         sensor.attrs["start"] = float(study.sensor_start)
 
 
-def good_even(n):
+def good_even(n: int) -> int:
     """The largest even product of 2, 3, 5 and 7 that is at most n: a number of points that a domain may
     have."""
     for length in range(n - n % 2, 1, -2):
@@ -116,7 +119,7 @@ def good_even(n):
     raise BadInput(f"kgrid has only {n} points along x or y: at least 2 are required")
 
 
-def place_of_sources(study):
+def place_of_sources(study: Study) -> tuple[int, np.ndarray, float]:
     """Plane, centre (x, y in m relative to the middle of the domain) and width of the sources of u_z, or of
     all sources if none drives u_z."""
     chosen = [s for s in study.sources if s["field"] == "uz"] or study.sources
@@ -131,9 +134,9 @@ def place_of_sources(study):
     return plane, centre, max(float(width), 2.0 * float(study.spacing_m[0]))
 
 
-def material_of_plane(study, plane):
+def material_of_plane(study: Study, plane: int) -> tuple[float, float, float]:
     """Density, c_p and c_s in the middle of the plane; if it is a fluid, c_s of the softest solid."""
-    def value(name):
+    def value(name: str) -> float:
         values = study.medium[name]
         return float(values if not values.shape else values[study.points[0] // 2, study.points[1] // 2, plane])
 
@@ -144,7 +147,7 @@ def material_of_plane(study, plane):
     return value("density_kg_m3"), value("c_p_m_s"), c_s
 
 
-def job_text(name, study, plane, precision, source_file):
+def job_text(name: str, study: Study, plane: int, precision: str, source_file: str) -> str:
     d_mm = 1e3 * study.spacing_m
     _, centre, width_m = place_of_sources(study)
     density, c_p, c_s = material_of_plane(study, plane)
@@ -207,7 +210,7 @@ depths_mm = [{(plane + 0.5) * d_mm[2]:.12g}] # u_z of plane {plane + 1} of {stud
 
 
 @contextlib.contextmanager
-def complete(path):
+def complete(path: Path) -> Iterator[Path]:
     """A temporary name for the file, which is renamed when it is complete."""
     part = path.with_name(path.name + ".part")
     try:
@@ -217,14 +220,14 @@ def complete(path):
         part.unlink(missing_ok=True)
 
 
-def missing_file(path):
+def missing_file(path: Path) -> str:
     near = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()]
                                      if path.parent.is_dir() else [], n=1)
     return (f"{path}: no such file" + (f"; did you mean {path.with_name(near[0])}?" if near else
             f"; the working directory is {Path.cwd()}"))
 
 
-def output_of(chosen):
+def output_of(chosen: argparse.Namespace) -> Path:
     """The path of the output files without extension. Raises BadInput and NotADirectoryError."""
     out = chosen.out or Path(chosen.file.stem)
     if out.suffix.lower() in (".toml", ".h5"):
@@ -236,7 +239,7 @@ def output_of(chosen):
     return out
 
 
-def main():
+def main() -> int:
     chosen = options()
     try:
         study = Study(*structures(chosen.file))

@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The sensor of a study: its nodes, and what it records from the names in k-Wave's sensor.record."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Iterable
+
 import numpy as np
 
-from .structures import BadInput
+from .structures import BadInput, Structure
+
+if TYPE_CHECKING:
+    from .study import Study
 
 FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 GRID = ("max_all", "min_all", "final")  # suffixes of records of the entire grid
@@ -12,12 +19,12 @@ KWAVE = [*SERIES, "I_avg", *(f"{quantity}_{suffix}" for quantity in "pu" for suf
 NAMES = [*FIELDS, *KWAVE]  # of the program
 
 
-def flags_of(records):
+def flags_of(records: Iterable[str]) -> list[str]:
     """The options of `shearwake kwave` for records of k-Wave."""
     return sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records if record in KWAVE)
 
 
-def recorded_fields(record):
+def recorded_fields(record: Iterable[str]) -> list[str]:
     """The names of the program for those of sensor.record, in a fixed order. The fields are an extension of k-Wave's record; p is
     recorded with the normal stresses of which it is the negative mean."""
     names = set()
@@ -28,7 +35,7 @@ def recorded_fields(record):
     return [name for name in NAMES if name in names]
 
 
-def read_sensor(study, sensor):
+def read_sensor(study: Study, sensor: Structure) -> None:
     """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each."""
     study.sensor_fields = recorded_fields(sensor.texts("record", ["p"]))
     study.sensor_nodes, study.sensor_weights, study.cuboids = np.zeros((0, 3), dtype=int), None, None
@@ -58,7 +65,7 @@ def read_sensor(study, sensor):
         study.notes.append("sensor.record 'u_split_field' is not recorded: as in k-Wave, it is not available for cuboids")
 
 
-def read_corners(study, mask):
+def read_corners(study: Study, mask: np.ndarray) -> None:
     """Corners of cuboids, counted from 1."""
     if np.any(between := mask % 1.0 != 0.0):
         raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
@@ -74,7 +81,7 @@ def read_corners(study, mask):
         for box in study.cuboids]) + study.first
 
 
-def read_points(study, from_centre):
+def read_points(study: Study, from_centre: np.ndarray) -> None:
     """Cartesian points between the nodes, in spacings from the central node, (point, axis)."""
     points, centre = study.points - 2 * study.first, (study.points - 2 * study.first) // 2
     interpolation = study.options.text("CartInterp", "linear")
@@ -100,7 +107,7 @@ def read_points(study, from_centre):
     study.notes.append("sensor.mask: values at Cartesian points are interpolated linearly between nodes")
 
 
-def check_inside(study, nodes):
+def check_inside(study: Study, nodes: np.ndarray) -> None:
     """Nodes (node, axis) must lie in the grid of the study, without an absorbing layer outside of it."""
     if not np.all((nodes >= 0) & (nodes < study.points - 2 * study.first)):  # also for NaN
         raise BadInput("sensor.mask has points outside of the grid")

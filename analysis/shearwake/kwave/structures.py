@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The structures of a k-Wave simulation, with the values of their fields in the order of indices of MATLAB."""
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
 import numpy as np
 
 
@@ -11,11 +15,11 @@ class Unreadable:
     """A value that cannot be used, such as an object or a complex number. It causes an error only if the field is
     needed."""
 
-    def __init__(self, reason):
+    def __init__(self, reason: str) -> None:
         self.reason = reason
 
 
-def kind_of(value):
+def kind_of(value: Any) -> str:
     """The type of a value in the words of MATLAB."""
     if isinstance(value, dict):
         return "a struct"
@@ -30,21 +34,21 @@ class Structure:
     """A struct. The values of `fields` are arrays of float64 (a scalar has the shape ()), texts, lists of values for
     cell arrays, dictionaries for structs, or Unreadable."""
 
-    def __init__(self, fields, name):
+    def __init__(self, fields: dict[str, Any], name: str) -> None:
         self.values, self.name = fields, name
 
-    def __contains__(self, field):
+    def __contains__(self, field: str) -> bool:
         return self.values.get(field) is not None
 
-    def fields(self):
+    def fields(self) -> list[str]:
         return sorted(field for field in self.values if field in self)
 
-    def _refuse(self, field, wanted):
+    def _refuse(self, field: str, wanted: str) -> NoReturn:
         value = self.values[field]
         reason = f": {value.reason}" if isinstance(value, Unreadable) else f" but {kind_of(value)}"
         raise BadInput(f"{self.name}.{field} does not contain {wanted}{reason}")
 
-    def array(self, field):
+    def array(self, field: str) -> np.ndarray:
         """The array with the order of indices of MATLAB; the shape of a scalar is ()."""
         value = self.values[field]
         while isinstance(value, list) and len(value) == 1:
@@ -55,7 +59,7 @@ class Structure:
             raise BadInput(f"{self.name}.{field} contains a number that is not finite")
         return value.reshape(()) if value.size == 1 else value
 
-    def number(self, field, default=None):
+    def number(self, field: str, default: float | None = None) -> float:
         if field not in self:
             if default is None:
                 raise BadInput(f"{self.name}.{field} is missing")
@@ -65,24 +69,25 @@ class Structure:
             raise BadInput(f"{self.name}.{field} has the shape {values.shape}; it must be one number")
         return float(values)
 
-    def text(self, field, default):
+    def text(self, field: str, default: str) -> str:
         found = self.texts(field, [default])
         if len(found) != 1:
             raise BadInput(f"{self.name}.{field} contains {len(found)} texts; it must be one")
         return found[0]
 
-    def texts(self, field, default):
+    def texts(self, field: str, default: list[str]) -> list[str]:
         """The texts of a cell array, or a single text."""
         if field not in self:
             return default
         value = self.values[field]
-        found = [text_of(item) for item in (value if isinstance(value, list) else [value])]
-        if None in found:
+        items = value if isinstance(value, list) else [value]
+        found = [text for item in items if (text := text_of(item)) is not None]
+        if len(found) < len(items):
             self._refuse(field, "text")
         return found
 
 
-def text_of(value):
+def text_of(value: Any) -> str | None:
     """The text of a value; nothing if it is not a text."""
     while isinstance(value, list) and len(value) == 1:
         value = value[0]

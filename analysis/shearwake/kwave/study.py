@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Converts a k-Wave simulation to a grid study with the sources of pstdElastic3D at each node."""
+from __future__ import annotations
+
 import difflib
 import math
+from typing import Any, Iterable
 
 import numpy as np
 
@@ -25,10 +28,10 @@ IGNORED = {"CreateLog", "DataCast", "DataRecast", "DisplayMask", "HDFCompression
            "RecordMovie", "SaveToDisk", "SaveToDiskExit", "StreamToDisk"}
 
 
-def check_fields(structure, notes):
+def check_fields(structure: Structure, notes: list[str]) -> None:
     """Rejects fields that change the result in an unknown way."""
     name = structure.name
-    known = KNOWN.get(name)
+    known = KNOWN.get(name, set())
     for field in structure.fields() if known else []:
         if name == "options" and field in IGNORED:
             cast = "; --precision single computes in single precision" if field == "DataCast" else ""
@@ -40,7 +43,7 @@ def check_fields(structure, notes):
                            f"{', '.join(sorted(known))}")
 
 
-def three(value, name, integer=False):
+def three(value: Any, name: str, integer: bool = False) -> np.ndarray:
     if np.size(value) == 2:  # k-Wave: the second value belongs to y and z
         value = np.ravel(value)[[0, 1, 1]]
     values = np.broadcast_to(np.ravel(value), 3) if np.size(value) in (1, 3) else None
@@ -49,12 +52,12 @@ def three(value, name, integer=False):
     return np.array(values, dtype=float)
 
 
-def grid_of(points):
+def grid_of(points: Iterable[float]) -> tuple[int, ...]:
     """The shape of a grid for messages."""
     return tuple(int(n) for n in points)
 
 
-def shape_hint(values, points):
+def shape_hint(values: np.ndarray, points: Iterable[float]) -> str:
     """What may be wrong with an array that does not have the shape of the grid."""
     shape = grid_of(points)
     if values.shape == shape[::-1]:
@@ -67,11 +70,11 @@ def shape_hint(values, points):
     return ""
 
 
-def is_auto(structure, field):
+def is_auto(structure: Structure, field: str) -> bool:
     return field in structure and text_of(structure.values[field]) == "auto"
 
 
-def largest_factor(number):
+def largest_factor(number: int) -> int:
     """The largest prime factor."""
     factor, largest = 2, 1
     while number > 1:
@@ -81,7 +84,7 @@ def largest_factor(number):
     return largest
 
 
-def smoothed(values, restores_maximum=False):
+def smoothed(values: np.ndarray, restores_maximum: bool = False) -> np.ndarray:
     """The values filtered in wave number space by k-Wave's window: a Blackman window over the distance from the origin,
     interpolated linearly between as many points as the longest axis has. An even axis is periodic, an odd one symmetric."""
     shape = values.shape
@@ -100,7 +103,25 @@ def smoothed(values, restores_maximum=False):
 class Study:
     """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
 
-    def __init__(self, parts, notes):
+    points: np.ndarray
+    spacing_m: np.ndarray
+    layer_points: np.ndarray
+    layer_strength: np.ndarray
+    layer_ratio: float
+    layer_speed_m_s: float
+    medium: dict[str, np.ndarray]
+    time_step_s: float
+    steps: int
+    sources: list[dict[str, Any]]
+    sensor_fields: list[str]
+    sensor_nodes: np.ndarray
+    sensor_weights: np.ndarray | None  # (point, 8) of Cartesian points
+    sensor_start: int
+    cuboids: np.ndarray | None  # (cuboid, 6), counted from 0
+    notes: list[str]
+    warnings: list[str]
+
+    def __init__(self, parts: dict[str, Structure], notes: list[str]) -> None:
         self.notes, self.warnings = list(notes), []
         for structure in parts.values():
             check_fields(structure, self.notes)
@@ -119,7 +140,7 @@ class Study:
 
     # ---- the grid and its layer
 
-    def read_grid(self, kgrid):
+    def read_grid(self, kgrid: Structure) -> None:
         self.points = np.array([kgrid.number(f"N{axis}") for axis in "xyz"])
         if np.any(self.points < 2) or np.any(self.points != np.floor(self.points)):
             raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2: only three-dimensional "
@@ -140,7 +161,7 @@ class Study:
         self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
         self.check_layer()
 
-    def read_times(self, kgrid):
+    def read_times(self, kgrid: Structure) -> None:
         given = [name for name in ("dt", "Nt", "t_array") if name in kgrid and not is_auto(kgrid, name)]
         self.times_are_automatic = not given and any(name in kgrid for name in ("dt", "Nt", "t_array"))
         if self.times_are_automatic:
@@ -155,7 +176,7 @@ class Study:
         if self.time_step_s <= 0 or self.steps < 1:
             raise BadInput("kgrid.dt and Nt must be greater than 0")
 
-    def choose_times(self):
+    def choose_times(self) -> None:
         """The times of makeTime in k-Wave, with the number that pstdElastic3D gives it."""
         speeds = np.concatenate([np.ravel(self.medium[name]) for name in ("c_p_m_s", "c_s_m_s")])
         speeds = speeds[speeds > 0.0]
@@ -167,7 +188,7 @@ class Study:
         self.notes.append(f"kgrid: the times \"auto\" are, as in k-Wave, {self.steps} steps of {1e6 * self.time_step_s:.6g} us (CFL "
                           f"{PSTD_CFL:g}, until the slowest wave has crossed the grid)")
 
-    def read_t_array(self, kgrid, given):
+    def read_t_array(self, kgrid: Structure, given: list[str]) -> None:
         times = np.ravel(kgrid.array("t_array"))
         if times.size < 2:
             raise BadInput("kgrid.t_array must contain the times of all steps")
@@ -186,7 +207,7 @@ class Study:
                                "they must agree")
             self.time_step_s = kgrid.number("dt")
 
-    def automatic_layer(self):
+    def automatic_layer(self) -> np.ndarray:
         """The sizes of getOptimalPMLSize in k-Wave: the enlarged grid has the smallest largest prime factor."""
         if self.options.number("PMLInside", 1.0) != 0.0:
             raise BadInput("options.PMLSize is \"auto\", which k-Wave supports only with options.PMLInside = false")
@@ -198,7 +219,7 @@ class Study:
         self.notes.append("options.PMLSize: \"auto\" is, as in k-Wave, " + ", ".join(f"{size:g}" for size in found))
         return found
 
-    def check_layer(self):
+    def check_layer(self) -> None:
         outside = self.options.number("PMLInside", 1.0) == 0.0
         for axis, points, layer in zip("xyz", self.points, self.layer_points):
             if not outside and 2 * layer > points:
@@ -207,7 +228,7 @@ class Study:
         if self.layer_ratio < 0.0:
             raise BadInput("options.MultiAxialPMLRatio must be 0 or more")
 
-    def enlarge_if_layer_is_outside(self):
+    def enlarge_if_layer_is_outside(self) -> None:
         if self.options.number("PMLInside", 1.0) != 0.0:
             return
         self.first = self.layer_points.astype(int)
@@ -219,8 +240,8 @@ class Study:
 
     # ---- the medium
 
-    def read_medium(self, medium):
-        def values(field):
+    def read_medium(self, medium: Structure) -> None:
+        def values(field: str) -> np.ndarray:
             found = medium.array(field)
             if found.shape not in ((), tuple(self.points)):
                 raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
@@ -250,7 +271,7 @@ class Study:
             try:
                 self.layer_speed_m_s = medium.number("sound_speed_ref")
             except BadInput as no_number:
-                named = {"min": np.min, "mean": np.mean, "max": np.max}
+                named: dict[str, Any] = {"min": np.min, "mean": np.mean, "max": np.max}
                 word = medium.text("sound_speed_ref", "max")
                 if word not in named:
                     raise BadInput("medium.sound_speed_ref must be a number, \"min\", \"mean\" or "
@@ -261,7 +282,7 @@ class Study:
         check_medium(self)
         self.count_fluid_faces(c_s == 0.0)
 
-    def count_fluid_faces(self, fluid):
+    def count_fluid_faces(self, fluid: np.ndarray) -> None:
         """Notes the faces at which pstdElastic3D has another shear modulus: 0 where the fluid lies on the side of the lower index."""
         if not np.ndim(fluid):
             return
@@ -271,13 +292,13 @@ class Study:
             self.notes.append(f"medium: {faces} faces between fluid and solid nodes, where the shear modulus between the nodes is 0; at "
                               f"{higher} of them, with the fluid on the side of the higher index, k-Wave uses that of the solid")
 
-    def c_p_at(self, nodes):
+    def c_p_at(self, nodes: np.ndarray) -> np.ndarray:
         c_p = self.medium["c_p_m_s"]
         return c_p[tuple(nodes.T)] if c_p.shape else np.full(len(nodes), float(c_p))
 
     # ---- the sources
 
-    def nodes_of(self, mask, name):
+    def nodes_of(self, mask: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Nodes of a mask, in k-Wave's order with x fastest, and their labels."""
         given = tuple(self.points - 2 * self.first)
         if mask.shape != given:
@@ -293,7 +314,7 @@ class Study:
             raise BadInput(f"{name} does not mark any node")
         return np.stack(np.unravel_index(at, given, order="F"), axis=1) + self.first, flat[at]
 
-    def read_sources(self, source):
+    def read_sources(self, source: Structure) -> None:
         for kind, fields in (("u", FIELDS[:3]), ("s", FIELDS[3:])):
             driven = [field for field in fields if field in source]
             if not driven:
@@ -319,7 +340,7 @@ class Study:
         if not self.sources:
             raise BadInput("source has none of the fields ux ... uz, sxx ... syz and p0")
 
-    def add_source(self, field, mode, nodes, labels, series):
+    def add_source(self, field: str, mode: str, nodes: np.ndarray, labels: np.ndarray, series: np.ndarray) -> None:
         series = np.atleast_2d(series)
         if series.shape[1] == 1 and series.shape[0] not in (1, len(nodes), labels.max()):
             series = series.T
@@ -356,7 +377,7 @@ class Study:
         self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights, "rows": rows,
                              "series": series[:, :self.steps], "is_initial": False})
 
-    def add_initial_pressure(self, p0, mode):
+    def add_initial_pressure(self, p0: np.ndarray, mode: str) -> None:
         if p0.shape == tuple(self.points - 2 * self.first) and self.smooths[0]:
             p0 = smoothed(p0, restores_maximum=True)
         everywhere = mode == "dirichlet"  # prescribes the stresses of all nodes for two steps

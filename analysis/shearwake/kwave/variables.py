@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which variables of a file are read, and names that may be misspelt."""
+from __future__ import annotations
+
 import difflib
+from pathlib import Path
+from typing import Iterable
 
 from .structures import BadInput
 
@@ -12,7 +16,7 @@ OTHERS = {"args": "options", "opts": "options", "option": "options", "input_opti
 SHOWN = 8  # names of other variables in a note
 
 
-def intended(name):
+def intended(name: str) -> str | None:
     """The structure that a variable is probably meant to be, or None."""
     small = name.lower()
     if small in NAMES:
@@ -21,7 +25,7 @@ def intended(name):
     return OTHERS.get(small) or (near[0] if near else None)
 
 
-def chosen_variables(path, variables):
+def chosen_variables(path: Path, variables: Iterable[str]) -> tuple[dict[str, str], list[str]]:
     """The variable of each structure that the file contains, and notes about others. Raises BadInput if a missing
     structure seems to have another name."""
     chosen = {name: name for name in NAMES if name in variables}
