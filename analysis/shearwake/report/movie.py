@@ -24,7 +24,7 @@ from .compare import compare_words
 from .figures import fig_surface
 from .page import player
 from .progress import Progress
-from .style import plain, plt
+from .style import finish, plain, plt
 from .words import counted, number
 
 ENVIRONMENT = 6
@@ -136,6 +136,7 @@ class Picture:
         if not self.bar.has_data():
             self.figure.colorbar(image, cax=self.bar, orientation="horizontal", extend="both",
                                  label="$u_z$ (µm), positive into the tissue")
+            finish(self.figure)
         self.figure.canvas.draw()
         rgb = np.asarray(self.figure.canvas.buffer_rgba())[:, :, :3]
         return rgb[: rgb.shape[0] // 2 * 2, : rgb.shape[1] // 2 * 2]

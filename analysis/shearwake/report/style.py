@@ -11,7 +11,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.scale import LinearScale, register_scale
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
@@ -72,15 +71,13 @@ class PlainFormatter(ScalarFormatter):
             SUPERSCRIPTS), super().get_offset())
 
 
-class PlainScale(LinearScale):
-    """The linear scale of all axes."""
-
-    def set_default_locators_and_formatters(self, axis: Axis) -> None:
-        super().set_default_locators_and_formatters(axis)
-        axis.set_major_formatter(PlainFormatter())
-
-
-register_scale(PlainScale)
+def finish(figure: Any) -> None:
+    """Applies plain() to all texts, and PlainFormatter to all linear axes without a formatter of their own."""
+    make_texts_plain(figure)
+    for axes in figure.findobj(Axes):
+        for axis in (axes.xaxis, axes.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(PlainFormatter())
 
 
 def sequential(fraction: Any) -> np.ndarray:
@@ -187,7 +184,7 @@ def legend_strip(figure: Any, handles: list) -> None:
 
 def save(figure: Any, path: Path) -> None:
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
-    make_texts_plain(figure)
+    finish(figure)
     if layout := figure.get_layout_engine():
         before = figure.dpi
         figure.set_dpi(DPI)  # of the texts that it measures

@@ -89,6 +89,6 @@ def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> 
     made[0].set_ylabel("y (mm)")
     figure.suptitle(f"The surfaces at {number(field['time_ms'])} ms", x=0.01, ha="left", fontsize=10)
     path.parent.mkdir(parents=True, exist_ok=True)
-    style.make_texts_plain(figure)
+    style.finish(figure)
     figure.savefig(path, dpi=150)
     plt.close(figure)
