@@ -122,8 +122,8 @@ def band_of_slow_lm(rows: list[Row]) -> float:
 
 
 def share_of_sa1_spikes(rows: list[Row]) -> float:
-    spikes = {kind: column(rows, f"{kind}_spikes_1").sum() for kind in ("SA1", "RA", "PC")}
-    return float(spikes["SA1"] / sum(spikes.values())) if sum(spikes.values()) else math.nan
+    spikes = {name: column(rows, name).sum() for name in rows[0] if name.endswith("_spikes_1")}
+    return float(spikes["SA1_spikes_1"] / sum(spikes.values())) if sum(spikes.values()) else math.nan
 
 
 def half_width(rows: list[Row]) -> float:

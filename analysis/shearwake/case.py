@@ -326,6 +326,10 @@ class Case:
         """The class of each afferent, for example "RA"."""
         return stored.receptor_classes(self._file())
 
+    def receptor_colours(self) -> dict[str, str]:
+        """The colours in which figures show the classes of receptors, for example {"RA": "#0072B2"}."""
+        return stored.receptor_colours(self._file())
+
     @property
     def counted_s(self) -> float:
         """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""

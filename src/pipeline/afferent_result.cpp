@@ -172,6 +172,7 @@ VariableGroup afferents_group(const ReceptorMotion& motion, const Scene& scene,
               "position on the hand, from the thumb to the little finger");
     group.add("depth", each, depth, "m", "depth of the receptor");
     group.add("class", each, kind, "1", class_numbers());
+    group.add_attribute("colours", class_colours());
     group.add("row", each, row, "1", "index of the neuron fitted to this class, from 0");
     group.add("spike_count", each, count, "1", "spikes of the afferent");
     group.add("spike_time", {"spike"}, time, "s",

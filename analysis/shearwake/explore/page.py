@@ -40,9 +40,11 @@ def ranges(schema: dict) -> dict[str, dict[str, Limits]]:
 
 
 def keys_of(program: str) -> dict[str, dict]:
-    """The presets of media and the limits of keys, from the schema that the program prints."""
+    """The presets of media, the classes of receptors and the limits of keys, from the schema that the program prints."""
     schema = json.loads(subprocess.run([program, "schema"], capture_output=True, check=True, encoding="utf-8").stdout)
-    return {"presets": schema["properties"]["medium"]["properties"]["preset"]["x-presets"], "ranges": ranges(schema)}
+    tables = {name: table["properties"] for name, table in schema["properties"].items() if "properties" in table}
+    return {"presets": tables["medium"]["preset"]["x-presets"], "receptors": tables["afferents"]["classes"]["x-classes"],
+            "ranges": ranges(schema)}
 
 
 def read(path: Path) -> str:

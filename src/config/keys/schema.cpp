@@ -4,8 +4,6 @@
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/document/key_range.hpp"
-#include "config/document/presets.hpp"
-#include "config/document/tree.hpp"
 #include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
@@ -190,34 +188,6 @@ Json extract_requirements(Json& schema) {
     return rules;
 }
 
-Json json_of(const Node& node) {
-    return std::visit(overloaded{
-                          [](const DateNode&) { return Json(); },
-                          [](const ListNode& list) {
-                              Json array = Json::array();
-                              for (const NodePtr& item : list)
-                                  array.push_back(json_of(*item));
-                              return array;
-                          },
-                          [](const TableNode& table) {
-                              Json members = Json::object();
-                              for (const Entry& entry : table.entries)
-                                  members[entry.key] = json_of(*entry.value);
-                              return members;
-                          },
-                          [](const auto& value) { return Json(value); },
-                      },
-                      node.value);
-}
-
-/// The tables that the presets of [medium] supply, for programs that show them.
-Json medium_presets() {
-    Json presets = Json::object();
-    for (const std::string& name : preset_names())
-        presets[name] = json_of(*medium_preset(name, {}));
-    return presets;
-}
-
 /// Requires the listed keys of a table and of its tables also in a job with a sweep.
 void require_always(Json& table) {
     if (const auto list = table.find(required_keys); list != table.end()) {
@@ -293,6 +263,7 @@ Json schema_of_jobs() {
     walk_fields(walk, optimise);
 
     root["properties"]["medium"]["properties"]["preset"]["x-presets"] = medium_presets();
+    root["properties"]["afferents"]["properties"]["classes"]["x-classes"] = receptor_table();
     Json& layer = root["properties"]["medium"]["properties"]["layer"]["items"];
     Json& loss = layer["properties"]["loss"];
     loss = {{"anyOf", {{{"const", "none"}}, Json(loss)}}};

@@ -14,24 +14,29 @@
 
 namespace shearwake {
 
-/// Classes of mechanoreceptors: slowly adapting (Merkel), rapidly adapting (Meissner), Pacinian. A
-/// further class has an enumerator, a row of receptor_classes, and its neurons in
-/// neural/fibre/neuron_rows.cpp.
+/// Classes of mechanoreceptors. A further class has an enumerator, a row of receptor_classes, and
+/// its neurons in neural/fibre/neuron_rows.cpp.
 enum class AfferentClass { SA1, RA, PC };
 
 struct ReceptorClass {
     AfferentClass kind;
     const char* name;
-    double depth_m;                                   // of the receptors below the surface
-    std::size_t neurons;                              // fitted to recorded fibres of the class
-    bool feels_static;                                // responds to a stress that does not change
+    const char* label;
+    const char* colour;        // in figures
+    const char* colour_on_map; // in front of the colour map of the displacement
+    double depth_m;            // of the receptors below the surface
+    std::size_t neurons;       // fitted to recorded fibres of the class
+    bool feels_static;         // responds to a stress that does not change
     double palm_per_cm2, finger_per_cm2, tip_per_cm2; // density of the fibres (neural/hand)
 };
 /// In the order of the enumerators and of the depths.
 inline constexpr std::array receptor_classes = {
-    ReceptorClass{AfferentClass::SA1, "SA1", 0.3e-3, 4, true, 10.0, 30.0, 70.0},
-    ReceptorClass{AfferentClass::RA, "RA", 1.6e-3, 9, false, 25.0, 40.0, 140.0},
-    ReceptorClass{AfferentClass::PC, "PC", 2e-3, 4, false, 10.0, 10.0, 25.0}};
+    ReceptorClass{AfferentClass::SA1, "SA1", "slowly adapting (Merkel)", "#009E73", "#009E73",
+                  0.3e-3, 4, true, 10.0, 30.0, 70.0},
+    ReceptorClass{AfferentClass::RA, "RA", "rapidly adapting (Meissner)", "#0072B2", "#E69F00",
+                  1.6e-3, 9, false, 25.0, 40.0, 140.0},
+    ReceptorClass{AfferentClass::PC, "PC", "Pacinian", "#D55E00", "#CC79A7", 2e-3, 4, false, 10.0,
+                  10.0, 25.0}};
 
 constexpr const ReceptorClass& properties(AfferentClass kind) {
     return receptor_classes[static_cast<std::size_t>(kind)];
@@ -58,6 +63,9 @@ inline std::optional<AfferentClass> class_named(const std::string& name) {
         if (name_of(kind) == name) return kind;
     return std::nullopt;
 }
+
+/// "SA1: #009E73, RA: #0072B2, ...".
+std::string class_colours();
 
 /// A nerve fibre: the position of its receptor, its class, and the index of its fitted neuron.
 struct ListedAfferent {
@@ -110,16 +118,15 @@ struct AfferentList {
     std::vector<ListedAfferent> all;
     bool operator==(const AfferentList&) const = default;
 };
+/// The meaning of its file, with the numbers of neurons of the classes.
+const char* meaning_of_afferent_file();
 
 template <class Walk, Is<AfferentList> Places>
 void walk_fields(Walk& walk, Places& list) {
-    walk(list.all,
-         {.key = "file",
-          .given = Given::by_hand,
-          .fallback = "required with where = \"csv\"",
-          .meaning = "CSV file; its path is relative to the job file. It has the header "
-                     "`x_mm,y_mm,class,row` and one afferent per line, in the coordinates of the "
-                     "domain; the row is 0 to 3 for SA1, 0 to 8 for RA and 0 to 3 for PC"});
+    walk(list.all, {.key = "file",
+                    .given = Given::by_hand,
+                    .fallback = "required with where = \"csv\"",
+                    .meaning = meaning_of_afferent_file()});
 }
 using AfferentPlaces = std::variant<HandAfferents, GridAfferents, AfferentList>;
 

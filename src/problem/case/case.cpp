@@ -8,6 +8,31 @@
 #include <fmt/format.h>
 
 namespace shearwake {
+
+std::string class_colours() {
+    std::string text;
+    for (const ReceptorClass& one : receptor_classes)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", one.name, one.colour);
+    return text;
+}
+
+const char* meaning_of_afferent_file() {
+    static const std::string text = [] {
+        std::string rows;
+        for (const ReceptorClass& one : receptor_classes)
+            rows += fmt::format("{}0 to {} for {}",
+                                rows.empty()                       ? ""
+                                : &one == &receptor_classes.back() ? " and "
+                                                                   : ", ",
+                                one.neurons - 1, one.name);
+        return "CSV file; its path is relative to the job file. It has the header "
+               "`x_mm,y_mm,class,row` and one afferent per line, in the coordinates of the "
+               "domain; the row is " +
+               rows;
+    }();
+    return text.c_str();
+}
+
 bool wants_tangential(const Case& c) {
     return c.vibrometer && c.vibrometer->is_tilted();
 }

@@ -74,6 +74,11 @@ void walk_fields(Walk& walk, Options& o) {
                            .least_count = 1});
 }
 
+struct Attribute {
+    std::string name;
+    std::variant<std::string, double, long> value;
+};
+
 /// A quantity over named dimensions, row-major, in SI units unless `units` differs. A variable with
 /// the name of its only dimension is the coordinate of that dimension. NaN: no value; `note` gives
 /// the reason.
@@ -84,11 +89,7 @@ struct Variable {
     std::string units; // "1" for pure numbers
     std::string long_name;
     std::string note;
-};
-
-struct Attribute {
-    std::string name;
-    std::variant<std::string, double, long> value;
+    std::vector<Attribute> attributes = {}; // in addition to those of the other members
 };
 
 /// Variables that share their dimensions: one group of a case file.
@@ -100,6 +101,9 @@ struct VariableGroup {
              std::string units, std::string long_name, std::string note = "") {
         variables.push_back({std::move(variable), std::move(dimensions), std::move(values),
                              std::move(units), std::move(long_name), std::move(note)});
+    }
+    void add_attribute(std::string attribute, std::string value) {
+        variables.back().attributes.push_back({std::move(attribute), std::move(value)});
     }
 };
 

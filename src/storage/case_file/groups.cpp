@@ -17,6 +17,9 @@ void put_words(hid_t object, const Variable& variable) {
     h5::put_attribute(object, "units", variable.units);
     h5::put_attribute(object, "long_name", variable.long_name);
     if (!variable.note.empty()) h5::put_attribute(object, "note", variable.note);
+    for (const Attribute& more : variable.attributes)
+        std::visit([&](const auto& value) { h5::put_attribute(object, more.name, value); },
+                   more.value);
 }
 
 } // namespace

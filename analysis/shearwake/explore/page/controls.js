@@ -63,7 +63,7 @@ class Controls {
         slider({label: "Duration", unit: "ms", min: 4, max: 40, step: 1}, s.duration, value => this.set("duration", value))),
       this.group("Focus", choice("Shape", FOCI, s.focus, value => this.set("focus", value, true)),
         ...this.sliders("fwhm", "peak", "distance", "pressure")),
-      this.group("Receptors and grid", this.check("RA and PC receptors", "receptors"),
+      this.group("Receptors and grid", this.check(`${VIBRATION_NAMES} receptors`, "receptors"),
         slider({label: "Grid spacing", unit: "mm", min: 0.5, max: 2, step: 0.1}, s.spacing, value => this.set("spacing", value))));
     for (const control of this.form.querySelectorAll(".control"))
       if (focused && control.querySelector("label").textContent === focused) control.querySelector("input, select").focus();

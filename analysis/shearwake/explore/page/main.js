@@ -29,6 +29,11 @@ class Explorer {
       : new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
     if (CONFIGURATION.stored) this.parts.style.options[2].remove();  // it has no levels
     drawScale(get("scale-map"));
+    for (const {name, label, colour_on_map} of VIBRATION) {
+      const dot = element("span", {textContent: "\u25cf"});
+      dot.style.color = colour_on_map;
+      get("receptor-key").append(" ", dot, element("span", {textContent: ` ${name}`, title: label}));
+    }
     if (!this.is_playing) this.play(false);
     this.listen(get);
     new ResizeObserver(() => { this.plots.fit(); this.draw(); }).observe(document.querySelector("main"));

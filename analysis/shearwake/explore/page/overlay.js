@@ -128,7 +128,7 @@ class Overlay {
   drawReceptors(result, n) {
     const a = result.arrays;
     if (!a["afferents/x"]) return;
-    const colours = ["#009e73", "#e69f00", "#cc79a7"], now = result.time[n];
+    const now = result.time[n];
     let spike = 0;
     for (let k = 0; k < a["afferents/x"].length; ++k) {
       let fires = false;
@@ -136,7 +136,7 @@ class Overlay {
         const since = now - a["afferents/spike_time"][spike];
         fires = fires || (since >= 0 && since < 2e-3);
       }
-      const at = [1e3 * a["afferents/x"][k], 1e3 * a["afferents/y"][k]], style = colours[a["afferents/class"][k]];
+      const at = [1e3 * a["afferents/x"][k], 1e3 * a["afferents/y"][k]], style = RECEPTORS[a["afferents/class"][k]].colour_on_map;
       if (fires) this.dot(at, 6, style); else this.dot(at, 2, style);
     }
   }

@@ -1,9 +1,15 @@
 "use strict";
-// The media that the program has names for, as layers that can be edited, and the limits of its keys: both from its schema.
+// The media that the program has names for, as layers that can be edited, its classes of receptors and the limits of its keys: all from its
+// schema.
 const LABELS = {"thesis-tissue": "Tissue of the thesis", "forearm": "Forearm", "three-layer-skin": "Skin of three layers",
   "ecoflex": "Ecoflex phantom", "palm": "Palm", "fingertip": "Fingertip"};
 const PRESETS = Object.fromEntries(Object.entries(CONFIGURATION.presets).map(([name, {base, layer}]) => [name, {label: LABELS[name] ?? name,
   base, layers: layer.map(({loss, ...rest}) => loss ? {...rest, tau_us: loss.tau_us, exponent: loss.exponent} : rest)}]));
+
+// In the order of their numbers, and those that the page computes: they respond to vibration.
+const RECEPTORS = Object.entries(CONFIGURATION.receptors).map(([name, properties]) => ({name, ...properties}));
+const VIBRATION = RECEPTORS.filter(one => !one.feels_static);
+const VIBRATION_NAMES = VIBRATION.map(one => one.name).join(" and ");
 
 // A slider stays within the limits of its keys. Some exist only with one alternative, such as the shape of a path.
 function limited(sliders, keysOf) {

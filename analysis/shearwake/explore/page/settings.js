@@ -88,7 +88,7 @@ function jobText(s) {
     ? `footprint = { shape = "array", preset = "array-16x16", distance_mm = ${number(s.distance)}, pressure_Pa_m = ${number(s.pressure)} }\n`
     : `peak_Pa = ${number(s.peak)}\nfootprint = { shape = "gaussian", fwhm_mm = ${number(s.fwhm)} }\n`;
   const receptors = s.receptors
-    ? `\n[afferents]\ninput = "stress"\nwhere = "grid"\nextent_mm = ${pair(64, 48)}\npitch_mm = 8.0\nclasses = ["RA", "PC"]\n` : "";
+    ? `\n[afferents]\ninput = "stress"\nwhere = "grid"\nextent_mm = ${pair(64, 48)}\npitch_mm = 8.0\nclasses = [${VIBRATION.map(one => JSON.stringify(one.name)).join(", ")}]\n` : "";
   const covering = length => 2 * s.spacing * Math.ceil(0.5 * length / s.spacing - 1e-9);
   return `schema = 1\n\n[job]\nname = "explore"\ntitle = "A setting of shearwake explore"\n\n${mediumOf(s)}
 [load]\n${footprint}\n${modulationOf(s)}

@@ -16,7 +16,6 @@ from ..figure import Figure
 from ..load import Selection
 from ..words import counted, millimetres, number
 
-COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
 MOST_CASES = 6  # largest number of cases with figures
 PLACES = 5  # largest number of places at which motion and spikes are drawn
 NEAR_mm = 4.0  # largest distance of afferents from their place
@@ -31,6 +30,7 @@ class Afferents:
         self.x, self.y = 1e3 * found["hand_x"], 1e3 * found["hand_y"]
         self.patch = 1e3 * np.stack([found["x"], found["y"]], axis=1)
         self.kind, self.number = case.receptor_classes(), found["class"].astype(int)
+        self.colours = case.receptor_colours()
         self.count = found["spike_count"].astype(int)
         self.outline = 1e3 * np.stack([hand["hand_x"], hand["hand_y"]], axis=1)
         self.pins = 1e3 * np.stack([pins["hand_x"], pins["hand_y"]], axis=1)
@@ -122,7 +122,7 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder
     for line, kind in zip(made, kinds):
         rows = raster_rows(afferents, kind)
         for axes, span in zip(line, spans):
-            axes.eventplot([afferents.spikes[i] for i in rows], color=COLOURS[kind],
+            axes.eventplot([afferents.spikes[i] for i in rows], color=afferents.colours[kind],
                            linelengths=max(0.9, len(rows) / 60.0),
                            linewidths=0.9 if span < 200.0 else 0.35)
             axes.set_xlim(0.0, span)
@@ -165,7 +165,7 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
         for kind in afferents.present():
             for i in np.flatnonzero(near & (afferents.kind == kind) & (afferents.count > 0))[:9]:
                 axes.plot(afferents.spikes[i], np.full(afferents.count[i], level), "|",
-                          color=COLOURS[kind], markersize=4.5, markeredgewidth=0.9)
+                          color=afferents.colours[kind], markersize=4.5, markeredgewidth=0.9)
                 level -= step
                 used.add(kind)
         axes.plot(afferents.time, afferents.u_um[pin], color=style.INK, linewidth=1.1)
@@ -177,7 +177,7 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
     figure.supylabel("indentation (µm); spikes below", fontsize=9.5)
     if used:
         made[0, 0].legend(handles=[plt.Line2D([], [], marker="|", linestyle="none", label=kind,
-                                              color=COLOURS[kind]) for kind in afferents.present()
+                                              color=afferents.colours[kind]) for kind in afferents.present()
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
     style.save(figure, folder / f"{name}.png")

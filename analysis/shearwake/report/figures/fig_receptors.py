@@ -67,7 +67,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         every = afferents.of(kind)
         few = len(every) < 300
         axes.scatter(afferents.y[every], -afferents.x[every], s=26 if few else 2, zorder=5 if few else 2,
-                     color=fig_hand.COLOURS[kind], linewidths=0.6 if few else 0.0, edgecolors="white")
+                     color=afferents.colours[kind], linewidths=0.6 if few else 0.0, edgecolors="white")
         axes.plot(path[:, 1], -path[:, 0], color="#111111", linewidth=1.4, zorder=3,
                   marker="o" if np.ptp(path, axis=0).max() < 1e-6 else "", markersize=5)
         if not fig_hand.feels_stress(case):

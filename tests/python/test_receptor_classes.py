@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The program's table of classes of receptors is the only one."""
+import json
+import re
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+import program
+from study import InFolder, shearwake
+
+from shearwake import stored
+
+AFFERENTS = ('[sweep]\n', '[afferents]\nwhere = "grid"\nextent_mm = [20.0, 20.0]\npitch_mm = 10.0\n\n[sweep]\n')
+# Files that name classes without listing them: those of older case files, and examples in docstrings.
+NAMED = {"analysis/shearwake/stored.py", "analysis/shearwake/case.py"}
+
+
+def table():
+    schema = json.loads(subprocess.run([program.PROGRAM, "schema"], capture_output=True, check=True, encoding="utf-8").stdout)
+    return schema["properties"]["afferents"]["properties"]["classes"]["x-classes"]
+
+
+class ReceptorClasses(InFolder):
+    def test_every_class_has_a_label_and_colours(self):
+        for name, properties in table().items():
+            with self.subTest(name=name):
+                self.assertTrue(properties["label"])
+                for colour in ("colour", "colour_on_map"):
+                    self.assertRegex(properties[colour], "^#[0-9A-F]{6}$")
+
+    def test_case_files_state_the_colours_of_all_classes(self):
+        job = shearwake.Job(program.changed(AFFERENTS))
+        case = job.run(out="out").cases[0]
+        expected = {name: properties["colour"] for name, properties in table().items()}
+        self.assertEqual(case.receptor_colours(), expected)
+        self.assertLessEqual(set(case.receptor_classes()), set(expected))
+
+    def test_older_case_files_have_the_same_colours(self):
+        with h5py.File("older.h5", "w") as file:
+            file["afferents/class"] = np.zeros(1)
+            file["afferents/class"].attrs["long_name"] = "0: SA1, 1: RA, 2: PC"
+        expected = table()
+        for name, colour in stored.receptor_colours("older.h5").items():
+            self.assertEqual(colour, expected[name]["colour"])
+
+    def test_other_sources_do_not_list_the_classes(self):
+        names = "|".join(table())
+        for folder in ("analysis", "scripts"):
+            for path in (program.ROOT / folder).rglob("*"):
+                name = str(path.relative_to(program.ROOT))
+                if path.suffix in (".py", ".js", ".html") and name not in NAMED:
+                    with self.subTest(path=name):
+                        self.assertIsNone(re.search(rf"""["'](?:{names})["']""", path.read_text(encoding="utf-8")))
+
+    def test_keys_state_the_neurons_of_every_class(self):
+        text = subprocess.run([program.PROGRAM, "keys"], capture_output=True, check=True, encoding="utf-8").stdout
+        for name in table():
+            self.assertRegex(text, rf"0 to \d+ for {name}\b")
+
+
+if __name__ == "__main__":
+    unittest.main()
