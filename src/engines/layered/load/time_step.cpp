@@ -157,15 +157,23 @@ constexpr double shortest_step_s = 5e-6;
 /// the footprint, and is not yet a sum of powers there, which BreakError underestimates.
 constexpr double longest_share_of_crossing = 0.35;
 
-/// The highest frequency of sinusoidal gains.
-double sine_frequency_Hz(const Envelope& envelope) {
-    Envelope sines;
-    std::ranges::copy_if(envelope.gains, std::back_inserter(sines.gains),
-                         [](const Gain& gain) { return std::holds_alternative<SineGain>(gain); });
-    return greatest_envelope_frequency_Hz(sines);
+/// Whether a gain oscillates smoothly. The frequencies of others resolve their edges already.
+bool is_smooth(const Gain& gain) {
+    return std::visit(
+        overloaded{[](const SineGain&) { return true; }, [](const RampGain&) { return false; },
+                   [](const SquareGain&) { return false; }, [](const WindowGain&) { return false; },
+                   [](const SampledGain&) { return false; }},
+        gain);
 }
 
-/// A sinusoidal gain needs four times the samples of its frequency: it begins with a break, and
+/// The highest frequency of smooth gains.
+double smooth_frequency_Hz(const Envelope& envelope) {
+    Envelope smooth;
+    std::ranges::copy_if(envelope.gains, std::back_inserter(smooth.gains), is_smooth);
+    return greatest_envelope_frequency_Hz(smooth);
+}
+
+/// A smooth gain needs four times the samples of its frequency: it begins with a break, and
 /// JumpTail requires the derivatives there to decrease.
 double band_Hz(const Load& load) {
     const double scan = bandwidth_rad_m(load.footprint, band_fraction) *
@@ -175,7 +183,7 @@ double band_Hz(const Load& load) {
     const double update = scan > 0.0 ? update_rate_Hz(load.footprint) : 0.0;
     return std::max(scan + greatest_envelope_frequency_Hz(load.modulation.envelope) +
                         carrier_frequency_Hz(load.carrier) + update,
-                    4.0 * sine_frequency_Hz(load.modulation.envelope));
+                    4.0 * smooth_frequency_Hz(load.modulation.envelope));
 }
 
 /// The longest step that resolves the load, or the step that the options specify.

@@ -28,7 +28,10 @@ void scale_times(Case& c, double factor) {
     for (double& time_s : c.record.snapshots_s)
         time_s *= factor;
     for (Gain& gain : c.scene().load.modulation.envelope.gains)
-        if (auto* sampled = std::get_if<SampledGain>(&gain)) sampled->interval_s *= factor;
+        std::visit(overloaded{[&](SampledGain& sampled) { sampled.interval_s *= factor; },
+                              [](SineGain&) {}, [](RampGain&) {}, [](SquareGain&) {},
+                              [](WindowGain&) {}},
+                   gain);
 }
 
 void scale_viscosity(ShearLoss& loss, double factor) {
