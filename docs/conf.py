@@ -54,6 +54,12 @@ def _help(command):
     return f"\n```text\n{text.strip().removesuffix('Options:').strip()}\n```\n"
 
 
+def _exit_codes():
+    """The exit codes that the program lists, as a table."""
+    codes = re.findall(r"^  (\d+) +(.*)$", _printed("--help").partition("Exit codes:\n")[2], flags=re.MULTILINE)
+    return "| code | meaning |\n|---|---|\n" + "".join(f"| {code} | {meaning} |\n" for code, meaning in codes)
+
+
 def _members(properties, prefix=""):
     """The rows of the table of a JSON document. Members of lists that have descriptions have rows of their own."""
     for name, value in properties.items():
@@ -106,15 +112,19 @@ def _linked(text):
 
 
 def _add_generated(app, page, source):
-    """Adds the keys of a job, the help of each command below its heading, the members of the JSON documents, thumbnails to the
-    gallery, the demonstration to the first page, and links to executed notebooks."""
+    """Adds the keys of a job, the columns of tables, the help of each command below its heading, the exit codes, the members of the
+    JSON documents, thumbnails to the gallery, the demonstration to the first page, and links to executed notebooks."""
     source[0] = _linked(source[0])
-    if page in ("reference/keys", "reference/presets", "reference/commands", "reference/json-output"):
+    if page.removeprefix("reference/") in ("keys", "presets", "table-columns", "commands", "exit-codes", "json-output"):
         app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
     if page == "reference/keys":
         source[0] = _printed("keys")
     elif page == "reference/presets":
         source[0] += f"\n```toml\n{_printed('presets')}```\n"
+    elif page == "reference/table-columns":
+        source[0] += "\n" + _printed("columns")
+    elif page == "reference/exit-codes":
+        source[0] = source[0].replace("\n## Details", f"\n{_exit_codes()}\n## Details", 1)
     elif page == "reference/commands":
         source[0] = re.sub(r"^## `(\w+)`\n", lambda heading: heading[0] + _help(heading[1]), source[0],
                            flags=re.MULTILINE)

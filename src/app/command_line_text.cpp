@@ -12,14 +12,18 @@
 namespace shearwake::app {
 namespace {
 
+// The only text about them: --help, the manual page and docs/reference/exit-codes.md show it.
 constexpr std::pair<ExitCode, std::string_view> exit_codes[] = {
     {ExitCode::done, "The command succeeded."},
-    {ExitCode::internal, "An internal error occurred."},
-    {ExitCode::usage, "The command line is invalid."},
-    {ExitCode::bad_job, "The job file contains errors."},
-    {ExitCode::some_cases_failed, "Some cases failed or are damaged."},
+    {ExitCode::internal, "An internal error occurred. Please report it."},
+    {ExitCode::usage, "The command line is invalid, or a folder does not fit the job."},
+    {ExitCode::bad_job, "The job file contains errors, which 'check' lists, or a case needs more "
+                        "memory than the machine has."},
+    {ExitCode::some_cases_failed, "Some cases failed: see failed/, then use 'run --retry-failed'. "
+                                  "Or files are damaged: rerun 'run'."},
     {ExitCode::differs_from_baseline, "The table differs from the baseline."},
-    {ExitCode::environment, "A file, a disk or the environment caused an error."},
+    {ExitCode::environment, "A file, a disk or the environment caused an error. Remove the cause "
+                            "and rerun the command."},
     {ExitCode::stopped_early, "The run stopped early. Rerun the command to resume it."},
 };
 

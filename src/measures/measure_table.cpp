@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <optional>
 
 namespace shearwake::measures {
@@ -284,6 +285,17 @@ std::string with_details(std::string_view text, std::span<const Detail> details)
         text.remove_prefix(close + 1);
     }
     return out;
+}
+
+std::string column_reference() {
+    std::string text = "| column | unit | meaning |\n|---|---|---|\n";
+    for (const Measure& measure : measures) {
+        std::string meaning;
+        for (const char c : with_details(measure.meaning, {}))
+            meaning += c == '|' ? std::string("\\|") : std::string(1, c);
+        text += fmt::format("| `{}` | {} | {} |\n", measure.name, measure.unit, meaning);
+    }
+    return text;
 }
 
 } // namespace shearwake::measures

@@ -49,6 +49,9 @@ std::span<const Measure> all_measures();
 /// The entry of a column; for "focal_rms_um_z1.5mm", that of "focal_rms_um". Null if there is none.
 const Measure* find_measure(std::string_view column);
 
+/// The columns with their units and meanings as a Markdown table.
+std::string column_reference();
+
 /// Whether a column counts samples of the grid, so that its values on different grids cannot be
 /// compared.
 bool counts_samples(std::string_view column);

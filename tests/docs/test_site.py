@@ -51,6 +51,8 @@ sys.exit(main(["-W", "-q", "-b", "html", {str(DOCS)!r}, {str(self.folder / "plai
                               timeout=PATIENCE_s, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(done.stderr, "nbconvert or ipykernel is missing: the site contains the notebooks without outputs\n")
+        for name, text in (("table-columns", "{class}_locking_1"), ("exit-codes", "<td><p>75</p></td>")):
+            self.assertIn(text, (self.folder / "plain" / "reference" / f"{name}.html").read_text(encoding="utf-8"))
         page = (self.folder / "plain" / "index.html").read_text(encoding="utf-8")
         for path in NOTEBOOKS:
             link, = re.findall(f'href="([^"]*/{path.name})"', page)

@@ -15,6 +15,7 @@
     command(keys) \
     command(schema) \
     command(presets) \
+    command(columns) \
     command(plan) \
     command(run) \
     command(evaluate) \

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "config/keys/key_table.hpp"
+#include "measures/measure_table.hpp"
 
 namespace shearwake::app {
 
@@ -13,6 +14,12 @@ void add_schema(CLI::App& app, Action& action) {
     add_text(app, action, "schema",
              "print the JSON Schema of job files, for completion and checking in editors",
              config::job_schema);
+}
+
+void add_columns(CLI::App& app, Action& action) {
+    add_text(app, action, "columns",
+             "print the columns of tables with their units and meanings as Markdown",
+             measures::column_reference);
 }
 
 void add_presets(CLI::App& app, Action& action) {
