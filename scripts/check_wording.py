@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Finds phrases that readers had to translate into the field's standard terms, in all text that users see:
-pages, messages, help, captions and comments of jobs. Prints one line per occurrence and exits with 1.
+pages, messages, help, captions and comments of jobs, and in the identifiers of C++ and Python. Prints one line per occurrence
+and exits with 1.
 
 Usage: check_wording.py [--count] [FILE ...]    (default: every tracked file)
 """
@@ -37,6 +38,17 @@ PHRASES = {
     r"\b\d+(\.\d+)? ?(s|ms|us|min|[kMGT]i?B|bytes|points|samples|%)? an? (case|step|rank|point|second|run)\b": "per case, per step, per rank",
     r"\bsays it all\b": "specify only one",
 }
+# The same for identifiers, as parts between underscores.
+IDENTIFIERS = {
+    r"trouble": "error, reason",
+    r"is_whole|told": "is_complete; integer; reported",
+    r"anew|begin_anew|go_on": "fresh, resume",
+    r"(?<!_)must_(be|fit|exist|survive)\w*": "require_...",
+    r"passed_over": "skipped",
+    r"way_m|recalled|blame": "path_length_m, loaded, cause",
+    r"StopAsked|folder_gone": "StopRequested, folder_removed",
+}
+IDENTIFIER = {re.compile(rf"(?<![A-Za-z0-9])({phrase})(?![A-Za-z0-9])"): instead for phrase, instead in IDENTIFIERS.items()}
 # (end of a path, text of the line): occurrences in another, correct sense.
 EXCEPTIONS = [
     ("scripts/check_wording.py", ""),
@@ -55,6 +67,25 @@ def python_strings(text):
         if token.type == tokenize.STRING:
             for offset, line in enumerate(token.string.splitlines()):
                 yield token.start[0] + offset, line
+
+
+def cpp_code(text):
+    """The lines of C++ without comments and strings."""
+    plain = _STRING.sub(lambda match: '""' + "\n" * match[0].count("\n"), re.sub(r"//.*$", "", text, flags=re.MULTILINE))
+    yield from enumerate(plain.splitlines(), 1)
+
+
+def python_names(text):
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.NAME:
+            yield token.start[0], token.string
+
+
+def identifiers(path):
+    """The lines of a file with its identifiers."""
+    if path.suffix in (".cpp", ".hpp"):
+        return cpp_code(path.read_text(encoding="utf-8"))
+    return python_names(path.read_text(encoding="utf-8")) if path.suffix == ".py" else ()
 
 
 def comments(text):
@@ -107,23 +138,28 @@ def main():
     names = options.files or subprocess.run(
         ["git", "-c", f"safe.directory={ROOT}", "ls-files"], cwd=ROOT, check=True, capture_output=True,
         encoding="utf-8").stdout.split()
-    counts = dict.fromkeys(PHRASES, 0)
+    phrases = {re.compile(phrase, re.IGNORECASE): instead for phrase, instead in PHRASES.items()}
+    counts = dict.fromkeys([*phrases, *IDENTIFIER], 0)
     for name in names:
         path = ROOT / name
-        if not is_user_visible(name) or not path.is_file() or path.suffix in (".png", ".h5", ".csv"):
+        if not path.is_file() or path.suffix in (".png", ".h5", ".csv"):
             continue
-        for number, line in texts(path):
-            for phrase, instead in PHRASES.items():
-                for match in re.finditer(phrase, line, re.IGNORECASE):
-                    if any(name.endswith(end) and part in line for end, part in EXCEPTIONS):
-                        continue
-                    counts[phrase] += 1
-                    if not options.count:
-                        print(f"{name}:{number}: \"{match[0]}\": {instead}: {line.strip()[:100]}")
+        checks = [(identifiers(path), IDENTIFIER)]
+        if is_user_visible(name):
+            checks.append((texts(path), phrases))
+        for lines, table in checks:
+            for number, line in lines:
+                for phrase, instead in table.items():
+                    for match in phrase.finditer(line):
+                        if any(name.endswith(end) and part in line for end, part in EXCEPTIONS):
+                            continue
+                        counts[phrase] += 1
+                        if not options.count:
+                            print(f"{name}:{number}: \"{match[0]}\": {instead}: {line.strip()[:100]}")
     total = sum(counts.values())
     if options.count:
         for phrase, count in counts.items():
-            print(f"{count:6} {phrase}")
+            print(f"{count:6} {phrase.pattern}")
         print(f"{total:6} in all")
     return 1 if total else 0
 

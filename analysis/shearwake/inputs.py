@@ -29,7 +29,7 @@ class BadLink(OSError):
     """A file refers to another file, or claims far more values than it stores."""
 
 
-def open_self_contained(path: Path, must_be_numbers: bool = False) -> h5py.File:
+def open_self_contained(path: Path, require_numbers: bool = False) -> h5py.File:
     """Opens an HDF5 file for reading. Raises OSError, and BadLink if one of its links leads to another file, if the values of
     a dataset are in other files, if a compressed or unwritten dataset claims more than ALLOWED_B and MOST_COMPRESSION times
     what it stores, if a chunk has or decompresses to more than its dataset, or if the file is sparse. Files of this program
@@ -37,10 +37,10 @@ def open_self_contained(path: Path, must_be_numbers: bool = False) -> h5py.File:
     require_regular(path)
     refuse_holes(path)
     file, status = h5py.File(path, "r"), os.stat(path)
-    stamp = (must_be_numbers, status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
+    stamp = (require_numbers, status.st_dev, status.st_ino, status.st_size, status.st_ctime_ns)
     try:
         if stamp not in examined:
-            _refuse_links(file, must_be_numbers)
+            _refuse_links(file, require_numbers)
             examined.add(stamp)
     except (KeyError, ValueError, TypeError) as error:  # raised by h5py for damaged files
         file.close()
@@ -92,13 +92,13 @@ def refuse_holes(path: Path) -> None:
             stored += end - start
 
 
-def _refuse_links(file: h5py.File, must_be_numbers: bool) -> None:
+def _refuse_links(file: h5py.File, require_numbers: bool) -> None:
     total = [0, 0]
 
     def visit(name: bytes, link: Any) -> Exception | None:
         try:
             _refuse_link(file, name, link.type, total)
-            if must_be_numbers:
+            if require_numbers:
                 _refuse_other_contents(file, name, link.type)
         except Exception as error:  # noqa: BLE001 - h5py 3.7 requires that the function returns
             return error

@@ -33,7 +33,7 @@ struct Readings {
 };
 
 /// The reason why the focal disc has no position at the instant: there a repeated path that is not
-/// closed begins anew. Empty if it has one.
+/// closed starts again. Empty if it has one.
 std::string jump_reason(const Case& c) {
     const Modulation& modulation = c.scene().load.modulation;
     const double at_s = c.measure.at_s, aside_s = 1e-6 * c.time.interval_s;

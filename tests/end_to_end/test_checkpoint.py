@@ -72,7 +72,7 @@ class SavedCase(ProgramTest):
         self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
         self.assertEqual(case_files(self.out), [], "it was too fast to be killed")
 
-    def go_on(self, ranks=1):
+    def resume(self, ranks=1):
         said = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).said
         self.says(said, "2 computed now")
         self.assertEqual(self.states(), [], "checkpoints of complete cases")
@@ -115,21 +115,21 @@ class Checkpoint(SavedCase):
     def test_a_case_killed_on_one_rank_is_resumed_bit_for_bit(self):
         self.kill_in_the_middle(ranks=1)
         self.assertTrue(list(self.out.rglob("cases/*.part")))
-        self.go_on()
+        self.resume()
         self.assert_resumed(120)
         self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
 
     @pytest.mark.long
     def test_a_case_killed_on_two_ranks_is_resumed_on_three(self):
         self.kill_in_the_middle(ranks=2)
-        self.go_on(ranks=3)
+        self.resume(ranks=3)
         self.assert_resumed(120)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
     @pytest.mark.long
     def test_a_case_killed_on_three_ranks_is_resumed_on_one(self):
         self.kill_in_the_middle(ranks=3)
-        self.go_on(ranks=1)
+        self.resume(ranks=1)
         self.assert_resumed(120)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
@@ -166,7 +166,7 @@ class Checkpoint(SavedCase):
         self.assertEqual(process.returncode, 75, said)
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 remaining")
-        self.go_on(ranks=2)
+        self.resume(ranks=2)
         self.assertEqual(len(self.events("resumed")), 2)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
@@ -196,7 +196,7 @@ class Checkpoint(SavedCase):
         with open(newest, "r+b") as file:
             file.seek(place + 1000)
             file.write(b"damage")
-        said = self.go_on()
+        said = self.resume()
         self.says(said, newest.name, "is damaged (now does not match its checksum)", "not used")
         self.assert_resumed(100)
         self.assertLess(self.events("resumed")[0]["step"], newest_step)
@@ -208,7 +208,7 @@ class Checkpoint(SavedCase):
         os.truncate(first, first.stat().st_size // 2)
         second.write_bytes(b"words " * 1000)
         second.with_name(second.name + ".part.data.0").touch()  # of OMPIO, if the kill falls into a write
-        self.says(self.go_on(), first.name, second.name, "is damaged")
+        self.says(self.resume(), first.name, second.name, "is damaged")
         self.assertEqual(self.events("resumed"), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
@@ -222,7 +222,7 @@ class Checkpoint(SavedCase):
                     part.unlink()
                 else:
                     os.truncate(part, 2000)
-                said = self.go_on()
+                said = self.resume()
                 self.says(said, part.name, "starts from scratch")
                 self.assertEqual(self.events("resumed"), [])
                 self.assertEqual(self.largest_difference(), 0.0)
@@ -235,13 +235,13 @@ class Checkpoint(SavedCase):
             if path.suffix == ".h5":
                 with h5py.File(path, "r+") as file:
                     file.attrs["git_id"] = numpy.bytes_("0123456789ab")
-        self.says(self.go_on(), "written by another program, 0123456789ab")
+        self.says(self.resume(), "written by another program, 0123456789ab")
         self.assertEqual(self.events("resumed"), [])
 
     def test_checkpoints_of_a_complete_case_are_removed(self):
         self.kill_in_the_middle(ranks=1)
         kept = {path.name: path.read_bytes() for path in self.states()}
-        self.go_on()
+        self.resume()
         for name, content in kept.items():
             (self.out / "checkpoints" / name).write_bytes(content)
         self.says(self.shearwake("run", "job.toml").said, "2 already complete")
@@ -263,14 +263,14 @@ class CheckpointWithABody(SavedCase):
         self.kill_in_the_middle(ranks=2, saves=2)
         killed = self.folder / "killed"
         shutil.copytree(self.out, killed)
-        self.go_on(ranks=2)
+        self.resume(ranks=2)
         self.assert_resumed(40)
         # The uninterrupted run used one rank; only the fields are identical on any number of ranks.
         self.assertEqual(self.largest_difference(fields_alone=True), 0.0)
 
         shutil.rmtree(self.out)
         killed.rename(self.out)
-        self.go_on(ranks=3)
+        self.resume(ranks=3)
         self.assert_resumed(40)
         # The fields are identical to those on one rank; the measures are sums in a different order.
         self.assertLess(self.largest_difference(), 1e-14)
@@ -284,7 +284,7 @@ class CheckpointWithLevels(SavedCase):
     @pytest.mark.long
     def test_levels_of_sensation_are_resumed_on_another_number_of_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=15)  # of 25
-        self.go_on(ranks=3)  # which compares the tables
+        self.resume(ranks=3)  # which compares the tables
         self.assert_resumed(300)
         for row in table(self.out):
             self.assertTrue(row["felt_peak_dB"] and row["felt_path_dB"] and row["felt_area_mm2"], row["note"])

@@ -77,14 +77,14 @@ class PstdGoesOn(SavedCase):
 
     def test_a_case_killed_on_one_rank_is_resumed_bit_for_bit(self):
         self.kill_in_the_middle(ranks=1, saves=5)
-        self.go_on()
+        self.resume()
         self.assert_resumed(100)
         self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
 
     @pytest.mark.long
     def test_a_case_killed_on_two_ranks_is_resumed_on_three(self):
         self.kill_in_the_middle(ranks=2, saves=5)
-        self.go_on(ranks=3)
+        self.resume(ranks=3)
         self.assert_resumed(100)
         self.assertLess(self.largest_difference(), 1e-12)  # sums over the ranks
 

@@ -66,7 +66,7 @@ def processor_s():
     return time.process_time() + children.ru_utime + children.ru_stime
 
 
-def trouble_with(path):
+def reason_of_failure(path):
     """Why an input breaks the reader; empty if it does not."""
     began = processor_s()
     try:
@@ -95,12 +95,12 @@ def main(seconds=600.0, seed=0):
             kind = rng.choice(list(good))
             path = Path(folder) / f"input{KINDS[kind]}"
             path.write_bytes(changed(good[kind], rng))
-            trouble = trouble_with(path)
+            reason = reason_of_failure(path)
             count += 1
-            if trouble:
+            if reason:
                 kept = Path(f"scan-{seed}-{count}{KINDS[kind]}")
                 kept.write_bytes(path.read_bytes())
-                print(f"{kept}: {trouble}")
+                print(f"{kept}: {reason}")
                 return 1
     print(f"no failure in {count} inputs")
     return 0

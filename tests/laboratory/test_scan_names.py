@@ -32,7 +32,7 @@ class Names(ScanTest):
             with self.subTest(remark=remark):
                 self.refused(f"# {remark}\n" + "".join(lines), "trigger_delay" if "delay" in remark else "direction_z", ".csv")
 
-    def test_a_byte_order_mark_is_passed_over(self):
+    def test_a_byte_order_mark_is_skipped(self):
         for kind in ("csv", "uff"):
             with self.subTest(kind=kind):
                 scan = read_scan(self.file(b"\xef\xbb\xbf" + self.written(kind).read_bytes(), KINDS[kind]))

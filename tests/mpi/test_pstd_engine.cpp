@@ -68,7 +68,7 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
 class OneStop : public engines::Checkpoints {
 public:
     OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool resume)
-        : path_(path), team_(team), at_(at), go_on_(resume) {}
+        : path_(path), team_(team), at_(at), resume_(resume) {}
     bool due() override { return ++asked_ == at_; }
     void save(const std::function<void(StateWriter&)>& write) override {
         storage::CheckpointFileWriter file(path_, team_);
@@ -77,7 +77,7 @@ public:
         stop_ = true;
     }
     bool restore(const std::function<void(const StateReader&)>& read) override {
-        if (!go_on_) return false;
+        if (!resume_) return false;
         const storage::CheckpointFileReader file(path_, team_);
         read(file);
         return true;
@@ -88,7 +88,7 @@ private:
     std::filesystem::path path_;
     const Comm& team_;
     std::ptrdiff_t at_, asked_ = 0;
-    bool go_on_, stop_ = false;
+    bool resume_, stop_ = false;
 };
 
 } // namespace

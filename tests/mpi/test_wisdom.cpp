@@ -50,7 +50,7 @@ private:
 
 /// A transform of one line that counts how often and how it was planned.
 struct CountedPlans {
-    int measured = 0, recalled = 0, estimated = 0;
+    int measured = 0, loaded = 0, estimated = 0;
     fft::FftwPlan plan;
 
     fft::MakePlans maker(int length = 360) {
@@ -58,7 +58,7 @@ struct CountedPlans {
             if (flags & FFTW_ESTIMATE)
                 ++estimated;
             else if (flags & FFTW_WISDOM_ONLY)
-                ++recalled;
+                ++loaded;
             else
                 ++measured;
             fft::AlignedVector<double> line(static_cast<std::size_t>(2 * length));
@@ -110,7 +110,7 @@ TEST_CASE("measures a plan once on one rank and reuses it", "[mpi]") {
     fft::plan_measured(world, "line", second.maker());
     CHECK(world.sum(first.measured) == 1.0);
     CHECK(world.sum(second.measured) == 0.0);
-    CHECK(world.sum(second.recalled) == world.size());
+    CHECK(world.sum(second.loaded) == world.size());
     CHECK(world.sum(first.estimated + second.estimated) == 0.0);
     CHECK(everywhere(content(*fft::wisdom_file("line")) == words)); // nothing was measured again
 }

@@ -59,7 +59,7 @@ class Jobs(InFolder):
             self.assertEqual([name for name in around if name in found], [])
             self.assertEqual({name: found[name] for name in of_users}, of_users)
 
-    def test_a_byte_order_mark_is_passed_over(self):
+    def test_a_byte_order_mark_is_skipped(self):
         Path("mark.toml").write_bytes(b"\xef\xbb\xbf" + program.JOB.encode())
         for made in (shearwake.Job("mark.toml"), shearwake.Job("\ufeff" + program.JOB), shearwake.Job("mark.toml", title="other")):
             self.assertEqual(made.name, "small")

@@ -57,7 +57,7 @@ class Submit(ProgramTest):
             self.assertEqual(logs.count("%%"), 1)
         self.assertIn("50%j done", script.splitlines()[-1])
 
-    def test_a_byte_order_mark_is_passed_over(self):
+    def test_a_byte_order_mark_is_skipped(self):
         self.write_job()
         job = self.folder / "job.toml"
         text = job.read_bytes()

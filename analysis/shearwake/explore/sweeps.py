@@ -27,7 +27,7 @@ class NotASweep(Exception):
     """The request of a sweep is not valid."""
 
 
-class StopAsked(Exception):
+class StopRequested(Exception):
     """Ends a run from its report of progress."""
 
 
@@ -85,7 +85,7 @@ class Sweeps:
 
         def progress(found: shearwake.Progress) -> None:
             if self.is_stopping:
-                raise StopAsked
+                raise StopRequested
             loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total,
                                                **points(self.folder / name, key)})
 
@@ -93,7 +93,7 @@ class Sweeps:
 
         try:
             report(await asyncio.to_thread(self.run, job, key, values, name, progress))
-        except StopAsked:
+        except StopRequested:
             report({"state": "stopped"})
         except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
             report({"state": "failed", "message": str(error) or type(error).__name__})

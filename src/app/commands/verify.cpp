@@ -86,7 +86,7 @@ Verified verify(const schedule::OutputFolder& folder, storage::CaseIndex& index)
     for (const std::string& id : planned)
         if (!index.find(id)) v.missing.push_back(id);
     v.journal_lines = storage::read_journals(folder.root).unreadable_lines;
-    v.index_lines = index.lines_passed_over();
+    v.index_lines = index.lines_skipped();
     v.bytes = index.verified_B();
     v.seconds = seconds_since(began);
     return v;

@@ -39,7 +39,7 @@ bool has_foreign_files(const OutputFolder& folder) {
 }
 
 /// A damaged plan may be rewritten only if all results in the folder belong to cases of this job.
-void must_be_of(const Plan& plan, const OutputFolder& folder) {
+void require_plan(const Plan& plan, const OutputFolder& folder) {
     std::set<std::string> ids;
     for (const PlannedCase& c : plan.cases)
         ids.insert(c.id);
@@ -129,7 +129,7 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                                  storage::read_plan(folder.plan()).name == job.plan.name;
         if (is_replaced) match = storage::PlanMatch::extended;
         if (match == storage::PlanMatch::damaged) {
-            must_be_of(job.plan, folder);
+            require_plan(job.plan, folder);
             storage::write_file(folder.plan(), text);
             warning = fmt::format("{} was damaged and has been rewritten from this job",
                                   folder.plan().string());

@@ -99,7 +99,7 @@ Beginning begin_run(const config::Job& job, const OutputFolder& folder,
 /// sweep is not reported as complete. Not collective.
 void require_files(const OutputFolder& folder, const Plan& plan,
                    const std::vector<std::size_t>& there, const WorkResult& result) {
-    if (result.folder_gone || folder.has_lost_plan())
+    if (result.folder_removed || folder.has_lost_plan())
         throw UsageError(
             fmt::format("the output folder {} was removed during the run (plan.json is "
                         "missing): the run has stopped; rerun the command to start "
@@ -188,8 +188,8 @@ void note_beginning(const storage::RunStart& start, const Beginning& beginning,
 
 /// Throws UsageError if the cases to be computed need more memory or disk space than there is,
 /// before anything is written. Not collective.
-void must_fit(const config::Job& job, const OutputFolder& folder, const RunArguments& arguments,
-              int ranks, double memory_B) {
+void require_resources(const config::Job& job, const OutputFolder& folder,
+                       const RunArguments& arguments, int ranks, double memory_B) {
     storage::CaseIndex index(folder.root);
     const Selection selection = select_cases(job.plan, {}, index, arguments);
     std::vector<const PlannedCase*> cases;
@@ -300,7 +300,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     };
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!arguments.force)
-        on_root(world, [&] { must_fit(job, folder, arguments, world.size(), memory_B); });
+        on_root(world, [&] { require_resources(job, folder, arguments, world.size(), memory_B); });
     if (world.is_root() && !arguments.quiet) print_warnings(job, arguments, world.size(), progress);
     Beginning beginning;
     std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run

@@ -33,7 +33,7 @@ Shard parse_shard(const std::string& text) {
     return shard;
 }
 
-void must_exist(const std::vector<std::string>& only, const Plan& plan) {
+void require_cases(const std::vector<std::string>& only, const Plan& plan) {
     std::vector<std::string> ids;
     for (const PlannedCase& c : plan.cases)
         ids.push_back(c.id);
@@ -57,7 +57,7 @@ std::string part_name(const RunArguments& arguments) {
 Selection select_cases(const Plan& plan, const storage::JournalContents& journal,
                        storage::CaseIndex& index, const RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
-    must_exist(arguments.only, plan);
+    require_cases(arguments.only, plan);
     Selection selection{.total = plan.cases.size()};
     for (std::size_t i = 0; i < plan.cases.size(); ++i) {
         const std::string& id = plan.cases[i].id;

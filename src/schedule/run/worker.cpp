@@ -268,7 +268,7 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
     counters_.fetch_add(failed_files, 1);
     last_folder_ = {}; // now
     look_for_folder();
-    if (counters_.read(folder_gone) == 0 &&
+    if (counters_.read(folder_removed) == 0 &&
         ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
         progress_.report(
             fmt::format("file errors ended {} cases in a row; no further case is started",
@@ -284,7 +284,7 @@ void Worker::look_for_folder() {
     if (now - last_folder_ < 500ms) return;
     last_folder_ = now;
     if (!list_.folder.has_lost_plan()) return;
-    counters_.fetch_add(folder_gone, 1);
+    counters_.fetch_add(folder_removed, 1);
     give_up();
 }
 
@@ -391,7 +391,7 @@ WorkResult Worker::wait_for_others() {
             .elsewhere = of(elsewhere),
             .asked_to_stop = of(signalled) != 0,
             .given_up = of(given_up) != 0,
-            .folder_gone = of(folder_gone) != 0,
+            .folder_removed = of(folder_removed) != 0,
             .computed = std::move(computed),
             .times = times};
 }

@@ -47,7 +47,7 @@ struct WorkResult {
     long elsewhere = 0;         // computed by another run
     bool asked_to_stop = false; // by a signal, the STOP file or the time limit
     bool given_up = false;      // after file errors, or after any failure with --fail-fast
-    bool folder_gone = false;
+    bool folder_removed = false;
     std::vector<std::size_t> computed; // positions in the plan; on rank 0 only
     storage::RunTimes times;
 };
@@ -77,7 +77,7 @@ private:
         teams_ended,
         put_off,
         elsewhere,
-        folder_gone,
+        folder_removed,
         teams_us,
         solves_us,
         partial_ppm, // sum of the complete shares of the running cases, in millionths

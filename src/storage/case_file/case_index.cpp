@@ -127,7 +127,7 @@ CaseIndex::CaseIndex(fs::path folder, Trust trust,
         for (std::string text; next_line(lines, text);) {
             const std::optional<std::string> line = unseal(text);
             if (!line) {
-                ++lines_passed_over_;
+                ++lines_skipped_;
                 continue;
             }
             try {
@@ -135,7 +135,7 @@ CaseIndex::CaseIndex(fs::path folder, Trust trust,
                 const std::string id = digest.id;
                 known_[id] = {stamp, std::move(digest)};
             } catch (const nlohmann::json::exception&) {
-                ++lines_passed_over_;
+                ++lines_skipped_;
             }
         }
     }

@@ -70,7 +70,7 @@ public:
     /// The entries of all case files in the folder, in the order of their names.
     const std::map<std::string, CaseDigest>& all();
     /// Number of lines of the index that were ignored: damaged or truncated.
-    long lines_passed_over() const { return lines_passed_over_; }
+    long lines_skipped() const { return lines_skipped_; }
     /// Number of bytes that were read to verify checksums.
     double verified_B() const { return verified_B_; }
     bool is_complete(const std::string& id) {
@@ -95,7 +95,7 @@ private:
     std::filesystem::path folder_;
     Trust trust_;
     std::function<void(const VerifyProgress&)> report_;
-    long lines_passed_over_ = 0;
+    long lines_skipped_ = 0;
     double verified_B_ = 0.0;
     std::map<std::string, Entry> known_; // according to the lines
     std::map<std::string, CaseDigest> checked_;

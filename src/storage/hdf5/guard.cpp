@@ -32,7 +32,7 @@ void limit(__rlimit_resource resource, rlim_t most) {
     ::setrlimit(resource, &now);
 }
 
-bool is_trial = false;           // in a child of must_survive()
+bool is_trial = false;           // in a child of try_in_child()
 constexpr int out_of_memory = 2; // exit code of such a child
 
 [[noreturn]] void try_out(const std::function<void()>& work, double seconds) {
@@ -105,7 +105,7 @@ void limit_trial_memory(double more_B) {
               static_cast<rlim_t>(pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + more_B));
 }
 
-void must_survive(const std::filesystem::path& file, const std::function<void()>& read) {
+void try_in_child(const std::filesystem::path& file, const std::function<void()>& read) {
     // A library that needs longer is caught in a loop.
     constexpr double slowest_B_s = 20e6;
     std::error_code unknown;

@@ -17,9 +17,9 @@ constexpr double always_allowed_B = 64e6;
 /// process does not crash either when it then does the same. Throws Error if the child crashes,
 /// takes too long, or needs more memory than limit_trial_memory() allows; does nothing if no child
 /// can be created. Not collective; `read` must not communicate.
-void must_survive(const std::filesystem::path& file, const std::function<void()>& read);
+void try_in_child(const std::filesystem::path& file, const std::function<void()>& read);
 
-/// In the child of must_survive(), limits the memory that it may allocate from now on; otherwise
+/// In the child of try_in_child(), limits the memory that it may allocate from now on; otherwise
 /// has no effect. A chunk of an HDF5 file can decompress to far more than it states.
 void limit_trial_memory(double more_B);
 

@@ -53,7 +53,7 @@ std::optional<std::string> system_reason(const std::string& message) {
 constexpr std::size_t longest_plausible = std::size_t{1} << 24;
 
 /// The attribute must be a single value.
-void must_be_single(const Id& attribute, const std::string& name) {
+void require_single_value(const Id& attribute, const std::string& name) {
     const Id space(H5Aget_space(attribute.raw()), H5Sclose, "inspect attribute " + name);
     if (H5Sget_simple_extent_npoints(space.raw()) != 1)
         throw Error("attribute " + name + " is not a single value");
@@ -283,7 +283,7 @@ std::string text_attribute(hid_t object, const std::string& name) {
     const Id type(H5Aget_type(attribute.raw()), H5Tclose, "inspect attribute " + name);
     if (H5Tget_class(type.raw()) != H5T_STRING || H5Tis_variable_str(type.raw()) != 0)
         throw Error("attribute " + name + " is not a string of fixed length");
-    must_be_single(attribute, name);
+    require_single_value(attribute, name);
     const std::size_t size = H5Tget_size(type.raw());
     if (size > longest_plausible) throw Error("attribute " + name + " is implausibly long");
     std::string value(size, '\0');
@@ -295,7 +295,7 @@ std::string text_attribute(hid_t object, const std::string& name) {
 double number_attribute(hid_t object, const std::string& name) {
     const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose,
                        "open attribute " + name);
-    must_be_single(attribute, name);
+    require_single_value(attribute, name);
     double value = 0.0;
     check(H5Aread(attribute.raw(), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
     return value;

@@ -119,7 +119,7 @@ auto read_user_file(const std::filesystem::path& path, Read read) {
         return read(file.raw());
     };
     try {
-        must_survive(path, open_and_read);
+        try_in_child(path, open_and_read);
         return open_and_read();
     } catch (const std::bad_alloc&) {
         throw UsageError(name + ": it does not fit into the memory of this machine");

@@ -123,7 +123,7 @@ def problem_list(selection: Selection, problems: list[Any], state: str = "") -> 
     if not items:
         return ""
     return folded("missing", "Not in the figures", counted(len(items), "item"),
-                  f'<div class="trouble"><ul>{"".join(items)}</ul></div>', state)
+                  f'<div class="problems"><ul>{"".join(items)}</ul></div>', state)
 
 
 def moment(stamp: str) -> str:

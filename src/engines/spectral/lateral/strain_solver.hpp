@@ -44,7 +44,7 @@ public:
     /// it does; therefore the sums are independent of the number of ranks, and all results have the
     /// same bits on any number of ranks.
     /// After some iterations with the full response the rounded one takes over. The residual is
-    /// then computed anew with the full response, so that e and the residual are consistent up to
+    /// then recomputed with the full response, so that e and the residual are consistent up to
     /// rounding errors of double precision. Collective.
     Outcome solve(Values& residual, double reference, double tolerance, const Responses& respond);
 

@@ -99,13 +99,13 @@ PathProgress in_run(const Timetable& table, const CornerPace& pace, double speed
     }
     if (next == 0) return {.arc_m = speed_m_s * t_s, .speed_m_s = speed_m_s, .stage = -1};
     const double stop_m = table.arc_m(next - 1);
-    const double gone_s = t_s - table.arrival_s(next - 1, speed_m_s) - pace.dwell_s;
-    if (gone_s < 0.0) return {.arc_m = stop_m, .speed_m_s = 0.0, .stage = 4 * next + 1};
-    if (gone_s < zone_s)
-        return {.arc_m = stop_m + from_stop_m(gone_s),
-                .speed_m_s = slow_m_s + rate * gone_s,
+    const double elapsed_s = t_s - table.arrival_s(next - 1, speed_m_s) - pace.dwell_s;
+    if (elapsed_s < 0.0) return {.arc_m = stop_m, .speed_m_s = 0.0, .stage = 4 * next + 1};
+    if (elapsed_s < zone_s)
+        return {.arc_m = stop_m + from_stop_m(elapsed_s),
+                .speed_m_s = slow_m_s + rate * elapsed_s,
                 .stage = 4 * next + 2};
-    return {.arc_m = stop_m + zone_m + speed_m_s * (gone_s - zone_s),
+    return {.arc_m = stop_m + zone_m + speed_m_s * (elapsed_s - zone_s),
             .speed_m_s = speed_m_s,
             .stage = 4 * next + 3};
 }

@@ -134,7 +134,7 @@ TEST_CASE("a changed line of the index is ignored", "[checksum]") {
     CaseIndex index(folder / "");
     REQUIRE(index.find("00ff"));
     CHECK(index.find("00ff")->scalars.back().value == 0.503);
-    CHECK(index.lines_passed_over() == 1);
+    CHECK(index.lines_skipped() == 1);
 }
 
 TEST_CASE("detected damage is recorded for the next run", "[checksum]") {
