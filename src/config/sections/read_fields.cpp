@@ -38,8 +38,8 @@ std::optional<std::array<int, 2>> find_integer_pair(Reader& reader, std::string_
                                                     const Range& range, std::string_view meaning) {
     const auto numbers = reader.find_numbers(key, range);
     if (!numbers) return std::nullopt;
-    const auto is_whole = [](double number) { return number == std::floor(number); };
-    if (numbers->size() == 2 && std::ranges::all_of(*numbers, is_whole))
+    const auto is_integer = [](double number) { return number == std::floor(number); };
+    if (numbers->size() == 2 && std::ranges::all_of(*numbers, is_integer))
         return std::array{static_cast<int>((*numbers)[0]), static_cast<int>((*numbers)[1])};
     reader.error(key, fmt::format("must be two whole numbers{}", meaning));
     return std::nullopt;
