@@ -87,6 +87,7 @@ class Texts(unittest.TestCase):
     def test_a_power_of_ten_of_an_axis_is_plain_text(self):
         figure, axes = plt.subplots()
         axes.plot([0.0, 1.0], [-2e-7, 3e-7])
+        style.finish(figure)
         figure.canvas.draw()
         self.assertEqual(axes.yaxis.get_offset_text().get_text(), "×10⁻⁷")
         self.assertIn("\N{MINUS SIGN}2", [label.get_text() for label in axes.get_yticklabels()])
