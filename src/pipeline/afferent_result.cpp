@@ -284,14 +284,6 @@ std::vector<measures::Column> columns_of(const ReceptorMotion& motion,
 
 } // namespace
 
-std::shared_ptr<const Scene> receptors_of(const Case& c) {
-    if (!c.afferents) return {};
-    static std::pair<AfferentOptions, std::shared_ptr<const Scene>> latest;
-    if (!latest.second || latest.first != *c.afferents)
-        latest = {*c.afferents, std::make_shared<const Scene>(neural::make_scene(*c.afferents))};
-    return latest.second;
-}
-
 neural::Repetitions receptor_repetitions(const Case& c, const Scene& scene) {
     if (c.time.regime != Regime::periodic) return {};
     return neural::repetitions_of(scene.afferents, c.time.duration_s(),

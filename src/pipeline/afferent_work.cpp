@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Work, memory and file size of the receptors of a case.
+// The receptors of a case, and their work, memory and file size.
 #include "base/units.hpp"
 #include "neural/fibre/neuron.hpp"
 #include "pipeline/afferent_result.hpp"
@@ -38,6 +38,14 @@ Counts counts_of(const Case& c, const Scene& scene) {
 }
 
 } // namespace
+
+std::shared_ptr<const Scene> receptors_of(const Case& c) {
+    if (!c.afferents) return {};
+    static std::pair<AfferentOptions, std::shared_ptr<const Scene>> latest;
+    if (!latest.second || latest.first != *c.afferents)
+        latest = {*c.afferents, std::make_shared<const Scene>(neural::make_scene(*c.afferents))};
+    return latest.second;
+}
 
 engines::Work receptors_work(const Case& c, const Scene& scene) {
     const AfferentOptions& options = *c.afferents;

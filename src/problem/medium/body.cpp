@@ -23,27 +23,12 @@ Vec2 direction(double angle_deg) {
     return {std::cos(turn_rad), std::sin(turn_rad)};
 }
 
-} // namespace
-
-BodyAxes axes_of(const Orientation& orientation) {
-    const Vec2 turn = direction(orientation.azimuth_deg),
-               tilt = direction(orientation.inclination_deg),
-               roll = direction(orientation.roll_deg);
-    const Vec3 x{turn.x * tilt.x, turn.y * tilt.x, tilt.y};
-    const Vec3 across{-turn.y, turn.x, 0.0};
-    const Vec3 down{-turn.x * tilt.y, -turn.y * tilt.y, tilt.x};
-    return {x, roll.x * across + roll.y * down, roll.x * down - roll.y * across};
-}
-
-namespace {
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Sub-samples along a side of a cell. With 8, the volume of a sphere is in error by 1 % at a
-/// radius of one cell and by 1e-3 at three; a smooth edge of at least the width of a cell requires
+/// radius of one cell and by 1e-3 at three; a smooth edge at least as wide as a cell requires
 /// fewer.
-constexpr int sharp_samples = 8;
-constexpr int smooth_samples = 4;
+constexpr int sharp_samples = 8, smooth_samples = 4;
 
 double dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -286,6 +271,16 @@ double lateral_width_m(const Ellipsoid& shape) {
 
 bool Cylinder::is_endless() const {
     return length_m == 0.0 || std::isinf(length_m);
+}
+
+BodyAxes axes_of(const Orientation& orientation) {
+    const Vec2 turn = direction(orientation.azimuth_deg),
+               tilt = direction(orientation.inclination_deg),
+               roll = direction(orientation.roll_deg);
+    const Vec3 x{turn.x * tilt.x, turn.y * tilt.x, tilt.y};
+    const Vec3 across{-turn.y, turn.x, 0.0};
+    const Vec3 down{-turn.x * tilt.y, -turn.y * tilt.y, tilt.x};
+    return {x, roll.x * across + roll.y * down, roll.x * down - roll.y * across};
 }
 
 BodyAxes axes_of(const Body& body) {
