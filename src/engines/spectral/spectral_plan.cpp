@@ -195,8 +195,7 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
     for (int rank = 0; rank < ranks; ++rank)
         plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -
                                                               cells_before(rank * of_rank));
-    if (plan.iterates && !plan.extent.is_complete(c.domain.nx, c.domain.ny))
-        plan.box = box_grid(c, mesh, time.step_s);
+    if (plan.iterates) plan.box = box_grid(c, mesh, plan.extent, time.step_s);
     return plan;
 }
 

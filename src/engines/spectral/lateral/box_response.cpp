@@ -50,12 +50,19 @@ Axis axis_of(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t points) {
 /// Planes of strain if all points vary in the elements that bodies or the map reach.
 double most_planes(const Medium& medium, const DepthMesh& mesh) {
     double points = 0.0;
-    for (std::size_t e = 0; e < mesh.elements(); ++e)
-        if (varies_between(medium, mesh.ends_m[e], mesh.ends_m[e + 1])) points += mesh.degree + 1.0;
-    const bool density = (medium.map && !medium.map->density_kg_m3.empty()) ||
-                         std::ranges::any_of(medium.bodies, [](const Body& body) {
-                             return body.density_kg_m3.has_value();
-                         });
+    bool density = false; // whether it differs from that of a layer there
+    for (std::size_t e = 0; e < mesh.elements(); ++e) {
+        if (!varies_between(medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
+        points += mesh.degree + 1.0;
+        const double layer = medium.layers[mesh.layers[e]].density_kg_m3;
+        const auto differs = [layer](double other) { return other != layer; };
+        density |= medium.map && std::ranges::any_of(medium.map->density_kg_m3, differs);
+        for (const Body& body : medium.bodies) {
+            const Bounds box = bounds(body);
+            if (box.low_m.z < mesh.ends_m[e + 1] && box.high_m.z > mesh.ends_m[e])
+                density |= differs(body.density_kg_m3.value_or(layer));
+        }
+    }
     return points * static_cast<double>(density ? all_components : strain_components);
 }
 
@@ -71,9 +78,9 @@ double factor_entries(const DepthMesh& mesh) {
                                SkylineMatrix(moving, mesh.degree, 1).entries());
 }
 
-std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, double step_s) {
+std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, const CellExtent& extent,
+                                double step_s) {
     const Medium& medium = c.scene().medium;
-    const CellExtent extent = extent_of(medium, c.domain);
     if (extent.x_end == extent.x_begin || std::ranges::any_of(medium.bodies, &Body::rigid))
         return {};
     const Domain& domain = c.domain;

@@ -22,10 +22,11 @@ struct BoxGrid {
 };
 /// The box of a case whose steps iterate, if there are no rigid bodies, whose response depends on
 /// the positions of both cells, and if its matrices are smaller than twice the factors of the
-/// implicit operator and save more time during the run than their computation takes. The plan of a
-/// case and its run call this with the same arguments. Independent of the number of ranks. Not
-/// collective.
-std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, double step_s);
+/// implicit operator and save more time during the run than their computation takes. Plan and run
+/// call this with the extent by extent_of(), if the cells are within it. Independent of the number
+/// of ranks. Not collective.
+std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, const CellExtent& extent,
+                                double step_s);
 /// Entries of the factors of the implicit operator at a wave vector. Not collective.
 double factor_entries(const DepthMesh& mesh);
 /// Number of doubles of the matrices of a box, on all ranks together.

@@ -106,8 +106,8 @@ std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_of(double low, double high, std:
     const auto within = [points](double at) {
         return static_cast<std::ptrdiff_t>(std::clamp(at, 0.0, static_cast<double>(points)));
     };
-    return {within(std::floor(low - 0.5 - rounding) + 1.0),
-            within(std::ceil(high + 0.5 + rounding))};
+    return {within(std::floor(low - 0.5 + rounding) + 1.0),
+            within(std::ceil(high + 0.5 - rounding))};
 }
 
 } // namespace
@@ -135,9 +135,7 @@ CellExtent extent_of(const Medium& medium, const Domain& domain) {
         const auto x = cells_of((box.low_m.x - x_m) / h, (box.high_m.x - x_m) / h, domain.nx),
                    y = cells_of((box.low_m.y - y_m) / h, (box.high_m.y - y_m) / h, domain.ny);
         if (x.first >= x.second || y.first >= y.second) continue; // beyond the edges
-        if (all.x_begin == all.x_end) all = {x.first, x.second, y.first, y.second};
-        all = {std::min(all.x_begin, x.first), std::max(all.x_end, x.second),
-               std::min(all.y_begin, y.first), std::max(all.y_end, y.second)};
+        all = all.with({x.first, x.second, y.first, y.second});
     }
     return all;
 }

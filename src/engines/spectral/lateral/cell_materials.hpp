@@ -7,6 +7,7 @@
 #include "parallel/comm.hpp"
 #include "problem/medium/material_field.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <utility>
@@ -21,14 +22,18 @@ struct CellExtent {
     bool is_complete(std::ptrdiff_t nx, std::ptrdiff_t ny) const {
         return x_begin == 0 && x_end == nx && y_begin == 0 && y_end == ny;
     }
-    bool contains(const CellExtent& other) const {
-        return other.x_begin == other.x_end || (x_begin <= other.x_begin && other.x_end <= x_end &&
-                                                y_begin <= other.y_begin && other.y_end <= y_end);
+    /// The range that contains both.
+    CellExtent with(const CellExtent& other) const {
+        if (x_begin == x_end) return other;
+        if (other.x_begin == other.x_end) return *this;
+        return {std::min(x_begin, other.x_begin), std::max(x_end, other.x_end),
+                std::min(y_begin, other.y_begin), std::max(y_end, other.y_end)};
     }
 };
-/// That of the cells within the bounds of the bodies and the map. Where these are softer, lighter
-/// or less viscous than a layer, they are the background, from which the cells around them differ,
-/// so that the complete plane varies. Not collective.
+/// That of the cells that overlap the bounds of the bodies and the map; a cell that touches them
+/// may differ from the background by rounding. Where these are softer, lighter or less viscous than
+/// a layer, they are the background, from which the cells around them differ, so that the complete
+/// plane varies. Not collective.
 CellExtent extent_of(const Medium& medium, const Domain& domain);
 
 /// The cells of planes at points over depth on this rank's rows, which belong to someone else.

