@@ -27,7 +27,12 @@ constexpr std::array units = {
 } // namespace
 
 std::optional<Unit> unit_of(std::string_view key) {
-    std::optional<Unit> found;
+    // That of the latest key, since long lists ask for each of their numbers.
+    static std::string latest;
+    static std::optional<Unit> found;
+    if (key == latest) return found;
+    latest = key;
+    found.reset();
     if (key.find("_over_") != std::string_view::npos) return found; // a ratio
     for (const Unit& unit : units) {
         const bool longer = !found || unit.suffix.size() > found->suffix.size();

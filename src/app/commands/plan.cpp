@@ -113,9 +113,9 @@ struct Estimates {
     double core_hours() const { return layout.seconds * ranks / 3600.0; }
 };
 
-/// CPU time for choosing time steps and for the errors that they cause, and for the resources of
+/// CPU time for choosing time steps, for the choices with their errors, and for the resources of
 /// cases. At least one case is computed.
-constexpr double most_choosing_s = 0.25, most_resources_s = 0.5;
+constexpr double most_choosing_s = 0.25, most_notes_s = 0.12, most_resources_s = 0.5;
 
 /// The choices of the engines: each distinct line once, in the order of the cases.
 void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseCosts& costs,
@@ -125,7 +125,7 @@ void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseC
         const Case& c = planned->physics;
         if (!costs.is_probed(c)) continue;
         const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-        if (e.probed > 0 && used_s > most_choosing_s) return;
+        if (e.probed > 0 && used_s > most_notes_s) return;
         ++e.probed;
         std::vector<std::string> notes = files_read(c);
         if (e.probed == 1) notes.push_back(image_uplift_text(c));
