@@ -60,8 +60,7 @@ double points_per_focus(const Case& c) {
     return fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
 }
 
-/// Grid points per shortest shear wavelength that the focus can excite: the wavenumber at which the
-/// spectrum of the footprint has fallen to 1 %.
+/// Grid points per shear wavelength at which the spectrum of the footprint has fallen to 1 %.
 double points_per_wave(const Case& c) {
     return two_pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) / c.domain.spacing_m;
 }
@@ -108,13 +107,11 @@ struct Estimates {
     std::string error;  // memory or disk do not suffice; empty: they do
 
     bool has_times() const { return origin != cost::Origin::unknown; }
-
     /// Ranks times wall time, including idle ranks.
     double core_hours() const { return layout.seconds * ranks / 3600.0; }
 };
 
-/// CPU time for choosing time steps, for the choices with their errors, and for the resources of
-/// cases. At least one case is computed.
+/// CPU time for time steps, for choices and for resources. At least one case is computed.
 constexpr double most_choosing_s = 0.25, most_notes_s = 0.12, most_resources_s = 0.5;
 
 /// The choices of the engines: each distinct line once, in the order of the cases.

@@ -10,7 +10,6 @@
 #include <utility>
 
 namespace shearwake {
-
 namespace {
 
 /// cos and sin of an angle, exact along the axes.
