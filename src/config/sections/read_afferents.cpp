@@ -124,10 +124,11 @@ std::vector<Vec2> read_pin_line(Reader table) {
 }
 
 std::vector<Vec2> read_pin_grid(Reader table) {
+    const std::size_t before = table.diagnostics().errors();
     PinGridKeys grid;
     read_fields(table, grid);
     table.finish();
-    if (table.empty()) return {{}}; // already reported
+    if (table.empty() || table.diagnostics().errors() > before) return {{}}; // already reported
     const auto half = [&](double length_m) {
         return std::floor(0.5 * length_m / grid.pitch_m + 1e-9);
     };

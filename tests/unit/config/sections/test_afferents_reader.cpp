@@ -101,6 +101,8 @@ TEST_CASE("pins can be given as a line or a grid", "[config][afferents]") {
     CHECK(grid.size() == 3); // 2 mm along y leave one row
     CHECK_THAT(refusal("pin_grid = { extent_mm = [100, 100], pitch_mm = 1 }"),
                Catch::Contains("results in 10201 pins; at most 1000"));
+    CHECK_THAT(refusal("pin_grid = { pitch_mm = 2 }"), // only what is missing
+               Catch::Contains("extent_mm is missing") && !Catch::Contains("results in"));
     CHECK_THAT(refusal("pins_mm = [[0, 0]]\npin_grid = { extent_mm = [4, 2], pitch_mm = 2 }"),
                Catch::Contains("pins_mm cannot be combined with pin_line or pin_grid"));
 }
