@@ -53,14 +53,8 @@ void add_cap(const std::string& what, const Contrast& all, double cap,
                      shear_reflection(all.stiffness, all.density))});
 }
 
-std::string rigid_note(const Case& given, const Case& c, std::size_t i) {
+std::string rigid_note(const Case& c, std::size_t i, const std::string& why) {
     const Body& body = c.scene().medium.bodies[i];
-    std::string why;
-    if (!given.scene().medium.bodies[i].rigid)
-        why = fmt::format(
-            " because it is {:.3g} times stiffer than its surroundings (rigid_above = {:.4g})",
-            stiffness_contrast(body, c.scene().medium),
-            std::get<SpectralOptions>(c.solver).rigid_above);
     const std::string rest = reason_of_rest(body, c.scene().medium, c.domain);
     return fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
                        rest.empty() ? "moves with its mass" : rest,
@@ -69,15 +63,13 @@ std::string rigid_note(const Case& given, const Case& c, std::size_t i) {
                            : "one additional background solve per step, no cap on its stiffness");
 }
 
-std::string elastic_note(const Case& c, std::size_t i) {
+std::string elastic_note(const Case& c, std::size_t i, const std::string& why) {
     const Body& body = c.scene().medium.bodies[i];
     std::string note = fmt::format("medium.body[{}] is elastic", i + 1);
     if (body.c_s_m_s)
         note += fmt::format(", {:.3g} times as stiff as its surroundings",
                             stiffness_contrast(body, c.scene().medium));
-    if (is_stiff_enough(body, c))
-        note += fmt::format(". It is not treated as rigid: {}", obstacle(c, i));
-    return note;
+    return note + why;
 }
 
 /// Time step and elements, with the errors if they have been estimated.
@@ -146,12 +138,12 @@ std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors)
                                            : "specify a shorter solver.spectral.time_step_us")}};
 }
 
-std::vector<std::string> body_notes(const Case& given) {
-    const Case c = with_rigid_bodies(given);
+std::vector<std::string> body_notes(const RigidPlan& plan) {
     std::vector<std::string> notes;
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
-        notes.push_back(c.scene().medium.bodies[i].rigid ? rigid_note(given, c, i)
-                                                         : elastic_note(c, i));
+    for (std::size_t i = 0; i < plan.reasons.size(); ++i) {
+        const bool is_rigid = plan.c.scene().medium.bodies[i].rigid;
+        notes.push_back((is_rigid ? rigid_note : elastic_note)(plan.c, i, plan.reasons[i]));
+    }
     return notes;
 }
 
@@ -184,13 +176,12 @@ std::vector<engines::Choice> cap_choices(const Case& c) {
     return choices;
 }
 
-std::vector<std::string> SpectralPlan::notes(const Case& given,
-                                             const std::optional<ProbedErrors>& errors,
+std::vector<std::string> SpectralPlan::notes(const std::optional<ProbedErrors>& errors,
                                              const VariationPlan& varying) const {
     std::vector<std::string> all = discretisation_notes(time, mesh, errors);
     if (const SpongePlan acting = sponge(varying); acting.every > 0)
-        all.push_back(sponge_note(c, acting));
-    for (const auto& more : {body_notes(given), engines::notes_of(cap_choices(c))})
+        all.push_back(sponge_note(rigid.c, acting));
+    for (const auto& more : {body_notes(rigid), engines::notes_of(cap_choices(rigid.c))})
         all.insert(all.end(), more.begin(), more.end());
     if (!rigid.why.empty()) all.push_back(rigid.why);
     if (varying.points > 0.0) all.push_back(variation_note(varying, mesh));

@@ -37,7 +37,7 @@ const SpectralPlan& SpectralEngine::plan_of(const Case& given, engines::ChoiceLi
 
 const SampledVariation& SpectralEngine::variation_of(const SpectralPlan& plan) const {
     static const SampledVariation none;
-    const Medium& medium = plan.c.scene().medium;
+    const Medium& medium = plan.rigid.c.scene().medium;
     if (medium.bodies.empty() && !medium.map) return none;
     const std::string key = plan.key_of_variation();
     auto known = variations_.find(key);
@@ -53,14 +53,15 @@ engines::Resources SpectralEngine::resources(const Case& c, int ranks) const {
 
 std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const SpectralPlan& plan = plan_of(given);
-    const auto& [c, time, mesh, rigid] = plan;
+    const auto& [rigid, time, mesh] = plan;
+    const Case& c = rigid.c;
     const auto& options = std::get<SpectralOptions>(c.solver);
     constexpr double most_probed = 1e4; // steps times elements: about 0.3 s
     const double probed =
         static_cast<double>(steps_to_probe(c, time.step_s)) * static_cast<double>(mesh.elements());
     std::optional<ProbedErrors> errors;
     if (probed <= most_probed) errors = probed_errors(c, options, time.step_s);
-    return plan.notes(given, errors, plan.variation(variation_of(plan), 1));
+    return plan.notes(errors, plan.variation(variation_of(plan), 1));
 }
 
 engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
@@ -86,11 +87,12 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
                          engines::Checkpoints* checkpoints) {
     const auto began = Clock::now();
     const SpectralPlan plan = plan_of(given); // a copy, since an observer may ask for other plans
-    const auto& [c, time, mesh, rigid] = plan;
+    const auto& [rigid, time, mesh] = plan;
+    const Case& c = rigid.c;
     const auto& options = std::get<SpectralOptions>(c.solver);
     const ProbedErrors errors = probed_errors(c, options, time.step_s); // its memory is released
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team, fft::Planning::measured);
-    Stepper stepper(c, mesh, slabs, time.step_s, team, time.per_frame);
+    Stepper stepper(rigid, mesh, slabs, time.step_s, team, time.per_frame);
     observer.begin({slabs.share().x_start, slabs.share().x_count});
     if (!c.record.volumes_s.empty()) observer.volume_levels(mesh.clear_levels_m());
     if (engines::march(stepper, plan.steps(), observer, checkpoints, plan.work(), began) ==
@@ -98,8 +100,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
         return;
     const StepStatistics& s = stepper.statistics();
     const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time
-    const engines::SolverReport report = {.notes =
-                                              plan.notes(given, errors, treated_variation(stepper)),
+    const engines::SolverReport report = {.notes = plan.notes(errors, treated_variation(stepper)),
                                           .steps = s.steps,
                                           .iterations = s.iterations,
                                           .most_iterations = s.most_iterations,

@@ -127,13 +127,13 @@ double VariationPlan::window(std::ptrdiff_t nx) const {
 }
 
 SpectralPlan::SpectralPlan(const Case& given, engines::ChoiceLimit limit)
-    : c(with_rigid_bodies(given)),
-      time(choose_time_step(c, std::get<SpectralOptions>(c.solver), limit)),
-      mesh(choose_mesh(c, std::get<SpectralOptions>(c.solver), time.step_s)), rigid(rigid_plan(c)) {
-}
+    : rigid(rigid_plan(given)),
+      time(choose_time_step(rigid.c, std::get<SpectralOptions>(given.solver), limit)),
+      mesh(choose_mesh(rigid.c, std::get<SpectralOptions>(given.solver), time.step_s)) {}
 
 SampledVariation SpectralPlan::sampled_variation() const {
-    const Case layers = without_rigid_bodies(c);
+    const Case& layers = rigid.layers;
+    const Domain& domain = layers.domain;
     SampledVariation result;
     if (layers.scene().medium.bodies.empty() && !layers.scene().medium.map) return result;
     // In about half a second: a sample of a body takes 2 to 50 us, of a map 12 us.
@@ -145,8 +145,7 @@ SampledVariation SpectralPlan::sampled_variation() const {
         if (varies_between(layers.scene().medium, mesh.ends_m[e], mesh.ends_m[e + 1]))
             nodes += mesh.degree + 1.0;
     std::ptrdiff_t stride = 1;
-    while (nodes * static_cast<double>((c.domain.nx / stride) * (c.domain.ny / stride)) >
-           most_samples)
+    while (nodes * static_cast<double>((domain.nx / stride) * (domain.ny / stride)) > most_samples)
         ++stride;
     Case sampled = layers;
     sampled.domain.nx /= stride;
@@ -155,7 +154,7 @@ SampledVariation SpectralPlan::sampled_variation() const {
     fft::SlabShare rows;
     rows.x_count = sampled.domain.nx;
     const LateralVariation v =
-        lateral_variation(sampled, mesh, rows, largest_k_rad_m(c.domain), time.step_s, nullptr);
+        lateral_variation(sampled, mesh, rows, largest_k_rad_m(domain), time.step_s, nullptr);
     if (v.empty()) return result;
     result.stride = static_cast<double>(stride);
     std::vector<double>& before = result.cells_before;
@@ -175,16 +174,16 @@ SampledVariation SpectralPlan::sampled_variation() const {
     sizes.why = v.why;
     sizes.extent = PlaneCells{.points = v.points}.extent(nullptr);
     if (sizes.extent.is_complete(sampled.domain.nx, sampled.domain.ny))
-        sizes.extent = {0, c.domain.nx, 0, c.domain.ny};
+        sizes.extent = {0, domain.nx, 0, domain.ny};
     else
-        sizes.extent = extent_of(layers.scene().medium, c.domain);
+        sizes.extent = extent_of(layers.scene().medium, domain);
     return result;
 }
 
 VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks) const {
     VariationPlan plan = sampled.sizes;
     if (sampled.cells_before.empty()) return plan;
-    const double of_rank = up(static_cast<double>(c.domain.nx), ranks) / sampled.stride;
+    const double of_rank = up(static_cast<double>(rigid.c.domain.nx), ranks) / sampled.stride;
     const auto cells_before = [&](double row) {
         const auto last = static_cast<double>(sampled.cells_before.size() - 1);
         const auto full_rows = static_cast<std::size_t>(std::min(row, last));
@@ -195,30 +194,31 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
     for (int rank = 0; rank < ranks; ++rank)
         plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -
                                                               cells_before(rank * of_rank));
-    if (plan.iterates) plan.box = box_grid(c, mesh, plan.extent, time.step_s);
+    if (plan.iterates) plan.box = box_grid(rigid.c, mesh, plan.extent, time.step_s);
     return plan;
 }
 
 SpongePlan SpectralPlan::sponge(const VariationPlan& varying) const {
     const bool varies = rigid.treatment != RigidTreatment::none || varying.points > 0.0;
-    return sponge_plan(c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
+    return sponge_plan(rigid.c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
 }
 
 engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int ranks) const {
-    const Case layers = without_rigid_bodies(c);
+    const Case& c = rigid.c;
     const VariationPlan v = variation(sampled, ranks);
     engines::Resources all;
-    all.arrays = arrays_of_stepper(layers, mesh, v, sponge(v), ranks);
-    for (const engines::Array& array : arrays_of_output(layers, mesh, v, ranks))
+    all.arrays = arrays_of_stepper(rigid.layers, mesh, v, sponge(v), ranks);
+    for (const engines::Array& array : arrays_of_output(rigid.layers, mesh, v, ranks))
         all.arrays.push_back(array);
     all.arrays.push_back({"material map", map_bytes(c.scene().medium)});
-    if (layers != c) {
-        all.arrays.push_back({"endless rigid bodies", endless_memory_B(c, mesh, ranks) +
-                                                          endless_stress_memory_B(c, mesh, ranks)});
-        all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
+    all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
+    if (rigid.treatment == RigidTreatment::endless)
         all.arrays.push_back(
-            {"rigid lumps", lump_memory_B(c, mesh, ranks) + lump_stress_memory_B(c, mesh, ranks)});
-    }
+            {"endless rigid bodies",
+             endless_memory_B(rigid, mesh, ranks) + endless_stress_memory_B(rigid, mesh, ranks)});
+    if (rigid.treatment == RigidTreatment::lumps)
+        all.arrays.push_back({"rigid lumps", lump_memory_B(rigid, mesh, ranks) +
+                                                 lump_stress_memory_B(rigid, mesh, ranks)});
     all.work = engines::parts_of(work());
     all.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
     all.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));
@@ -248,6 +248,7 @@ std::string hash_of_bodies(const Case& c, double step_s) {
 } // namespace
 
 std::string SpectralPlan::key_of_variation() const {
+    const Case& c = rigid.c;
     Case alone = varying_part(c);
     alone.scene().load.footprint = c.scene().load.footprint;
     alone.afferents = c.afferents; // see has_laminates()
@@ -255,9 +256,10 @@ std::string SpectralPlan::key_of_variation() const {
 }
 
 engines::MarchWork SpectralPlan::work() const {
+    const Case& c = rigid.c;
     const auto points = static_cast<double>(c.domain.nx * c.domain.ny);
-    const double given = static_cast<double>(c.measure.depths_m.size()) +
-                         ReceptorStress::planes(without_rigid_bodies(c), mesh);
+    const double given =
+        static_cast<double>(c.measure.depths_m.size()) + ReceptorStress::planes(rigid.layers, mesh);
     engines::MarchWork work{.kind = "spectral",
                             .unknowns = points * (3.0 * static_cast<double>(mesh.levels() - 1) +
                                                   given / static_cast<double>(time.per_frame)),

@@ -47,24 +47,21 @@ struct SpectralPlan {
     /// engines::StepNotChosen. Not collective.
     SpectralPlan(const Case& given, engines::ChoiceLimit limit);
     /// A plan with a given mesh and step.
-    SpectralPlan(Case planned, DepthMesh depth, TimeStep step)
-        : c(std::move(planned)), time(std::move(step)), mesh(std::move(depth)),
-          rigid(rigid_plan(c)) {}
+    SpectralPlan(RigidPlan bodies, DepthMesh depth, TimeStep step)
+        : rigid(std::move(bodies)), time(std::move(step)), mesh(std::move(depth)) {}
 
-    Case c; // with its rigid bodies
+    RigidPlan rigid; // and the case
     TimeStep time;
     DepthMesh mesh;
-    RigidPlan rigid;
 
-    /// All decisions with their reasons, one line each, for the case that was given; with the
-    /// estimated errors if they are known. `varying`: the plan's, or that of the run. Not
-    /// collective.
-    std::vector<std::string> notes(const Case& given, const std::optional<ProbedErrors>& errors,
+    /// All decisions with their reasons, one line each, with the estimated errors if they are
+    /// known. `varying`: the plan's, or that of the run. Not collective.
+    std::vector<std::string> notes(const std::optional<ProbedErrors>& errors,
                                    const VariationPlan& varying) const;
     SpongePlan sponge(const VariationPlan& varying) const;
     /// Equal for plans whose sampled_variation() is equal.
     std::string key_of_variation() const;
-    std::ptrdiff_t steps() const { return c.time.frames * time.per_frame; }
+    std::ptrdiff_t steps() const { return rigid.c.time.frames * time.per_frame; }
     /// Not collective.
     engines::MarchWork work() const;
     /// By lateral_variation() on a part of the grid points. Not collective.
@@ -80,7 +77,7 @@ std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors)
 
 /// How each body is treated: as rigid because the case or the engine says so, or as elastic, and
 /// why a stiff one is elastic; one line each. Not collective.
-std::vector<std::string> body_notes(const Case& given);
+std::vector<std::string> body_notes(const RigidPlan& plan);
 
 /// Shear stiffnesses of elastic bodies and the map above the cap. Not collective.
 std::vector<engines::Choice> cap_choices(const Case& c);

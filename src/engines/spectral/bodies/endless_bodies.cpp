@@ -16,10 +16,10 @@ using Matrix = Eigen::MatrixXd;
 
 } // namespace
 
-EndlessBodies::EndlessBodies(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
-                             double step_s, const Comm& team)
-    : RigidBodies(section_bodies(c), section_freedoms, c, step_s, team), vectors_(vectors),
-      markers_(c, mesh, vectors), systems_(markers_, vectors, team),
+EndlessBodies::EndlessBodies(const RigidPlan& plan, const DepthMesh& mesh,
+                             const WaveVectors& vectors, double step_s, const Comm& team)
+    : RigidBodies(plan, section_freedoms, step_s, team), vectors_(vectors),
+      markers_(plan, mesh, vectors), systems_(markers_, vectors, team),
       kernels_(simd::kernels<MarkerKernels>()) {}
 
 /// A part of the motion of a marker: at wavenumber 0 along the axis the displacements are real, and

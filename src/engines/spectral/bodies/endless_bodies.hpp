@@ -12,8 +12,8 @@ namespace shearwake::spectral {
 /// wavenumber by itself: at wavenumber 0 the section moves rigidly, at all others it is at rest.
 class EndlessBodies : public RigidBodies {
 public:
-    EndlessBodies(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors, double step_s,
-                  const Comm& team);
+    EndlessBodies(const RigidPlan& plan, const DepthMesh& mesh, const WaveVectors& vectors,
+                  double step_s, const Comm& team);
 
     void assemble(const VerticalOperator& op, const Solve& solve) override;
     void clear() override;

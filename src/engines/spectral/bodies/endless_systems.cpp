@@ -189,30 +189,32 @@ DepthWeights depth_weights(const DepthMesh& mesh, double depth_m) {
                                   2.0 * (depth_m - mesh.ends_m[e]) / mesh.length_m(e) - 1.0)};
 }
 
-SectionMarkers::SectionMarkers(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors)
+SectionMarkers::SectionMarkers(const RigidPlan& plan, const DepthMesh& mesh,
+                               const WaveVectors& vectors)
     : vectors_(vectors), nodes_(mesh.degree + 1),
       levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
-    place(c, mesh);
+    place(plan, mesh);
     put_phases();
 }
 
-void SectionMarkers::place(const Case& c, const DepthMesh& mesh) {
-    const std::vector<Body> bodies = section_bodies(c);
-    smoothing_m_ = marker_smoothing * c.domain.spacing_m;
-    along_x_ = !bodies.empty() && endless_along(bodies[0], c.domain) == Endless::along_x;
-    across_extent_m_ = along_x_ ? c.domain.extent_y_m() : c.domain.extent_x_m();
+void SectionMarkers::place(const RigidPlan& plan, const DepthMesh& mesh) {
+    const std::vector<Body>& bodies = plan.bodies;
+    const Domain& domain = plan.c.domain;
+    smoothing_m_ = marker_smoothing * domain.spacing_m;
+    along_x_ = !bodies.empty() && endless_along(bodies[0], domain) == Endless::along_x;
+    across_extent_m_ = along_x_ ? domain.extent_y_m() : domain.extent_x_m();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const Vec3 centre = bodies[i].centre_m;
         const Bounds box = bounds(bodies[i]);
         const double high_m = level_spacing_m(mesh, box.low_m.z, box.high_m.z);
-        for (const SectionMarker& m : section_markers(bodies[i], endless_along(bodies[i], c.domain),
-                                                      c.domain.spacing_m, high_m)) {
+        for (const SectionMarker& m : section_markers(bodies[i], endless_along(bodies[i], domain),
+                                                      domain.spacing_m, high_m)) {
             const double depth_m = centre.z + m.down_m;
             // The base holds what reaches it.
             if (depth_m > mesh.ends_m.back() - 0.3 * high_m) continue;
             markers_.push_back(
                 {i, m.across_m, m.down_m,
-                 m.across_m + (along_x_ ? centre.y - c.domain.y_m(0) : centre.x - c.domain.x_m(0)),
+                 m.across_m + (along_x_ ? centre.y - domain.y_m(0) : centre.x - domain.x_m(0)),
                  depth_m});
         }
     }
@@ -283,11 +285,12 @@ Block SectionMarkers::mirrored(std::ptrdiff_t row, std::ptrdiff_t block) const {
     return counts;
 }
 
-double endless_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
-    const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
+double endless_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks) {
+    const Domain& domain = plan.c.domain;
+    const SectionMarkers markers(plan, mesh, WaveVectors(domain, {}));
     const double parts_of = static_cast<double>(markers.count() * marker_components);
-    const double columns = std::ceil(static_cast<double>(c.domain.nx) / (2.0 * lane_count));
-    const auto rows = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
+    const double columns = std::ceil(static_cast<double>(domain.nx) / (2.0 * lane_count));
+    const auto rows = static_cast<double>(fft::most_rows(domain.ny, ranks));
     const double systems = markers.along_x() ? lane_count * std::ceil(columns / ranks) : rows;
     // Systems, phases, and the values at the markers.
     const double blocks = markers.along_x() ? rows + 3.0 * columns : columns + 3.0;

@@ -22,7 +22,7 @@ struct DepthWeights {
 };
 DepthWeights depth_weights(const DepthMesh& mesh, double depth_m);
 
-/// The markers of all endless rigid bodies of a case with the data for MarkerKernels. They are
+/// The markers of all endless rigid bodies with the data for MarkerKernels. They are
 /// ordered by depth. Not collective.
 class SectionMarkers {
 public:
@@ -32,7 +32,7 @@ public:
         double at_m;             // across the axis, from the first point of the grid
         double depth_m;
     };
-    SectionMarkers(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors);
+    SectionMarkers(const RigidPlan& plan, const DepthMesh& mesh, const WaveVectors& vectors);
 
     const std::vector<Marker>& all() const { return markers_; }
     std::ptrdiff_t count() const { return std::ssize(markers_); }
@@ -52,7 +52,7 @@ public:
     Block mirrored(std::ptrdiff_t row, std::ptrdiff_t block) const;
 
 private:
-    void place(const Case& c, const DepthMesh& mesh);
+    void place(const RigidPlan& plan, const DepthMesh& mesh);
     void put_phases();
 
     WaveVectors vectors_;
@@ -116,7 +116,7 @@ private:
     Response response_; // only during assemble()
 };
 
-/// Memory of the rigid bodies of a case on the rank that needs most, in bytes. Not collective.
-double endless_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
+/// Memory of the endless bodies on the rank that needs most, in bytes. Not collective.
+double endless_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks);
 
 } // namespace shearwake::spectral

@@ -19,13 +19,13 @@ struct Placed {
 };
 
 /// The markers of all lumps, ordered by depth. The base holds what reaches it.
-std::vector<Placed> placed_markers(const Case& c, const DepthMesh& mesh) {
-    const std::vector<Body> bodies = lump_bodies(c);
+std::vector<Placed> placed_markers(const RigidPlan& plan, const DepthMesh& mesh) {
+    const std::vector<Body>& bodies = plan.bodies;
     std::vector<Placed> all;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const Bounds box = bounds(bodies[i]);
         const double high_m = level_spacing_m(mesh, box.low_m.z, box.high_m.z);
-        for (const Vec3& offset : lump_markers(bodies[i], c.domain, high_m)) {
+        for (const Vec3& offset : lump_markers(bodies[i], plan.c.domain, high_m)) {
             const double depth_m = bodies[i].centre_m.z + offset.z;
             if (depth_m < mesh.ends_m.back() - 0.3 * high_m) all.push_back({i, offset, depth_m});
         }
@@ -46,19 +46,19 @@ std::array<double, kernel_points> kernel_weights(double offset) {
     return {0.5 * (1.0 - nearest - offset), nearest, 0.5 * (1.0 - nearest + offset)};
 }
 
-LumpBodies::LumpBodies(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                       const WaveVectors& vectors, double step_s, const Comm& team,
-                       StepClock& clock)
-    : RigidBodies(lump_bodies(c), lump_freedoms, c, step_s, team), domain_(c.domain), mesh_(mesh),
+LumpBodies::LumpBodies(const RigidPlan& plan, const DepthMesh& mesh,
+                       const fft::SlabTransform& slabs, const WaveVectors& vectors, double step_s,
+                       const Comm& team, StepClock& clock)
+    : RigidBodies(plan, lump_freedoms, step_s, team), domain_(plan.c.domain), mesh_(mesh),
       slabs_(slabs), vectors_(vectors), clock_(clock),
-      inverse_(3 * placed_markers(c, mesh).size(), team) {
+      inverse_(3 * placed_markers(plan, mesh).size(), team) {
     // Its periodic images keep a body that crosses the domain from turning about the other axes.
     for (std::size_t i = 0; i < bodies().size(); ++i) {
-        const Endless along = endless_along(bodies()[i], c.domain);
+        const Endless along = endless_along(bodies()[i], domain_);
         if (along == Endless::along_x) constrain(i, {4, 5});
         if (along == Endless::along_y) constrain(i, {3, 5});
     }
-    place_markers(c, mesh);
+    place_markers(plan, mesh);
     planes_ = std::make_unique<DisplacementPlanes>(depths_, place_taps(), mesh, vectors, slabs,
                                                    team, clock);
     for (Tap& tap : taps_) {
@@ -69,9 +69,9 @@ LumpBodies::LumpBodies(const Case& c, const DepthMesh& mesh, const fft::SlabTran
     values_.assign(planes_->size(), 0.0);
 }
 
-void LumpBodies::place_markers(const Case& c, const DepthMesh& mesh) {
+void LumpBodies::place_markers(const RigidPlan& plan, const DepthMesh& mesh) {
     double last_m = 0.0;
-    for (const Placed& p : placed_markers(c, mesh)) {
+    for (const Placed& p : placed_markers(plan, mesh)) {
         if (depths_.empty() || p.depth_m != last_m)
             depths_.push_back(depth_weights(mesh, p.depth_m));
         last_m = p.depth_m;
@@ -193,50 +193,50 @@ void LumpBodies::exert(const std::vector<double>& forces) {
     planes_->set(values_);
 }
 
-std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& mesh,
+std::unique_ptr<RigidBodies> make_rigid_bodies(const RigidPlan& plan, const DepthMesh& mesh,
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
                                                const Comm& team, StepClock& clock) {
-    if (rigid_plan(c).treatment == RigidTreatment::lumps)
-        return std::make_unique<LumpBodies>(c, mesh, slabs, vectors, step_s, team, clock);
-    return std::make_unique<EndlessBodies>(c, mesh, vectors, step_s, team);
+    if (plan.treatment == RigidTreatment::lumps)
+        return std::make_unique<LumpBodies>(plan, mesh, slabs, vectors, step_s, team, clock);
+    return std::make_unique<EndlessBodies>(plan, mesh, vectors, step_s, team);
 }
 
-LumpSizes lump_sizes(const Case& c, const DepthMesh& mesh) {
+LumpSizes lump_sizes(const RigidPlan& plan, const DepthMesh& mesh) {
+    const Domain& domain = plan.c.domain;
     LumpSizes sizes;
     double last_m = -1.0;
-    const std::vector<Body> bodies = lump_bodies(c);
-    for (const Placed& p : placed_markers(c, mesh)) {
+    for (const Placed& p : placed_markers(plan, mesh)) {
         sizes.markers += 1.0;
-        sizes.markers_m.push_back(bodies[p.body].centre_m + p.offset_m);
+        sizes.markers_m.push_back(plan.bodies[p.body].centre_m + p.offset_m);
         if (p.depth_m != last_m) sizes.depths += 1.0;
         last_m = p.depth_m;
     }
     Vec3 low{1e9, 1e9, 0.0}, high{-1e9, -1e9, 0.0};
-    for (const Body& body : lump_bodies(c)) {
-        const Bounds box = bounds(lump_in(body, c.domain));
+    for (const Body& body : plan.bodies) {
+        const Bounds box = bounds(lump_in(body, domain));
         low = {std::min(low.x, box.low_m.x), std::min(low.y, box.low_m.y), 0.0};
         high = {std::max(high.x, box.high_m.x), std::max(high.y, box.high_m.y), 0.0};
     }
     const auto points = [&](double length_m, std::ptrdiff_t most) {
-        return std::clamp(length_m / c.domain.spacing_m + static_cast<double>(kernel_points), 0.0,
+        return std::clamp(length_m / domain.spacing_m + static_cast<double>(kernel_points), 0.0,
                           static_cast<double>(most));
     };
     if (sizes.markers > 0.0) {
-        sizes.points_x = points(high.x - low.x, c.domain.nx);
-        sizes.points_y = points(high.y - low.y, c.domain.ny);
+        sizes.points_x = points(high.x - low.x, domain.nx);
+        sizes.points_y = points(high.y - low.y, domain.ny);
     }
     return sizes;
 }
 
-double lump_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
-    const LumpSizes sizes = lump_sizes(c, mesh);
+double lump_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks) {
+    const Domain& domain = plan.c.domain;
+    const LumpSizes sizes = lump_sizes(plan, mesh);
     const double unknowns = 3.0 * sizes.markers, planes = 3.0 * sizes.depths;
-    const auto lines = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
-    const double of_line =
-        LineWindow::pays(c.domain.nx, static_cast<std::ptrdiff_t>(sizes.points_x))
-            ? sizes.points_x
-            : static_cast<double>(c.domain.nx);
+    const auto lines = static_cast<double>(fft::most_rows(domain.ny, ranks));
+    const double of_line = LineWindow::pays(domain.nx, static_cast<std::ptrdiff_t>(sizes.points_x))
+                               ? sizes.points_x
+                               : static_cast<double>(domain.nx);
     // The inverse; the planes of a step and those of the setup, with their values on all ranks.
     return sizeof(double) * (unknowns * unknowns / ranks + 4.0 * planes * lines * of_line +
                              2.0 * planes * sizes.points_x * sizes.points_y + 6.0 * unknowns);

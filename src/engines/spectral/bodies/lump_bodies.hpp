@@ -35,7 +35,7 @@ public:
     };
 
     /// `slabs` and `clock` must outlive this object. Collective.
-    LumpBodies(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
+    LumpBodies(const RigidPlan& plan, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                const WaveVectors& vectors, double step_s, const Comm& team, StepClock& clock);
 
     void assemble(const VerticalOperator& op, const Solve& solve) override;
@@ -70,7 +70,7 @@ private:
     void solve(const std::vector<double>& target, double scale) override;
     /// Displacements of all markers, [marker][component], for degrees of freedom.
     std::vector<double> rigid(const std::vector<double>& q) const;
-    void place_markers(const Case& c, const DepthMesh& mesh);
+    void place_markers(const RigidPlan& plan, const DepthMesh& mesh);
     void put_responses(const VerticalOperator& op, const Solve& solve);
     DisplacementPlanes::Runs place_taps();
 
@@ -88,20 +88,20 @@ private:
 };
 
 /// The rigid bodies of a case that are not complete layers. Collective.
-std::unique_ptr<RigidBodies> make_rigid_bodies(const Case& c, const DepthMesh& mesh,
+std::unique_ptr<RigidBodies> make_rigid_bodies(const RigidPlan& plan, const DepthMesh& mesh,
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
                                                const Comm& team, StepClock& clock);
 
-/// Sizes of the lumps of a case. Not collective.
+/// Sizes of the lumps. Not collective.
 struct LumpSizes {
     double markers = 0.0, depths = 0.0;
     std::vector<Vec3> markers_m; // their places
     /// Points of a plane around the lumps along x and y.
     double points_x = 0.0, points_y = 0.0;
 };
-LumpSizes lump_sizes(const Case& c, const DepthMesh& mesh);
-/// Memory of the lumps of a case on the rank that needs most, in bytes. Not collective.
-double lump_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
+LumpSizes lump_sizes(const RigidPlan& plan, const DepthMesh& mesh);
+/// Memory of the lumps on the rank that needs most, in bytes. Not collective.
+double lump_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks);
 
 } // namespace shearwake::spectral

@@ -19,15 +19,15 @@ Eigen::Index size_of(const auto& values) {
 
 } // namespace
 
-RigidBodies::RigidBodies(std::vector<Body> bodies, std::size_t freedoms, const Case& c,
-                         double step_s, const Comm& team)
-    : bodies_(std::move(bodies)), medium_(c.scene().medium), team_(team), step_s_(step_s),
+RigidBodies::RigidBodies(const RigidPlan& plan, std::size_t freedoms, double step_s,
+                         const Comm& team)
+    : bodies_(plan.bodies), medium_(plan.c.scene().medium), team_(team), step_s_(step_s),
       freedoms_(freedoms) {
     now_.assign(freedoms * bodies_.size(), 0.0);
     before_ = acceleration_ = now_;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
         for (std::size_t j = 0;
-             j < freedoms && reason_of_rest(bodies_[i], medium_, c.domain).empty(); ++j)
+             j < freedoms && reason_of_rest(bodies_[i], medium_, plan.c.domain).empty(); ++j)
             free_.push_back(i * freedoms + j);
 }
 

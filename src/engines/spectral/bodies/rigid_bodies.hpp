@@ -18,6 +18,7 @@ namespace shearwake::spectral {
 
 class EndlessBodies;
 class LumpBodies;
+struct RigidPlan;
 
 /// The displacement of a rigid body: of its centre, and a small rotation about it.
 struct RigidMotion {
@@ -97,8 +98,7 @@ public:
     void restore(const StateReader& state);
 
 protected:
-    RigidBodies(std::vector<Body> bodies, std::size_t freedoms, const Case& c, double step_s,
-                const Comm& team);
+    RigidBodies(const RigidPlan& plan, std::size_t freedoms, double step_s, const Comm& team);
 
     const std::vector<Body>& bodies() const { return bodies_; }
     const Medium& medium() const { return medium_; }

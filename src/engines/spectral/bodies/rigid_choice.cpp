@@ -98,15 +98,6 @@ std::string reason_against(const Case& c, const Body& body, Endless along) {
     return "";
 }
 
-/// Whether each wavenumber along an axis can be treated by itself: all rigid bodies that are not
-/// complete layers cross the domain along this axis.
-bool decouples(const std::vector<Body>& moving, const Domain& domain) {
-    return std::all_of(moving.begin(), moving.end(), [&](const Body& body) {
-        const Endless along = endless_along(body, domain);
-        return along != Endless::no && along == endless_along(moving.front(), domain);
-    });
-}
-
 /// The rigid bodies with markers.
 std::vector<Body> moving_bodies(const Case& c) {
     std::vector<Body> bodies = rigid_bodies(c);
@@ -115,9 +106,21 @@ std::vector<Body> moving_bodies(const Case& c) {
     return bodies;
 }
 
+/// Endless if each wavenumber along an axis can be treated by itself: all of these rigid bodies
+/// with markers cross the domain along this axis.
+RigidTreatment treatment_of(const std::vector<Body>& moving, const Domain& domain) {
+    if (moving.empty()) return RigidTreatment::none;
+    const Endless axis = endless_along(moving.front(), domain);
+    const bool decouples =
+        axis != Endless::no && std::ranges::all_of(moving, [&](const Body& body) {
+            return endless_along(body, domain) == axis;
+        });
+    return decouples ? RigidTreatment::endless : RigidTreatment::lumps;
+}
+
 /// Whether moving_bodies() need a common system.
 bool has_lumps(const Case& c) {
-    return rigid_plan(c).treatment == RigidTreatment::lumps;
+    return treatment_of(moving_bodies(c), c.domain) == RigidTreatment::lumps;
 }
 
 /// About twice the number of markers of a lump: the squares of the grid on the faces of its bounds.
@@ -178,11 +181,9 @@ double stiffness_contrast(const Body& body, const Medium& medium) {
     return contrast;
 }
 
-bool is_stiff_enough(const Body& body, const Case& c) {
-    const double above = std::get<SpectralOptions>(c.solver).rigid_above;
-    return stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9);
-}
+namespace {
 
+/// Why an elastic body that is stiff enough is not treated as rigid, or an empty text if it is.
 std::string obstacle(const Case& c, std::size_t i) {
     const Body& body = c.scene().medium.bodies[i];
     bool is_light = false;
@@ -215,12 +216,26 @@ std::string obstacle(const Case& c, std::size_t i) {
     return "";
 }
 
-Case with_rigid_bodies(Case c) {
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
-        Body& body = c.scene().medium.bodies[i];
-        if (!body.rigid && is_stiff_enough(body, c)) body.rigid = obstacle(c, i).empty();
+} // namespace
+
+RigidPlan rigid_plan(Case given) {
+    const double above = std::get<SpectralOptions>(given.solver).rigid_above;
+    std::vector<std::string> reasons(given.scene().medium.bodies.size());
+    for (std::size_t i = 0; i < reasons.size(); ++i) {
+        Body& body = given.scene().medium.bodies[i];
+        const double contrast = stiffness_contrast(body, given.scene().medium);
+        if (body.rigid || !(contrast > above * (1.0 + 1e-9))) continue;
+        const std::string against = obstacle(given, i);
+        body.rigid = against.empty();
+        reasons[i] = body.rigid
+                         ? fmt::format(" because it is {:.3g} times stiffer than its surroundings "
+                                       "(rigid_above = {:.4g})",
+                                       contrast, above)
+                         : ". It is not treated as rigid: " + against;
     }
-    return c;
+    RigidPlan plan(std::move(given));
+    plan.reasons = std::move(reasons);
+    return plan;
 }
 
 std::vector<Body> rigid_bodies(const Case& c) {
@@ -230,36 +245,20 @@ std::vector<Body> rigid_bodies(const Case& c) {
     return rigid;
 }
 
-RigidPlan rigid_plan(const Case& c) {
-    const std::vector<Body> moving = moving_bodies(c);
-    if (moving.empty()) return {};
-    if (decouples(moving, c.domain))
-        return {
-            RigidTreatment::endless,
-            fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
-                        "of them cross the domain along it",
-                        endless_along(moving.front(), c.domain) == Endless::along_x ? "x" : "y")};
-    return {RigidTreatment::lumps,
-            moving.size() == 1
-                ? "the rigid body has one system for all its markers, because it does "
-                  "not cross the domain"
-                : "the rigid bodies have one system for all markers, because not "
-                  "all of them cross the domain along the same axis"};
-}
-
-std::vector<Body> section_bodies(const Case& c) {
-    return rigid_plan(c).treatment == RigidTreatment::endless ? moving_bodies(c)
-                                                              : std::vector<Body>{};
-}
-
-std::vector<Body> lump_bodies(const Case& c) {
-    return rigid_plan(c).treatment == RigidTreatment::lumps ? moving_bodies(c)
-                                                            : std::vector<Body>{};
-}
-
-Case without_rigid_bodies(Case c) {
-    std::erase_if(c.scene().medium.bodies, [](const Body& body) { return body.rigid; });
-    return c;
+RigidPlan::RigidPlan(Case marked)
+    : c(std::move(marked)), layers(c), bodies(moving_bodies(c)),
+      treatment(treatment_of(bodies, c.domain)), reasons(c.scene().medium.bodies.size()) {
+    std::erase_if(layers.scene().medium.bodies, [](const Body& body) { return body.rigid; });
+    if (treatment == RigidTreatment::endless)
+        why = fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
+                          "of them cross the domain along it",
+                          endless_along(bodies.front(), c.domain) == Endless::along_x ? "x" : "y");
+    else if (treatment == RigidTreatment::lumps)
+        why = bodies.size() == 1
+                  ? "the rigid body has one system for all its markers, because it does "
+                    "not cross the domain"
+                  : "the rigid bodies have one system for all markers, because not "
+                    "all of them cross the domain along the same axis";
 }
 
 bool is_below_rigid_layer(const Body& body, const Medium& medium, const Domain& domain) {

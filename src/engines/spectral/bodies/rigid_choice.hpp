@@ -20,18 +20,6 @@ Endless endless_along(const Body& body, const Domain& domain);
 /// How much stiffer a body is than the layers around it: the smallest ratio of shear moduli, 0 for
 /// a body without c_s_m_s. Not collective.
 double stiffness_contrast(const Body& body, const Medium& medium);
-/// The case with all bodies marked as rigid that the engine treats as such: those whose contrast
-/// exceeds solver.spectral.rigid_above, unless they are lighter than the layers around them, add so
-/// many markers of lumps that elastic bodies are faster, or are rejected by rigid_limits(). Not
-/// collective.
-Case with_rigid_bodies(Case c);
-
-/// Whether the contrast of a body exceeds solver.spectral.rigid_above. Not collective.
-bool is_stiff_enough(const Body& body, const Case& c);
-/// Why an elastic body that is stiff enough is not treated as rigid, or an empty text if it is. Not
-/// collective.
-std::string obstacle(const Case& c, std::size_t body);
-
 /// The bodies that are marked as rigid. Not collective.
 std::vector<Body> rigid_bodies(const Case& c);
 /// Whether a body lies below a rigid body that is a complete layer. No load reaches it. Not
@@ -43,18 +31,24 @@ bool has_markers(const Body& body, const Medium& medium, const Domain& domain);
 /// the same axis, so that each wavenumber along it has a system of its own, and otherwise as lumps,
 /// with one system for all.
 enum class RigidTreatment { none, endless, lumps };
+/// The treatment of the bodies of a case, decided once.
 struct RigidPlan {
+    /// Of a case in which all rigid bodies are marked. Not collective.
+    RigidPlan(Case marked);
+
+    Case c;
+    /// The case without its rigid bodies: the material in their place is that of the surroundings,
+    /// and forces at markers make it move rigidly.
+    Case layers;
+    std::vector<Body> bodies; // the rigid ones with markers
     RigidTreatment treatment = RigidTreatment::none;
-    std::string why; // one line; empty without such bodies
+    std::string why;                  // this treatment; one line; empty without such bodies
+    std::vector<std::string> reasons; // per body of c: why a stiff one is rigid or not; or empty
 };
-/// Not collective.
-RigidPlan rigid_plan(const Case& c);
-/// The rigid bodies with markers, if they are treated in this way. Not collective.
-std::vector<Body> section_bodies(const Case& c);
-std::vector<Body> lump_bodies(const Case& c);
-/// The case without its rigid bodies: the material in their place is that of the surroundings, and
-/// forces at markers make it move rigidly. Not collective.
-Case without_rigid_bodies(Case c);
+/// Marks those bodies as rigid whose contrast exceeds solver.spectral.rigid_above, unless they are
+/// lighter than the layers around them, add so many markers of lumps that elastic bodies are
+/// faster, or are rejected by rigid_limits(). Not collective.
+RigidPlan rigid_plan(Case given);
 /// Why a rigid body cannot move, as in "held by the rigid base", or an empty text if it can. Not
 /// collective.
 std::string reason_of_rest(const Body& body, const Medium& medium, const Domain& domain);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/stepping/receptor_stress.hpp"
 #include "engines/spectral/stepping/stages.hpp"
 #include "engines/spectral/stepping/tensor_volumes.hpp"
@@ -69,7 +68,6 @@ private:
     void emit_displacement(std::size_t snapshot, std::size_t field, engines::Observer& observer);
     View2<const double> plane() const;
 
-    Case layers_; // and elastic bodies: those whose material the tensors need
     std::ptrdiff_t per_frame_;
     InsideBodies inside_;
     TensorVolumes tensors_;
@@ -81,10 +79,9 @@ private:
 };
 
 Output::Output(StepState& state, std::ptrdiff_t per_frame)
-    : OutputStage(state), layers_(without_rigid_bodies(s_.c)), per_frame_(per_frame),
-      inside_(s_.c, s_.slabs.share()),
-      tensors_(layers_, s_.mesh, s_.slabs, s_.step_s, s_.team, s_.bodies.get()),
-      receptors_(layers_, stress_depths_m(s_.c), s_.mesh, s_.slabs, s_.step_s, s_.team,
+    : OutputStage(state), per_frame_(per_frame), inside_(s_.c, s_.slabs.share()),
+      tensors_(s_.rigid.layers, s_.mesh, s_.slabs, s_.step_s, s_.team, s_.bodies.get()),
+      receptors_(s_.rigid.layers, stress_depths_m(s_.c), s_.mesh, s_.slabs, s_.step_s, s_.team,
                  s_.bodies.get()) {
     together(s_.team, [&] { plane_.resize(static_cast<std::size_t>(s_.slabs.share().reals)); });
 }

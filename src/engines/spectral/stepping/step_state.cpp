@@ -18,17 +18,17 @@ constexpr const char* watch_advice =
 
 } // namespace
 
-StepState::StepState(const Case& given, const DepthMesh& of_depth,
-                     const fft::SlabTransform& of_planes, double dt_s, const Comm& ranks)
-    : c(given), mesh(of_depth), slabs(of_planes), team(ranks), vectors(c.domain, slabs.share()),
-      step_s(dt_s), kernels(simd::kernels<PencilKernels>()),
-      field(lateral_variation(without_rigid_bodies(c), mesh, slabs.share(),
-                              largest_k_rad_m(c.domain), step_s, &team),
+StepState::StepState(RigidPlan plan, const DepthMesh& of_depth, const fft::SlabTransform& of_planes,
+                     double dt_s, const Comm& ranks)
+    : rigid(std::move(plan)), mesh(of_depth), slabs(of_planes), team(ranks),
+      vectors(c.domain, slabs.share()), step_s(dt_s), kernels(simd::kernels<PencilKernels>()),
+      field(lateral_variation(rigid.layers, mesh, slabs.share(), largest_k_rad_m(c.domain), step_s,
+                              &team),
             c.domain.ny, slabs.share()),
       vertical(mesh, field.variation().background),
       transfer(mesh, field.variation().strain_points, field.variation().components()),
       load(c, vectors, step_s, {c.scene().load, c.time.duration_s() + 2.0 * step_s}),
-      bodies(make_rigid_bodies(c, mesh, slabs, vectors, step_s, team, clock)),
+      bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team, clock)),
       slab_bodies(c, mesh, vectors),
       planes(field.cells(), slabs, team, clock, StrainPlanes::Corner{}),
       kinetic(c.domain.ny / 2 + 1), work(c.domain.ny / 2 + 1),

@@ -3,7 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "engines/march.hpp"
-#include "engines/spectral/bodies/rigid_bodies.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/lateral_field.hpp"
@@ -42,13 +42,14 @@ public:
     using Values = LateralField::Values;
     /// Factorises B and assembles the rigid bodies with it. Throws CaseFailure on all ranks
     /// together. Collective.
-    StepState(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
+    StepState(RigidPlan plan, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
               const Comm& team);
     StepState(const StepState&) = delete;
     StepState& operator=(const StepState&) = delete;
 
     // Constant.
-    const Case& c;
+    const RigidPlan rigid;
+    const Case& c = rigid.c;
     DepthMesh mesh;
     const fft::SlabTransform& slabs;
     Comm team;

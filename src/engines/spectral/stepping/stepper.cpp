@@ -5,9 +5,9 @@
 
 namespace shearwake::spectral {
 
-Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
+Stepper::Stepper(RigidPlan bodies, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                  double step_s, const Comm& team, std::ptrdiff_t per_frame)
-    : state_(c, mesh, slabs, step_s, team) {
+    : state_(std::move(bodies), mesh, slabs, step_s, team) {
     if (per_frame > 0) {
         auto output = make_output(state_, per_frame);
         output_ = output.get();
@@ -15,7 +15,8 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
     }
     const CellExtent cells = state_.field.cells().extent(&state_.team);
     if (state_.field.variation().iterates)
-        box_ = box_grid(c, mesh, extent_of(c.scene().medium, c.domain).with(cells), step_s);
+        box_ = box_grid(state_.c, mesh,
+                        extent_of(state_.c.scene().medium, state_.c.domain).with(cells), step_s);
     stages_.push_back(make_sponge(state_));
     stages_.push_back(box_ ? make_predicted_pencils(state_) : make_pencils(state_));
     stages_.push_back(make_energy(state_));

@@ -33,7 +33,7 @@ class Stepper : public engines::Marching {
 public:
     /// `per_frame`: number of steps of a frame; 0: without output. Throws CaseFailure on all
     /// ranks together. Collective.
-    Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
+    Stepper(RigidPlan bodies, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
             const Comm& team, std::ptrdiff_t per_frame = 0);
 
     /// Advances from t = n dt to (n + 1) dt. Throws CaseFailure or FieldDiverges on all ranks

@@ -32,7 +32,7 @@ Case bone_case() {
 }
 
 bool is_rigid(const Case& c) {
-    return spectral::with_rigid_bodies(c).scene().medium.bodies[0].rigid;
+    return spectral::rigid_plan(c).c.scene().medium.bodies[0].rigid;
 }
 
 } // namespace
@@ -50,7 +50,8 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
     SECTION("unless it is small and does not cross the domain") { // 1 mm
         bone.shape = Ellipsoid{{2.9e-3, 4e-3, 4e-3}};
         CHECK_FALSE(is_rigid(c));
-        CHECK(spectral::obstacle(c, 0).starts_with("it is 5.8 grid spacings wide"));
+        CHECK_THAT(spectral::rigid_plan(c).reasons[0],
+                   Catch::Contains("it is 5.8 grid spacings wide"));
         bone.shape = Cylinder{.radius_m = 2.9e-3};
         CHECK(is_rigid(c));
     }
@@ -155,7 +156,7 @@ TEST_CASE("rigid bodies that are not supported are rejected with the reason", "[
 TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
     Case c = bone_case();
     Body& bone = c.scene().medium.bodies[0];
-    const auto note = [&] { return spectral::body_notes(c).at(0); };
+    const auto note = [&] { return spectral::body_notes(spectral::rigid_plan(c)).at(0); };
     const std::string elastic =
         "medium.body[1] is elastic, 1.99e+05 times as stiff as its surroundings. It is not "
         "treated as rigid: ";
@@ -183,7 +184,7 @@ TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
     SECTION("rigid") {
         CHECK(note().find("medium.body[1] is rigid because it is 1.99e+05 times stiffer") == 0);
         bone.shape = Ellipsoid{{6e-3, 5e-3, 3e-3}};
-        CHECK_THAT(spectral::rigid_plan(spectral::with_rigid_bodies(c)).why,
+        CHECK_THAT(spectral::rigid_plan(c).why,
                    Catch::Contains("because it does not cross the domain"));
     }
 }
@@ -199,29 +200,29 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     layer.centre_m.z = 18e-3;
     c.scene().medium.bodies.push_back(layer);
     SECTION("with a common matrix") {
-        const Case chosen = spectral::with_rigid_bodies(c);
-        CHECK(spectral::rigid_bodies(chosen).size() == 3);
-        CHECK(spectral::section_bodies(chosen).empty());
-        CHECK(spectral::lump_bodies(chosen).size() == 2);
-        CHECK_THAT(spectral::rigid_plan(chosen).why,
-                   Catch::Contains("not all of them cross the domain along the same"));
+        const spectral::RigidPlan chosen = spectral::rigid_plan(c);
+        CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
+        CHECK(chosen.treatment == spectral::RigidTreatment::lumps);
+        CHECK(chosen.bodies.size() == 2);
+        CHECK_THAT(chosen.why, Catch::Contains("not all of them cross the domain along the same"));
     }
     SECTION("with one matrix per wavenumber if they are parallel") {
         std::get<Cylinder>(c.scene().medium.bodies[1].shape).azimuth_deg = -90.0;
-        const Case chosen = spectral::with_rigid_bodies(c);
-        CHECK(spectral::rigid_bodies(chosen).size() == 3);
-        CHECK(spectral::section_bodies(chosen).size() == 2);
-        CHECK_THAT(spectral::rigid_plan(chosen).why, Catch::Contains("along y"));
-        CHECK(spectral::lump_bodies(chosen).empty());
+        const spectral::RigidPlan chosen = spectral::rigid_plan(c);
+        CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
+        CHECK(chosen.treatment == spectral::RigidTreatment::endless);
+        CHECK(chosen.bodies.size() == 2);
+        CHECK_THAT(chosen.why, Catch::Contains("along y"));
     }
     SECTION("unless their matrix would be too large") {
         c.domain = {.nx = 160, .ny = 120, .spacing_m = 0.5e-3};
-        const Case chosen = spectral::with_rigid_bodies(c);
-        CHECK(chosen.scene().medium.bodies[0].rigid);
-        CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
-        CHECK(chosen.scene().medium.bodies[2].rigid);
-        auto notes = spectral::body_notes(c);
-        for (const std::string& note : engines::notes_of(spectral::cap_choices(chosen)))
+        const spectral::RigidPlan chosen = spectral::rigid_plan(c);
+        const std::vector<Body>& bodies = chosen.c.scene().medium.bodies;
+        CHECK(bodies[0].rigid);
+        CHECK_FALSE(bodies[1].rigid);
+        CHECK(bodies[2].rigid);
+        auto notes = spectral::body_notes(chosen);
+        for (const std::string& note : engines::notes_of(spectral::cap_choices(chosen.c)))
             notes.push_back(note);
         const auto mentions = [&](const std::string& text) {
             return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {

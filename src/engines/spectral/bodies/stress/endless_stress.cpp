@@ -259,19 +259,19 @@ std::unique_ptr<StressCorrection> stress_correction(const EndlessBodies* bodies,
     return std::make_unique<EndlessStress>(*bodies, std::move(planes));
 }
 
-double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
-    const std::vector<Body> bodies = section_bodies(c);
+double endless_stress_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks) {
+    const Case& c = plan.c;
     std::vector<double> depths_m = stress_depths_m(c);
     if (records_tensors(c.record))
         for (const double z_m : mesh.clear_levels_m())
             depths_m.push_back(z_m);
-    if (bodies.empty() || depths_m.empty()) return 0.0;
-    const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
+    if (depths_m.empty()) return 0.0;
+    const SectionMarkers markers(plan, mesh, WaveVectors(c.domain, {}));
     if (markers.all().empty()) return 0.0;
     const double h_m = c.domain.spacing_m, reach_m = NearStress::reach * h_m;
     double pairs = 0.0; // of points close to a body and markers next to them
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const Body section = turned(bodies[i], markers.along_x());
+    for (std::size_t i = 0; i < plan.bodies.size(); ++i) {
+        const Body section = turned(plan.bodies[i], markers.along_x());
         const double half_m = half_section_m(section).x + reach_m;
         for (const double depth_m : depths_m)
             for (double x_m = -half_m; x_m < half_m; x_m += h_m) {

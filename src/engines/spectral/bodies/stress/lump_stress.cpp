@@ -147,18 +147,20 @@ struct Corrections {
 };
 
 /// Counts the corrections of a plane on a part of its points.
-Corrections corrections_at(const Case& c, const std::vector<Vec3>& markers_m, double depth_m) {
-    const double h_m = c.domain.spacing_m, far_m = NearStress::reach * h_m;
+Corrections corrections_at(const RigidPlan& plan, const std::vector<Vec3>& markers_m,
+                           double depth_m) {
+    const Domain& domain = plan.c.domain;
+    const double h_m = domain.spacing_m, far_m = NearStress::reach * h_m;
     constexpr int along = 16; // samples along x and y
     Corrections all;
-    for (const Body& body : lump_bodies(c)) {
-        const Bounds box = bounds(lump_in(body, c.domain));
+    for (const Body& body : plan.bodies) {
+        const Bounds box = bounds(lump_in(body, domain));
         if (depth_m < box.low_m.z - far_m || depth_m > box.high_m.z + far_m) continue;
         const auto step_m = [&](double low_m, double high_m, double extent_m) {
             return std::min(high_m - low_m + 2.0 * far_m, extent_m) / along;
         };
-        const double x_m = step_m(box.low_m.x, box.high_m.x, c.domain.extent_x_m()),
-                     y_m = step_m(box.low_m.y, box.high_m.y, c.domain.extent_y_m());
+        const double x_m = step_m(box.low_m.x, box.high_m.x, domain.extent_x_m()),
+                     y_m = step_m(box.low_m.y, box.high_m.y, domain.extent_y_m());
         const double share = x_m * y_m / (h_m * h_m); // points per sample
         for (int i = 0; i < along; ++i)
             for (int j = 0; j < along; ++j) {
@@ -186,21 +188,22 @@ std::unique_ptr<StressCorrection> stress_correction(const LumpBodies* lumps,
     return std::make_unique<LumpStress>(*lumps, planes);
 }
 
-double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
-    const LumpSizes sizes = lump_sizes(c, mesh);
-    const std::vector<double> depths_m = stress_depths_m(c);
-    const bool tensors = records_tensors(c.record);
+double lump_stress_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks) {
+    const LumpSizes sizes = lump_sizes(plan, mesh);
+    const std::vector<double> depths_m = stress_depths_m(plan.c);
+    const bool tensors = records_tensors(plan.c.record);
     if (sizes.markers == 0.0 || (depths_m.empty() && !tensors)) return 0.0;
     const double of_patch =
         3.2 * std::pow(patch_radius / patch_points, 2) * sizeof(SurfacePatches::Share);
     double bytes = sizes.markers * of_patch +
                    GridForces::memory_B(sizes.depths, static_cast<double>(depths_m.size()));
     for (const double depth_m : depths_m)
-        bytes += corrections_at(c, sizes.markers_m, depth_m).pairs * sizeof(double) * 4.0 / ranks;
+        bytes +=
+            corrections_at(plan, sizes.markers_m, depth_m).pairs * sizeof(double) * 4.0 / ranks;
     if (!tensors) return bytes;
     bytes += GridForces::memory_B(sizes.depths, static_cast<double>(mesh.clear_levels()));
     for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
-        bytes += corrections_at(c, sizes.markers_m, mesh.z_m(level)).points *
+        bytes += corrections_at(plan, sizes.markers_m, mesh.z_m(level)).points *
                  (100.0 + sizes.markers / 8.0) / ranks;
     return bytes;
 }

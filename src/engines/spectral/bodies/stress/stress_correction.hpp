@@ -59,8 +59,8 @@ inline std::unique_ptr<StressCorrection> stress_correction(const RigidBodies& bo
         bodies.kind());
 }
 
-/// Memory of the corrections of a case on the rank that needs most, in bytes. Not collective.
-double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
-double lump_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
+/// Memory of the corrections on the rank that needs most, in bytes. Not collective.
+double endless_stress_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks);
+double lump_stress_memory_B(const RigidPlan& plan, const DepthMesh& mesh, int ranks);
 
 } // namespace shearwake::spectral
