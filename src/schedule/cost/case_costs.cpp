@@ -131,14 +131,14 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
     }
 }
 
-std::size_t CaseCosts::limit_resources(const std::vector<const PlannedCase*>& cases,
-                                       double most_s) {
+std::size_t CaseCosts::limit_resources(const std::vector<const PlannedCase*>& cases, double most_s,
+                                       int ranks) {
     const std::clock_t began = std::clock();
     std::vector<bool> is_computed(cases.size(), false);
     std::size_t count = 0;
     for (const std::size_t i : order_of_estimates(cases)) {
         if (count++ >= least_estimated && used_s(began) > most_s) break;
-        of(cases[i]->physics);
+        of(cases[i]->physics, ranks);
         is_computed[i] = true;
     }
     const Case* before = nullptr;
@@ -208,23 +208,14 @@ fs::path existing_parent(const fs::path& path) {
 
 Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
     constexpr double most_s = 0.25;
-    const std::clock_t began = std::clock();
     Demand demand;
-    std::vector<std::optional<double>> written_B(cases.size());
-    std::size_t count = 0;
-    for (const std::size_t i : cost::order_of_estimates(cases)) {
-        if (count++ >= cost::least_estimated && cost::used_s(began) > most_s) break;
-        const Case& given = cases[i]->physics;
-        const auto engine = engines::make_engine(given.solver);
-        const Case c =
-            engine->probes_step(given) ? engine->with_step(given, given.time.interval_s) : given;
-        const engines::Resources needs = pipeline::plan_case(c, ranks, *engine).needs;
+    cost::CaseCosts costs({}, {}); // without probes of time steps
+    costs.limit_resources(cases, most_s, ranks);
+    for (const PlannedCase* planned : cases) {
+        const engines::Resources& needs = costs.of(planned->physics, ranks);
         demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B());
-        written_B[i] = needs.written_B;
+        demand.disk_B += needs.written_B;
     }
-    double before_B = 0.0;
-    for (const std::optional<double>& own_B : written_B)
-        demand.disk_B += before_B = own_B.value_or(before_B);
     return demand;
 }
 

@@ -47,7 +47,8 @@ public:
     /// Computes the resources of the largest cases and of others that are spread evenly over the
     /// plan, for `most_s` seconds of CPU time; every other case has those of the one before it.
     /// Returns their number.
-    std::size_t limit_resources(const std::vector<const PlannedCase*>& cases, double most_s);
+    std::size_t limit_resources(const std::vector<const PlannedCase*>& cases, double most_s,
+                                int ranks = 1);
     /// Whether the resources of the case are those of another one.
     bool is_of_neighbour(const Case& c) const { return neighbour_.contains(&c); }
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
@@ -62,8 +63,9 @@ public:
     void use(Rates rates) { rates_ = std::move(rates); }
     /// Whether the time step of the case is known before it runs.
     bool is_probed(const Case& c) const;
-    /// The engine of the case, which remembers the steps that were chosen.
+    /// The engine of the case, which remembers the steps that were chosen and what its runs share.
     engines::Engine& engine_of(const Case& c) const;
+    void free_engines() { engines_.clear(); }
     /// The case with the time step of the most similar probe, so that its engine need not probe.
     /// Without any probe, the step is the output interval.
     Case with_step(const Case& c) const;

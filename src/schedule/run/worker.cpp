@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/worker.hpp"
 
-#include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -172,7 +171,7 @@ bool Worker::one_case(const PlannedCase& planned) {
             break;
         }
         is_done = false;
-        engine_.reset(); // its data may be incomplete
+        list_.costs.free_engines(); // their data may be incomplete
         const bool passing = error && error->persistence == Persistence::passing;
         if (!team_.all(passing) || attempt == waits_for_files.size()) {
             if (team_.is_root() && error) record(planned, error->reason, error->cause);
@@ -192,8 +191,8 @@ bool Worker::one_case(const PlannedCase& planned) {
 bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
     // What an engine shares between its cases is in the way of another engine's.
-    if (before_ && before_->solver.index() != planned.physics.solver.index()) engine_.reset();
-    if (!engine_) engine_ = engines::make_engine(planned.physics.solver);
+    if (before_ && before_->solver.index() != planned.physics.solver.index())
+        list_.costs.free_engines();
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
@@ -201,7 +200,7 @@ bool Worker::compute(const PlannedCase& planned) {
          [this](double share) { progressed(share); }});
     const auto began = std::chrono::steady_clock::now();
     auto outcome =
-        pipeline::run_case(planned, list_.facts, *engine_, team_,
+        pipeline::run_case(planned, list_.facts, list_.costs.engine_of(planned.physics), team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
     if (!outcome) {
         if (!team_.is_root()) return false;

@@ -16,7 +16,6 @@
 #include "storage/journal/run_lock.hpp"
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -117,7 +116,6 @@ private:
     std::chrono::steady_clock::time_point rates_saved_{};
     Bundle bundle_{0, 0}; // the remaining cases of the bundle of this team
     std::size_t at_ = 0;  // position of the running case in the list
-    std::unique_ptr<engines::Engine> engine_;
     const Case* before_ =
         nullptr; // previous case of the team, which may share work with the next one
     std::vector<std::string> case_log_; // messages about the running case
