@@ -10,6 +10,7 @@
 #include <cmath>
 #include <ctime>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -167,7 +168,6 @@ struct StepRefinement {
     SolverOptions options;
     std::string change; // what differs: "half the time step, 5 us, "; empty: nothing
     double ratio = 2.0; // by which the step is smaller
-    std::optional<double> order = std::nullopt; // of convergence in the step; none: unknown
 };
 
 /// The time for choosing a step has passed.
@@ -190,46 +190,44 @@ private:
     std::clock_t began_ = std::clock();
 };
 
-/// Computes the frames of u_z of a case. Between cases an engine keeps only what they can share.
-class Engine {
+/// Computes the frames of u_z of a case. Between cases it keeps only what they can share.
+class Solver {
 public:
-    virtual ~Engine() = default;
+    virtual ~Solver() = default;
     /// Resources for running the case on a team of `ranks` ranks. Not collective.
     virtual Resources resources(const Case& c, int ranks) const = 0;
-    /// For engines that cannot be stopped between two steps: the case with fewer frames, whose
-    /// parts take the same time per unit. Nothing: Checkpoints::due() can stop a run after any
-    /// step. Not collective.
-    virtual std::optional<Case> shortened(const Case& /*c*/, std::ptrdiff_t /*frames*/) const {
-        return {};
-    }
-    /// The choices that the engine will make for the case with their reasons, one line each, as far
-    /// as they follow from the case alone. Not collective.
-    virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }
-    /// Errors for parts of the case that the engine does not support, and warnings about those that
-    /// it approximates, as far as they follow from the case alone at little cost. Not collective.
-    virtual std::vector<Remark> limits(const Case& c) const = 0;
-    /// How the engine treats waves at the edges for this case. Not collective.
-    virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }
-    /// Whether choosing the time step takes about 0.1 s or more, because it requires trial runs or
-    /// the materials of all nodes. Not collective.
-    virtual bool probes_step(const Case& /*c*/) const { return false; }
-    /// The step [s] that `run` uses, if probes_step(). Throws StepNotChosen. Not collective.
-    virtual double probed_step_s(const Case& /*c*/, ChoiceLimit /*limit*/) const { return 0.0; }
-    /// The case with this step specified, so that it need not be chosen. Not collective.
-    virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
-    /// Order of convergence in the grid spacing for a laterally uniform medium; none: faster than
-    /// any power. Not collective.
-    virtual std::optional<double> order_in_spacing() const { return std::nullopt; }
-    /// The refinement in time for an estimate of the error. Not collective.
-    virtual StepRefinement half_the_step(const Case& c) const {
-        return {.options = c.solver, .change = ""};
-    }
     /// Computes the case and passes the results to the observer. With `checkpoints` it resumes from
     /// the newest checkpoint, and returns early after a save if a stop was requested; an engine
     /// that saves no checkpoints returns without one. Throws CaseFailure on all ranks together.
     /// Collective over the team, which must be the same in all calls.
     virtual void run(const Case& c, const Comm& team, Observer& observer,
                      Checkpoints* checkpoints = nullptr) = 0;
+};
+
+/// Returns a time step [s]. Throws StepNotChosen.
+using StepChooser = std::function<double(ChoiceLimit)>;
+
+/// A solver that cases name (registry/make_engine.hpp). No function but run() is collective.
+class Engine : public Solver {
+public:
+    /// For engines that cannot be stopped between two steps: the case with fewer frames, whose
+    /// parts take the same time per unit. Nothing: Checkpoints::due() can stop a run after any
+    /// step.
+    virtual std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const = 0;
+    /// The choices that the engine will make for the case with their reasons, one line each, as far
+    /// as they follow from the case alone.
+    virtual std::vector<std::string> choices(const Case& c) const = 0;
+    /// Errors for parts of the case that the engine does not support, and warnings about those that
+    /// it approximates, as far as they follow from the case alone at little cost.
+    virtual std::vector<Remark> limits(const Case& c) const = 0;
+    /// How the engine treats waves at the edges for this case.
+    virtual Edges edges(const Case& c) const = 0;
+    /// Chooses the step that `run` uses, if this takes about 0.1 s or more, because it requires
+    /// trial runs or the materials of all nodes; otherwise empty. Refers to the engine and the
+    /// case.
+    virtual StepChooser step_chooser(const Case& c) const = 0;
+    /// The refinement in time for an estimate of the error.
+    virtual StepRefinement half_the_step(const Case& c) const = 0;
 };
 
 /// A choice of an engine. `key` is empty, or the key to change where the choice reduces the

@@ -162,7 +162,7 @@ std::vector<engines::Array> arrays_of_recorder(const Case& c, int ranks) {
 
 } // namespace
 
-CasePlan plan_case(const Case& c, int ranks, const engines::Engine& engine) {
+CasePlan plan_case(const Case& c, int ranks, const engines::Solver& engine) {
     CasePlan plan{.receptors = receptors_of(c), .needs = engine.resources(c, ranks)};
     engines::Resources& all = plan.needs;
     all.written_B = case_file_B(c, plan.receptors, all.written_B);

@@ -62,7 +62,7 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
 
 /// Returns early if a stop was requested. After a temporary failure, such as a full disk, the case
 /// can be resumed from the newest checkpoint; after a field that is not finite, it cannot.
-void compute(const Case& c, engines::Engine& engine, const Comm& team, SurfaceRecorder& recorder,
+void compute(const Case& c, engines::Solver& engine, const Comm& team, SurfaceRecorder& recorder,
              storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
     try {
         fail_together(team, [&] { engine.run(c, team, recorder, &checkpoints); });
@@ -89,7 +89,7 @@ void compute(const Case& c, engines::Engine& engine, const Comm& team, SurfaceRe
 }
 
 std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const JobFacts& job,
-                                             engines::Engine& engine, const Comm& team,
+                                             engines::Solver& engine, const Comm& team,
                                              const std::filesystem::path& path,
                                              CaseCheckpoints& checkpoints,
                                              const std::function<void()>& tick) {
@@ -146,7 +146,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 } // namespace
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
-                                    engines::Engine& engine, const Comm& team,
+                                    engines::Solver& engine, const Comm& team,
                                     const std::filesystem::path& path, CaseCheckpoints& checkpoints,
                                     const std::function<void()>& tick) {
     std::optional<CaseOutcome> outcome;

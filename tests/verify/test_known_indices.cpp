@@ -73,10 +73,9 @@ exceedance = { peak_um = 21.0, "peak_um_z1mm" = 1.0 }
 /// The displacement of the central node in um is the Ishigami function plus 20 at the surface,
 /// since displacements have no sign in peak_um, and the g-function at the second depth. All other
 /// nodes rest, so that no wave at the edges makes readings invalid.
-class ModelEngine : public engines::Engine {
+class ModelEngine : public engines::Solver {
 public:
     engines::Resources resources(const Case&, int) const override { return {}; }
-    std::vector<Remark> limits(const Case&) const override { return {}; }
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints*) override {
         const Layer& layer = c.scene().medium.layers.front();

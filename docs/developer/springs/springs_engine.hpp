@@ -4,6 +4,7 @@
 #include "engines/engine.hpp"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace shearwake::springs {
@@ -14,7 +15,13 @@ public:
     engines::Resources resources(const Case& c, int ranks) const override;
     /// Its runs are not stopped.
     std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
+    std::vector<std::string> choices(const Case&) const override { return {}; }
     std::vector<Remark> limits(const Case& c) const override;
+    engines::Edges edges(const Case&) const override { return engines::Edges::periodic; }
+    engines::StepChooser step_chooser(const Case&) const override { return {}; }
+    engines::StepRefinement half_the_step(const Case& c) const override {
+        return {.options = c.solver, .change = ""};
+    }
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 };

@@ -34,6 +34,7 @@ public:
     std::vector<Remark> limits(const Case& c) const override;
     std::vector<std::string> choices(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
+    engines::StepChooser step_chooser(const Case&) const override { return {}; }
     /// Also the interpolation of H has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
     /// Fewer samples of the same step and decay, hence of the same range of frequencies.

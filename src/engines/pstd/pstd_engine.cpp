@@ -155,19 +155,11 @@ std::vector<std::string> PstdEngine::choices(const Case& c) const {
     return notes_of_case(c, step, plan_of(c, options, case_grid(c, options), step.per_frame, 1));
 }
 
-bool PstdEngine::probes_step(const Case& c) const {
-    return !c.study() && varies_laterally(c.scene().medium) &&
-           !std::get<PstdOptions>(c.solver).time_step_s;
-}
-
-double PstdEngine::probed_step_s(const Case& c, engines::ChoiceLimit limit) const {
-    return step_of(c, limit).step_s;
-}
-
-Case PstdEngine::with_step(const Case& c, double step_s) const {
-    Case given = c;
-    std::get<PstdOptions>(given.solver).time_step_s = step_s;
-    return given;
+engines::StepChooser PstdEngine::step_chooser(const Case& c) const {
+    if (c.study() || !varies_laterally(c.scene().medium) ||
+        std::get<PstdOptions>(c.solver).time_step_s)
+        return {};
+    return [&](engines::ChoiceLimit limit) { return step_of(c, limit).step_s; };
 }
 
 engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
@@ -175,8 +167,7 @@ engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
     const double step_s = 0.5 * options.time_step_s.value_or(step_of(c).step_s);
     options.time_step_s = step_s;
     return {.options = options,
-            .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),
-            .order = 2.0};
+            .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s)};
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,

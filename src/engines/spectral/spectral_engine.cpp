@@ -66,21 +66,18 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
 
 engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
     auto options = std::get<SpectralOptions>(c.solver);
-    constexpr double order = 2.0;
     const double before = options.accuracy;
     if (options.time_step_s || before < 2.0 * SpectralOptions::least_accuracy) {
         const double step_s = 0.5 * options.time_step_s.value_or(plan_of(c).time.step_s);
         options.time_step_s = step_s;
         return {.options = options,
-                .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),
-                .order = order};
+                .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s)};
     }
     options.accuracy = std::max(0.25 * before, SpectralOptions::least_accuracy);
     return {.options = options,
             .change = fmt::format("{:.3g} of the tolerance (accuracy {:.3g})",
                                   options.accuracy / before, options.accuracy),
-            .ratio = std::sqrt(before / options.accuracy), // the error grows with the step squared
-            .order = order};
+            .ratio = std::sqrt(before / options.accuracy)}; // the error grows with its square
 }
 
 void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,

@@ -17,12 +17,11 @@ namespace shearwake::spectral {
 class SpectralEngine : public engines::Engine {
 public:
     engines::Resources resources(const Case& c, int ranks) const override;
+    std::optional<Case> shortened(const Case&, std::ptrdiff_t) const override { return {}; }
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
-    bool probes_step(const Case& c) const override;
-    double probed_step_s(const Case& c, engines::ChoiceLimit limit) const override;
-    Case with_step(const Case& c, double step_s) const override;
+    engines::StepChooser step_chooser(const Case& c) const override;
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;

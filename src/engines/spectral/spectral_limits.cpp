@@ -99,18 +99,9 @@ engines::Edges SpectralEngine::edges(const Case& c) const {
     return c.domain.sponge_m > 0.0 ? engines::Edges::sponge : engines::Edges::periodic;
 }
 
-bool SpectralEngine::probes_step(const Case& c) const {
-    return !std::get<SpectralOptions>(c.solver).time_step_s;
-}
-
-double SpectralEngine::probed_step_s(const Case& c, engines::ChoiceLimit limit) const {
-    return plan_of(c, limit).time.step_s;
-}
-
-Case SpectralEngine::with_step(const Case& c, double step_s) const {
-    Case given = c;
-    std::get<SpectralOptions>(given.solver).time_step_s = step_s;
-    return given;
+engines::StepChooser SpectralEngine::step_chooser(const Case& c) const {
+    if (std::get<SpectralOptions>(c.solver).time_step_s) return {};
+    return [&](engines::ChoiceLimit limit) { return plan_of(c, limit).time.step_s; };
 }
 
 } // namespace shearwake::spectral

@@ -122,9 +122,8 @@ CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
         if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
         try {
-            probes_.push_back(
-                {&c, engine_of(c).probed_step_s(
-                         c, engines::ChoiceLimit(std::isfinite(most_s) ? most_one_s : most_s))});
+            probes_.push_back({&c, engine_of(c).step_chooser(c)(engines::ChoiceLimit(
+                                       std::isfinite(most_s) ? most_one_s : most_s))});
         } catch (const engines::StepNotChosen&) {
             break;
         }
@@ -159,7 +158,7 @@ engines::Engine& CaseCosts::engine_of(const Case& c) const {
 }
 
 bool CaseCosts::is_open(const Case& c) const {
-    return engine_of(c).probes_step(c);
+    return engine_of(c).step_chooser(c) != nullptr;
 }
 
 bool CaseCosts::is_probed(const Case& c) const {
@@ -168,10 +167,17 @@ bool CaseCosts::is_probed(const Case& c) const {
 
 Case CaseCosts::with_step(const Case& c) const {
     if (!is_open(c)) return c;
-    if (probes_.empty()) return engine_of(c).with_step(c, c.time.interval_s);
-    const Probe& nearest = *std::ranges::min_element(
+    const auto nearest = std::ranges::min_element(
         probes_, {}, [&](const Probe& probe) { return distance(*probe.c, c); });
-    return engine_of(c).with_step(c, nearest.step_s);
+    Case given = c;
+    std::visit(
+        [&](auto& options) {
+            if constexpr (requires { options.time_step_s; })
+                options.time_step_s =
+                    nearest == probes_.end() ? c.time.interval_s : nearest->step_s;
+        },
+        given.solver);
+    return given;
 }
 
 CaseTime CaseCosts::time(const Case& c, int ranks) {

@@ -21,9 +21,7 @@ constexpr double order_of_sums = 2.0;
 
 /// At the faces of bodies, cells contain the mean of two materials, which is of first order.
 double order_in_spacing(const Case& c) {
-    return varies_laterally(c.scene().medium)
-               ? 1.0
-               : engines::make_engine(c.solver)->order_in_spacing().value_or(order_of_sums);
+    return varies_laterally(c.scene().medium) ? 1.0 : order_of_sums;
 }
 
 Refinement half_the_spacing(const Case& c) {
@@ -58,7 +56,7 @@ Refinement half_the_step(const Case& c) {
                            "half the frame interval",
                  .physics = c,
                  .ratio = step.ratio,
-                 .order = step.order.value_or(order_of_sums)};
+                 .order = order_of_sums};
     r.physics.solver = step.options;
     r.physics.time.frames *= 2;
     r.physics.time.interval_s *= 0.5;

@@ -34,7 +34,7 @@ constexpr std::uintmax_t largest_fit_B = 4'000'000;
 
 /// Passes measured frames of the surface to an observer as an engine passes computed ones, so that
 /// measurements have the same measures and files as simulations.
-class ReplayEngine : public engines::Engine {
+class ReplayEngine : public engines::Solver {
 public:
     /// `prefix`: of the converted surface (ConvertedData); `repetition`: 0 for the data themselves.
     ReplayEngine(std::filesystem::path prefix, std::size_t repetition,
@@ -46,7 +46,7 @@ public:
                                          static_cast<double>(c.domain.ny) * sizeof(double)}}};
     }
     /// Errors for what a measurement does not contain: depths, stress, volumes, grid studies.
-    std::vector<Remark> limits(const Case& c) const override {
+    static std::vector<Remark> limits(const Case& c) {
         std::vector<Remark> remarks;
         const auto refuse = [&](const char* key, const char* message) {
             remarks.push_back({Severity::error, key, message});
@@ -124,9 +124,8 @@ MeasuredJob read_measured_job(const MeasureArguments& arguments, const Comm& wor
 }
 
 void require_measurable(const Case& c) {
-    const ReplayEngine engine("", 0, {});
     std::string errors;
-    for (const Remark& remark : engine.limits(c))
+    for (const Remark& remark : ReplayEngine::limits(c))
         errors += fmt::format("{}{}: {}", errors.empty() ? "" : "\n", remark.key, remark.message);
     if (!errors.empty()) throw UsageError(errors, ExitCode::bad_job);
 }
