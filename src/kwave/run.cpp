@@ -146,7 +146,8 @@ double required_memory_B(const Job& job) {
                                                          : Precision::double_precision,
         .uneven = true,
         .coefficients = pstd::varying_coefficients(true, true, true, setup.absorption),
-        .source_nodes = source_nodes};
+        .source_nodes = source_nodes,
+        .places = {.planes = 0}};
     const engines::Resources planned{.arrays = pstd::arrays_of(plan, job.world.size())};
     return planned.memory_per_rank_B() +
            pstd::Recorder::memory_B(job.input.sensor, setup.grid, job.arguments.records,

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "engines/march.hpp"
 #include "engines/pstd/scene/case_step.hpp"
+#include "engines/pstd/scene/displacements.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -47,14 +50,27 @@ struct PstdPlan {
     bool uneven = false;       // materials are given per node
     double coefficients = 0.0; // of the stepper, that are stored per node
     double source_nodes = 0.0; // of all ranks
-    double output_B = 0.0;     // of a rank, while the stepper runs
+    FramePlaces places;
+    std::ptrdiff_t per_frame = 1; // steps
+    std::ptrdiff_t levels = 0;    // of volumes
 };
+
+/// A run of a plan.
+struct PstdRun {
+    std::function<Setup()> setup; // called on all ranks together
+    const CaseGrid* grid;         // of a scene; null for a grid study
+    engines::SolverReport report; // notes and warnings
+    Clock::time_point began;
+};
+/// Collective.
+void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
+              engines::Observer& observer, engines::Checkpoints* checkpoints);
 
 /// Number of coefficients of a stepper that vary laterally with these properties.
 double varying_coefficients(bool density, bool speeds, bool viscosity, Absorption absorption);
 
-/// The work of the steps, without snapshots. Each step also adds to the displacements of the
-/// columns of the domain, and each frame passes them on at all depths. Not collective.
+/// The work of the steps. Each step also adds to the displacements of the columns of the domain or,
+/// with snapshots, of all its points, and each frame passes them on at all depths. Not collective.
 engines::MarchWork march_work(const Case& c, const PstdPlan& plan);
 
 /// Grid, absorbing layer, precision and materials; one line. Not collective.
@@ -62,5 +78,7 @@ std::string note_of(const PstdPlan& plan);
 
 /// The arrays of the rank with most planes. Not collective.
 std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks);
+/// Not collective.
+engines::Resources resources_of(const Case& c, const PstdPlan& plan, int ranks);
 
 } // namespace shearwake::pstd

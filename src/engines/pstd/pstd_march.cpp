@@ -1,84 +1,143 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/pstd/pstd_march.hpp"
+#include "engines/march.hpp"
+#include "engines/pstd/pstd_engine.hpp"
+#include "engines/pstd/scheme/recorder.hpp"
+#include "engines/pstd/study_run.hpp"
+#include "parallel/agree.hpp"
 
-#include "engines/pstd/scheme/stepper.hpp"
+#include <optional>
 
 namespace shearwake::pstd {
+namespace {
 
-// With velocities v half a step before and after the stresses s, the scheme preserves
-//     E = 1/2 v-.M v+ + 1/2 s.S s.
-// Let r be the step relative to the largest stable one. In E the mean of v- and v+ has its full
-// kinetic energy, and s at least 1 - r^2 of its elastic energy (1 - r with viscosity alone).
-// Therefore the kinetic energy of v- is at most E/(1 - r), 20 E at the default r = 0.95.
-template <class Real>
-engines::EnergyWatch PstdMarch<Real>::energy_watch() const {
-    const bool study = case_.study() != nullptr;
-    return {team_,
-            stepper_.slabs().grid.dt_s,
-            {.most_1 = 20.0,
-             .advice = study
-                           ? "the time step is probably unstable; a smaller kgrid.dt of the study "
-                             "may help"
-                           : "the time step is probably unstable; a smaller "
-                             "solver.pstd.time_step_us may help"}};
+Setup setup_of(const PstdRun& run, const Comm& team) {
+    std::optional<Setup> setup;
+    together(team, [&] { setup = run.setup(); });
+    return std::move(*setup);
 }
 
+/// A scene or a grid study: u_z at the measured depths for each frame, displacements for each
+/// snapshot, and the samples of a sensor in every step.
 template <class Real>
-void PstdMarch<Real>::watch() {
-    const auto& grid = stepper_.slabs().grid;
-    const double area_m2 = static_cast<double>(grid.points[0] * grid.points[1]) *
-                           grid.spacing_m[0] * grid.spacing_m[1];
-    const double work_J = stepper_.work_J();
-    watch_.add_work((work_J - watched_work_J_) / area_m2);
-    watched_work_J_ = work_J;
-    const std::ptrdiff_t step = stepper_.steps();
-    if (!watch_.due(step)) return;
-    // E is at most 1 + r times the sum of the kinetic and the elastic energy.
-    if (static_cast<double>(step - watch_.interval()) < stepper_.unknown_until())
-        watch_.accept(step, 2.0 * (stepper_.kinetic_J() + stepper_.elastic_J()) / area_m2);
+class PstdMarch : public engines::Marching {
+public:
+    /// Stores references, which must outlive this object. Collective.
+    PstdMarch(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team)
+        : case_(c), per_frame_(plan.per_frame),
+          displacement_(run.grid ? "displacement_u_z" : "u_z"), team_(team),
+          stepper_(setup_of(run, team), team), watch_(energy_watch()) {
+        together(team, [&] {
+            frames_.emplace(c, plan.places, stepper_.slabs());
+            if (run.grid) volumes_.emplace(c, *run.grid, stepper_.slabs());
+            if (const StudyData* study = c.study())
+                sensor_.emplace(study->sensor, stepper_.slabs(), records_of(*study),
+                                study->sensor_start, study->steps);
+        });
+    }
+
+    void begin(engines::Observer& observer) const {
+        observer.begin(frames_->slab());
+        if (!case_.record.volumes_s.empty()) observer.volume_levels(volumes_->levels_m());
+    }
+    std::ptrdiff_t step() const override { return stepper_.steps(); }
+    void advance() override {
+        stepper_.step();
+        watch();
+        frames_->displacement().add(stepper_);
+        if (volumes_) volumes_->add(stepper_);
+        if (sensor_) sensor_->add(stepper_, team_);
+    }
+    void emit(engines::Observer& observer) override {
+        if (stepper_.steps() % per_frame_ != 0) return;
+        const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
+        if (frames > case_.time.frames) return; // a study may continue after the last frame
+        frames_->emit(frames - 1, observer, team_);
+        if (!volumes_) return;
+        if (const auto snapshot = engines::snapshot_at(case_, frames))
+            volumes_->emit(*snapshot, frames_->displacement(), observer, team_);
+    }
+    void save(StateWriter& state) const override {
+        stepper_.save(state);
+        watch_.save(state);
+        frames_->displacement().save(state, displacement_);
+        if (volumes_) volumes_->save(state);
+        if (sensor_) sensor_->save(state);
+    }
+    void restore(const StateReader& state) override {
+        stepper_.restore(state);
+        watch_.restore(state);
+        frames_->displacement().restore(state, displacement_);
+        if (volumes_) volumes_->restore(state);
+        if (sensor_) sensor_->restore(state);
+    }
+    void finish(engines::SolverReport report, engines::Observer& observer) {
+        report.steps = stepper_.steps();
+        if (sensor_) report.sensors = sensor_->results(stepper_, team_);
+        observer.solved(report);
+    }
+
+private:
+    // With velocities v half a step before and after the stresses s, the scheme preserves
+    //     E = 1/2 v-.M v+ + 1/2 s.S s.
+    // Let r be the step relative to the largest stable one. In E the mean of v- and v+ has its full
+    // kinetic energy, and s at least 1 - r^2 of its elastic energy (1 - r with viscosity alone).
+    // Therefore the kinetic energy of v- is at most E/(1 - r), 20 E at the default r = 0.95.
+    engines::EnergyWatch energy_watch() const {
+        return {team_,
+                stepper_.slabs().grid.dt_s,
+                {.most_1 = 20.0,
+                 .advice = case_.study()
+                               ? "the time step is probably unstable; a smaller kgrid.dt of the "
+                                 "study may help"
+                               : "the time step is probably unstable; a smaller "
+                                 "solver.pstd.time_step_us may help"}};
+    }
+    void watch() {
+        const auto& grid = stepper_.slabs().grid;
+        const double area_m2 = static_cast<double>(grid.points[0] * grid.points[1]) *
+                               grid.spacing_m[0] * grid.spacing_m[1];
+        const double work_J = stepper_.work_J();
+        watch_.add_work((work_J - watched_work_J_) / area_m2);
+        watched_work_J_ = work_J;
+        const std::ptrdiff_t step = stepper_.steps();
+        if (!watch_.due(step)) return;
+        // E is at most 1 + r times the sum of the kinetic and the elastic energy.
+        if (static_cast<double>(step - watch_.interval()) < stepper_.unknown_until())
+            watch_.accept(step, 2.0 * (stepper_.kinetic_J() + stepper_.elastic_J()) / area_m2);
+        else
+            watch_.check(step, stepper_.kinetic_J() / area_m2);
+    }
+
+    const Case& case_;
+    std::ptrdiff_t per_frame_;
+    std::string displacement_; // in checkpoints
+    Comm team_;
+    Stepper<Real> stepper_;
+    engines::EnergyWatch watch_;
+    double watched_work_J_ = 0.0; // the part of stepper_.work_J() that watch_ has
+    std::optional<Frames> frames_;
+    std::optional<DisplacementVolumes> volumes_;
+    std::optional<Recorder> sensor_;
+};
+
+template <class Real>
+void run_with(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
+              engines::Observer& observer, engines::Checkpoints* checkpoints) {
+    PstdMarch<Real> field(c, plan, run, team);
+    field.begin(observer);
+    if (engines::march(field, static_cast<std::ptrdiff_t>(plan.steps), observer, checkpoints,
+                       march_work(c, plan), run.began) == engines::MarchEnd::complete)
+        field.finish(run.report, observer);
+}
+
+} // namespace
+
+void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
+              engines::Observer& observer, engines::Checkpoints* checkpoints) {
+    if (plan.precision == Precision::single_precision)
+        run_with<float>(c, plan, run, team, observer, checkpoints);
     else
-        watch_.check(step, stepper_.kinetic_J() / area_m2);
+        run_with<double>(c, plan, run, team, observer, checkpoints);
 }
-
-template <class Real>
-void PstdMarch<Real>::advance() {
-    stepper_.step();
-    watch();
-    outputs_.frames.displacement().add(stepper_);
-    if (outputs_.volumes) outputs_.volumes->add(stepper_);
-    if (outputs_.sensor) outputs_.sensor->add(stepper_, team_);
-}
-
-template <class Real>
-void PstdMarch<Real>::emit(engines::Observer& observer) {
-    if (stepper_.steps() % per_frame_ != 0) return;
-    const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
-    if (frames > case_.time.frames) return; // a study may continue after the last frame
-    outputs_.frames.emit(frames - 1, observer, team_);
-    if (!outputs_.volumes) return;
-    if (const auto snapshot = engines::snapshot_at(case_, frames))
-        outputs_.volumes->emit(*snapshot, outputs_.frames.displacement(), observer, team_);
-}
-
-template <class Real>
-void PstdMarch<Real>::save(StateWriter& state) const {
-    stepper_.save(state);
-    watch_.save(state);
-    outputs_.frames.displacement().save(state, displacement_);
-    if (outputs_.volumes) outputs_.volumes->save(state);
-    if (outputs_.sensor) outputs_.sensor->save(state);
-}
-
-template <class Real>
-void PstdMarch<Real>::restore(const StateReader& state) {
-    stepper_.restore(state);
-    watch_.restore(state);
-    outputs_.frames.displacement().restore(state, displacement_);
-    if (outputs_.volumes) outputs_.volumes->restore(state);
-    if (outputs_.sensor) outputs_.sensor->restore(state);
-}
-
-template class PstdMarch<double>;
-template class PstdMarch<float>;
 
 } // namespace shearwake::pstd

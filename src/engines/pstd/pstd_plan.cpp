@@ -27,11 +27,17 @@ engines::MarchWork march_work(const Case& c, const PstdPlan& plan) {
     const double given = columns * static_cast<double>(c.measure.depths_m.size()) * frames;
     // Values that a step reads and writes per point: totals, parts, and transforms of gradients.
     const double per_point = 9.0 + 15.0 + (lossy ? 15.0 : 6.0);
-    return {.kind = fmt::format("pstd {}{}{}",
-                                plan.precision == Precision::single_precision ? "single" : "double",
-                                lossy ? " lossy" : "", plan.uneven ? " uneven" : ""),
-            .unknowns = per_point * points_of(plan.grid) + columns + given / plan.steps,
-            .steps = plan.steps};
+    engines::MarchWork work{
+        .kind = fmt::format("pstd {}{}{}",
+                            plan.precision == Precision::single_precision ? "single" : "double",
+                            lossy ? " lossy" : "", plan.uneven ? " uneven" : ""),
+        .unknowns = per_point * points_of(plan.grid) + columns + given / plan.steps,
+        .steps = plan.steps,
+        .snapshots = static_cast<double>(c.record.volumes_s.size())};
+    if (plan.levels == 0) return work;
+    work.kind += ", displacements";
+    work.values = 3.0 * columns * static_cast<double>(plan.levels);
+    return work;
 }
 
 std::string note_of(const PstdPlan& plan) {
@@ -70,13 +76,22 @@ std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks) {
     const double materials_B = sizeof(NodeMaterial) * static_cast<double>((slabs.x_count() + 1) *
                                                                           slabs.ny() * slabs.nz()) +
                                all * value_B;
+    const double output_B = sizeof(double) * static_cast<double>(slabs.rows()) *
+                            static_cast<double>(plan.places.planes + 2 * plan.levels);
     return {{"velocity and stress", 9.0 * all * value_B},
             {"their parts in the absorbing layer", parts * value_B + runs},
             {"derivatives along x and accelerations", transforms * value_B},
             {"coefficients of nodes", plan.coefficients * all * value_B},
             {"sources", source_B},
-            {"displacement of nodes", plan.output_B},
-            {"materials at the start", std::max(0.0, materials_B - plan.output_B)}};
+            {"displacement of nodes", output_B},
+            {"materials at the start", std::max(0.0, materials_B - output_B)}};
+}
+
+engines::Resources resources_of(const Case& c, const PstdPlan& plan, int ranks) {
+    return {.arrays = arrays_of(plan, ranks),
+            .work = engines::parts_of(march_work(c, plan)),
+            .useful_ranks = static_cast<int>(std::min(plan.grid.points[0], plan.grid.points[1])),
+            .written_B = engines::volumes_B(c, static_cast<double>(plan.levels))};
 }
 
 } // namespace shearwake::pstd

@@ -3,15 +3,12 @@
 
 #include "base/error.hpp"
 #include "engines/pstd/pstd_engine.hpp"
-#include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_step.hpp"
-#include "parallel/agree.hpp"
+#include "engines/pstd/scheme/recorder.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <optional>
-#include <set>
 
 namespace shearwake::pstd {
 
@@ -54,8 +51,6 @@ Setup study_setup(const StudyData& study) {
     return setup;
 }
 
-namespace {
-
 std::set<std::string> records_of(const StudyData& study) {
     std::set<std::string> names;
     for (const std::size_t record : study.sensor_fields)
@@ -63,10 +58,7 @@ std::set<std::string> records_of(const StudyData& study) {
     return names;
 }
 
-/// Number of steps per frame interval.
-std::ptrdiff_t steps_of_a_frame(const Case& c) {
-    return std::llround(c.time.interval_s / study_of(c).time_step_s);
-}
+namespace {
 
 /// The domain in the middle of the grid; linear interpolation between the two planes around a
 /// depth.
@@ -93,58 +85,31 @@ FramePlaces frame_places(const Case& c) {
     return frames;
 }
 
-PstdPlan plan_of(const Case& c, int ranks) {
+PstdPlan plan_of(const Case& c) {
     const StudyData& study = study_of(c);
     const auto varies = [](const std::vector<double>& values) { return values.size() > 1; };
     const Setup setup = study_setup(study);
     double nodes = 0.0;
     for (const NodeSource& source : study.sources)
         nodes += static_cast<double>(source.nodes.size());
-    PstdPlan plan{.grid = setup.grid,
-                  .pml = setup.pml,
-                  .steps = static_cast<double>(study.steps),
-                  .absorption = setup.absorption,
-                  .precision = std::get<PstdOptions>(c.solver).precision,
-                  .uneven = is_uneven(study),
-                  .coefficients = varying_coefficients(
-                      varies(study.density_kg_m3), varies(study.c_p_m_s) || varies(study.c_s_m_s),
-                      varies(study.chi_Pa_s) || varies(study.eta_Pa_s), setup.absorption),
-                  .source_nodes = nodes};
-    plan.output_B =
-        sizeof(double) *
-        static_cast<double>(slabs_of(plan.grid, ranks, ranks - 1).rows() * frame_places(c).planes);
-    return plan;
-}
-
-template <class Real>
-void run_with(const Case& c, const Comm& team, engines::Observer& observer,
-              engines::Checkpoints* checkpoints) {
-    const auto began = Clock::now();
-    const StudyData& study = study_of(c);
-    const PstdPlan plan = plan_of(c, team.size());
-    Stepper<Real> stepper(study_setup(study), team);
-    std::optional<typename PstdMarch<Real>::Outputs> outputs;
-    together(team, [&] {
-        outputs.emplace(typename PstdMarch<Real>::Outputs{
-            .frames = Frames(c, frame_places(c), stepper.slabs()),
-            .volumes = {},
-            .sensor = std::make_unique<Recorder>(study.sensor, stepper.slabs(), records_of(study),
-                                                 study.sensor_start, study.steps)});
-    });
-    observer.begin(outputs->frames.slab());
-    PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
-    if (engines::march(field, study.steps, observer, checkpoints, march_work(c, plan), began) ==
-        engines::MarchEnd::stopped)
-        return;
-    observer.solved({.notes = study_notes(c),
-                     .steps = stepper.steps(),
-                     .sensors = outputs->sensor->results(stepper, team)});
+    return {.grid = setup.grid,
+            .pml = setup.pml,
+            .steps = static_cast<double>(study.steps),
+            .absorption = setup.absorption,
+            .precision = std::get<PstdOptions>(c.solver).precision,
+            .uneven = is_uneven(study),
+            .coefficients = varying_coefficients(
+                varies(study.density_kg_m3), varies(study.c_p_m_s) || varies(study.c_s_m_s),
+                varies(study.chi_Pa_s) || varies(study.eta_Pa_s), setup.absorption),
+            .source_nodes = nodes,
+            .places = frame_places(c),
+            .per_frame = std::llround(c.time.interval_s / study.time_step_s)};
 }
 
 } // namespace
 
 std::vector<std::string> study_notes(const Case& c) {
-    return {fmt::format("grid study {}", study_of(c).content_hash), note_of(plan_of(c, 1))};
+    return {fmt::format("grid study {}", study_of(c).content_hash), note_of(plan_of(c))};
 }
 
 engines::Resources study_resources(const Case& c, int ranks) {
@@ -159,12 +124,8 @@ engines::Resources study_resources(const Case& c, int ranks) {
     const std::set<std::string> records = records_of(study);
     const Grid grid{study.points, study.spacing_m, study.time_step_s};
     const double recorded = Recorder::output_values(study.sensor, grid, records, samples);
-    const PstdPlan plan = plan_of(c, ranks);
-    engines::Resources all{.arrays = arrays_of(plan, ranks),
-                           .work = engines::parts_of(march_work(c, plan)),
-                           .useful_ranks =
-                               static_cast<int>(std::min(study.points[0], study.points[1])),
-                           .written_B = 8.0 * recorded};
+    engines::Resources all = resources_of(c, plan_of(c), ranks);
+    all.written_B = 8.0 * recorded;
     all.arrays.push_back({"study", 8.0 * stored});
     // Rank 0 gathers the results.
     all.arrays.push_back(
@@ -176,10 +137,12 @@ engines::Resources study_resources(const Case& c, int ranks) {
 void run_study(const Case& c, const Comm& team, engines::Observer& observer,
                engines::Checkpoints* checkpoints) {
     if (const std::string reason = study_error(c); !reason.empty()) throw CaseFailure(reason);
-    if (std::get<PstdOptions>(c.solver).precision == Precision::single_precision)
-        run_with<float>(c, team, observer, checkpoints);
-    else
-        run_with<double>(c, team, observer, checkpoints);
+    run_plan(c, plan_of(c),
+             {.setup = [&] { return study_setup(study_of(c)); },
+              .grid = nullptr,
+              .report = {.notes = study_notes(c)},
+              .began = Clock::now()},
+             team, observer, checkpoints);
 }
 
 MaterialOfNode material_of(const StudyData& study) {

@@ -7,6 +7,7 @@
 #include "problem/case/plan.hpp"
 #include "problem/case/study_data.hpp"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ bool is_uneven(const StudyData& study);
 
 /// The grid, absorbing layer, medium and sources of a study, which must exist as long as the setup.
 Setup study_setup(const StudyData& study);
+
+/// The names of what the sensor of a study records.
+std::set<std::string> records_of(const StudyData& study);
 
 /// Runs a case whose PstdOptions refer to a grid study: grid, absorbing layer, medium and sources
 /// are those of the study. Frames contain the displacement at the points of the domain and the

@@ -65,6 +65,7 @@ public:
 
     const engines::Slab& slab() const { return slab_; } // of the domain
     Displacement& displacement() { return u_z_; }
+    const Displacement& displacement() const { return u_z_; }
     /// Passes frame `number` to the observer. Throws FieldDiverges on all ranks if a value is not
     /// finite or larger than the domain. Collective.
     void emit(std::ptrdiff_t number, engines::Observer& observer, const Comm& team);
