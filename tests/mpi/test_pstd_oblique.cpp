@@ -128,7 +128,7 @@ TEST_CASE("oblique plane wave advances as the scheme's own mode on any number of
         // A shear stress consists of two parts, which get a third each.
         for (const pstd::Node& n : nodes)
             values.push_back(value_at(field, mode, kind, setup.grid, n, 0) *
-                             (pstd::is_shear(field) ? 1.5 : 1.0));
+                             (test::is_shear(field) ? 1.5 : 1.0));
         setup.sources.push_back(test::sampled_source(source, values));
     }
     pstd::Stepper<double> stepper(setup, world);

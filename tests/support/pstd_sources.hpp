@@ -8,6 +8,10 @@
 
 namespace shearwake::test {
 
+constexpr bool is_shear(pstd::Field field) {
+    return pstd::index_of(field) >= 6;
+}
+
 /// Samples are pattern[node] * series[sample]. Throws Error if the sizes do not match.
 inline pstd::Source separable_source(pstd::Source source, std::vector<double> pattern,
                                      std::vector<double> series) {

@@ -43,7 +43,7 @@ void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMaterial& 
         // A shear stress consists of two parts, which get a third each; the stress is computed half
         // a step after u.
         const double scale = velocity ? 1.0 : -ahead * wave.impedance(here);
-        const double share = pstd::is_shear(field) ? 1.5 : 1.0;
+        const double share = test::is_shear(field) ? 1.5 : 1.0;
         const double moved_m = velocity ? 0.0 : 0.5 * ahead * wave.speed(here) * dt_s;
         if (!velocity) source.mode = pstd::SourceMode::dirichlet;
         std::vector<double> values;

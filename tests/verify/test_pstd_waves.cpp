@@ -45,7 +45,7 @@ pstd::Source at_once(pstd::Field field, std::ptrdiff_t points,
         const double z_m =
             dz_m * (static_cast<double>(k) + (pstd::is_staggered(field, 2) ? 0.5 : 0.0));
         // A shear stress consists of two parts, which get a third each.
-        values.push_back(value(z_m) * (pstd::is_shear(field) ? 1.5 : 1.0));
+        values.push_back(value(z_m) * (test::is_shear(field) ? 1.5 : 1.0));
     }
     return test::sampled_source(s, values);
 }

@@ -40,9 +40,6 @@ public:
     std::vector<std::complex<double>> packed() const;
     static RadialInterpolant unpacked(std::span<const std::complex<double>> packed,
                                       std::size_t components);
-    static std::size_t packed_size(std::size_t panels, std::size_t components) {
-        return panels + 1 + panels * components * order;
-    }
 
 private:
     std::size_t components_ = 1;

@@ -34,8 +34,6 @@ struct OpenGrid {
     }
 };
 
-struct OpenGrid;
-
 /// Time transform of a run: `samples` steps of `step_s` form one period of the discrete transform.
 /// Evaluating at omega - i decay makes it aperiodic: the load is multiplied by e^{-decay t} and the
 /// result by e^{+decay t}. In the periodic regime decay is 0, and the first sample is at the first

@@ -28,9 +28,6 @@ constexpr std::size_t index_of(Field field) {
 constexpr bool is_velocity(Field field) {
     return index_of(field) < 3;
 }
-constexpr bool is_shear(Field field) {
-    return index_of(field) >= 6;
-}
 
 /// Whether a field is staggered by half a cell along an axis: ux is at (i+1/2, j, k), sxy at
 /// (i+1/2, j+1/2, k), and so on; normal stresses are at the nodes.
