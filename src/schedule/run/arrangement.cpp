@@ -9,8 +9,10 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <queue>
 #include <unordered_map>
+#include <utility>
 
 namespace shearwake::schedule {
 
@@ -79,16 +81,21 @@ std::vector<double> times_of(const Sample& sample, int size, int busy, cost::Cas
     return times;
 }
 
-/// The time until all teams have finished, if each takes the next case when it is free.
-double seconds_of(const std::vector<double>& cases, int teams) {
-    std::priority_queue<double, std::vector<double>, std::greater<>> ends(
-        {}, std::vector<double>(static_cast<std::size_t>(teams), 0.0));
+/// The time until all teams have finished, if each takes the next one of `count` items when it is
+/// free. seconds(item, team): the time of an item on a team.
+template <class Seconds>
+double end_s(std::size_t count, int teams, const Seconds& seconds) {
+    using Free = std::pair<double, std::size_t>; // from when on, the team
+    std::priority_queue<Free, std::vector<Free>, std::greater<>> free;
+    for (std::size_t team = 0; team < static_cast<std::size_t>(teams); ++team)
+        free.emplace(0.0, team);
     double last_s = 0.0;
-    for (const double seconds : cases) {
-        const double end_s = ends.top() + seconds;
-        ends.pop();
-        ends.push(end_s);
-        last_s = std::max(last_s, end_s);
+    for (std::size_t item = 0; item < count; ++item) {
+        const auto [from_s, team] = free.top();
+        free.pop();
+        const double to_s = from_s + seconds(item, team);
+        free.emplace(to_s, team);
+        last_s = std::max(last_s, to_s);
     }
     return last_s;
 }
@@ -112,7 +119,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
             return size <= costs.of(cases[place]->physics).useful_ranks;
         });
         if (!useful && wanted <= 0) continue;
-        layout.seconds = seconds_of(times, busy);
+        layout.seconds =
+            end_s(times.size(), busy, [&](std::size_t n, std::size_t) { return times[n]; });
         const double work_s = std::accumulate(times.begin(), times.end(), 0.0);
         layout.busy = layout.seconds > 0.0 ? work_s / busy / layout.seconds : 1.0;
         const auto unfit = std::ranges::count_if(sample.places, [&](std::size_t place) {
@@ -317,21 +325,14 @@ std::vector<Bundle> single(std::size_t cases) {
     return bundles;
 }
 
-/// The time until all teams have finished, if each takes the next bundle when it is free.
 double seconds_of(const std::vector<Bundle>& bundles, const TimedCases& cases, int teams) {
-    struct Team {
-        double busy_s = 0.0;
-        std::size_t group = static_cast<std::size_t>(-1); // whose shared data it has
-    };
-    std::vector<Team> all(static_cast<std::size_t>(teams));
-    for (const Bundle& bundle : bundles) {
-        Team& team = *std::ranges::min_element(all, {}, &Team::busy_s);
-        const std::size_t group = cases.groups[bundle.first];
-        if (team.group != group) team.busy_s += cases.shared_s[bundle.first];
-        team.group = group;
-        team.busy_s += cases.seconds(bundle);
-    }
-    return std::ranges::max_element(all, {}, &Team::busy_s)->busy_s;
+    /// The group whose shared data a team has.
+    std::vector<std::optional<std::size_t>> stored(static_cast<std::size_t>(teams));
+    return end_s(bundles.size(), teams, [&](std::size_t n, std::size_t team) {
+        const std::size_t first = bundles[n].first, group = cases.groups[first];
+        const bool has_data = std::exchange(stored[team], group) == group;
+        return (has_data ? 0.0 : cases.shared_s[first]) + cases.seconds(bundles[n]);
+    });
 }
 
 } // namespace

@@ -307,8 +307,8 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     storage::RunStart start = start_of(arguments, world.size());
     on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
     print_beginning(beginning, arguments, progress);
-    Selection selection = share(beginning.selection, world);
-    selection.others = beginning.selection.others;
+    Selection& selection = beginning.selection;
+    share(selection, world);
     std::vector<const PlannedCase*> cases;
     for (const std::size_t index : selection.work)
         cases.push_back(&job.plan.cases[index]);

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <set>
-#include <sstream>
 
 namespace shearwake::schedule {
 
@@ -86,18 +85,11 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
     return selection;
 }
 
-Selection share(const Selection& selection, const Comm& world) {
-    std::ostringstream text;
-    text << selection.total << ' ' << selection.complete << ' ' << selection.failed_before << ' '
-         << selection.not_selected;
-    for (const std::size_t index : selection.work)
-        text << ' ' << index;
-    std::istringstream words(world.broadcast(text.str()));
-    Selection shared;
-    words >> shared.total >> shared.complete >> shared.failed_before >> shared.not_selected;
-    for (std::size_t index = 0; words >> index;)
-        shared.work.push_back(index);
-    return shared;
+void share(Selection& selection, const Comm& world) {
+    std::vector<long> work(selection.work.begin(), selection.work.end());
+    world.broadcast(work);
+    selection.work.assign(work.begin(), work.end());
+    selection.failed_before = world.broadcast(selection.failed_before);
 }
 
 namespace {

@@ -14,11 +14,11 @@
 
 namespace shearwake::schedule {
 
-/// The cases that a run has to compute.
+/// The cases that a run has to compute. Other ranks than 0 only have what share() broadcasts.
 struct Selection {
     std::vector<std::size_t> work;   // positions in Plan::cases
-    std::vector<std::size_t> there;  // positions of the complete cases; on rank 0 only
-    std::vector<std::size_t> others; // positions of the cases that are not selected; on rank 0 only
+    std::vector<std::size_t> there;  // positions of the complete cases
+    std::vector<std::size_t> others; // positions of the cases that are not selected
     std::size_t total = 0;
     std::size_t complete = 0;     // cases with a complete file
     long failed_before = 0;       // that are not retried
@@ -36,8 +36,8 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
 /// UsageError for an invalid shard. Not collective.
 std::string part_name(const RunArguments& arguments);
 
-/// Broadcasts the selection of rank 0. Collective.
-Selection share(const Selection& selection, const Comm& world);
+/// Broadcasts the work and the failures of rank 0. Collective.
+void share(Selection& selection, const Comm& world);
 
 /// The state of a sweep that is computed in shards.
 struct ShardStates {
