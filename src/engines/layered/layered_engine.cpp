@@ -237,26 +237,15 @@ void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgr
         slabs_ = std::make_unique<fft::SlabTransform>(c.domain.nx, c.domain.ny, team);
         slabs_nx_ = c.domain.nx;
         slabs_ny_ = c.domain.ny;
-        table_.reset();
-        stress_table_.reset();
-        tangential_table_.reset();
-        loss_table_.reset();
+        tables_ = {};
     }
     const std::ptrdiff_t ky_count = slabs_->share().ky_count;
-    struct RequiredTable {
-        std::unique_ptr<TransferTable>& table;
-        const TransferKey& key;
-    };
-    const RequiredTable tables[] = {{table_, plan.keys[0]},
-                                    {stress_table_, plan.keys[1]},
-                                    {tangential_table_, plan.keys[2]},
-                                    {loss_table_, plan.keys[3]}};
-    expect_frames(progress, c, tables[0].key, ky_count, team.size());
-    for (const RequiredTable& required : tables)
-        if (!required.table || required.table->key() != required.key)
-            expect_table(progress, required.key, ky_count, team.size());
-    for (const RequiredTable& required : tables)
-        store_table(required.table, required.key, team, progress);
+    expect_frames(progress, plan, ky_count);
+    for (std::size_t i = 0; i < tables_.size(); ++i)
+        if (!tables_[i] || tables_[i]->key() != plan.keys[i])
+            expect_table(progress, plan.keys[i], ky_count, team.size());
+    for (std::size_t i = 0; i < tables_.size(); ++i)
+        store_table(tables_[i], plan.keys[i], team, progress);
 }
 
 void LayeredEngine::store_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
@@ -316,13 +305,13 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     std::optional<FieldSpectra> spectra;
     fft::AlignedVector<double> plane;
     together(team, [&] {
-        spectra.emplace(c, table_->key(), share, batch, batch_);
+        spectra.emplace(c, plan.keys[0], share, batch, batch_);
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 
     progress.did(CaseProgress::Stage::setup);
     std::optional<FieldSpectra::Energy> energy;
-    if (loss_table_) energy = spectra->energy(*loss_table_);
+    if (tables_[3]) energy = spectra->energy(*tables_[3]);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
     observer.begin({inner.x_start, inner.x_count});
     const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& emit) {
@@ -330,7 +319,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
                 const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-                const bool is_first = &table == table_.get() && depth == 0 && first == 0;
+                const bool is_first = &table == tables_[0].get() && depth == 0 && first == 0;
                 spectra->compute(table, other + depth, first, count, largest,
                                  energy && is_first ? &*energy : nullptr, progress);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -346,7 +335,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
             }
         }
     };
-    each_frame(*table_, c.measure.depths_m.size(),
+    each_frame(*tables_[0], c.measure.depths_m.size(),
                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
                });
@@ -354,20 +343,19 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     if (energy) report = report_of(energy->sums.total(period_times_area_s_m2(c), team));
     for (std::string& note : plan.notes())
         report.notes.push_back(std::move(note));
-    warn_of_step(c, table_->key().time.step_s, report);
+    warn_of_step(c, plan.keys[0].time.step_s, report);
     observer.solved(report);
-    if (stress_table_)
-        each_frame(*stress_table_, stress_depths_m(c).size(),
+    if (tables_[1])
+        each_frame(*tables_[1], stress_depths_m(c).size(),
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                        observer.stress({.number = n, .depth = depth, .compression_Pa = values});
                    });
     for (const std::size_t component : {0u, 1u}) {
-        if (!tangential_table_) break;
+        if (!tables_[2]) break;
         spectra->differentiate(component);
-        each_frame(*tangential_table_, 1,
-                   [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
-                       observer.tangential({.number = n, .component = component, .u_m = values});
-                   });
+        each_frame(*tables_[2], 1, [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
+            observer.tangential({.number = n, .component = component, .u_m = values});
+        });
     }
     progress.report_times(plan.stages());
 }

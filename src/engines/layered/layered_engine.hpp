@@ -51,9 +51,8 @@ private:
     void store_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
                      const Comm& team, CaseProgress& progress);
 
-    /// The second only for cases that request the stress, the third only for those that request the
-    /// tangential displacement, the fourth only in the periodic regime.
-    std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_, loss_table_;
+    /// Those of LayeredPlan::keys that the last case needed.
+    std::array<std::unique_ptr<TransferTable>, 4> tables_;
     std::shared_ptr<OpenGrid> open_grid_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
@@ -71,10 +70,6 @@ TransferKey stress_key_of(const Case& c, const TransferKey& displacement);
 /// Without depths if the case does not request the tangential displacement.
 TransferKey tangential_key_of(const Case& c, const TransferKey& displacement);
 TransferKey loss_key_of(const Case& c, const TransferKey& displacement);
-
-/// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not
-/// collective.
-std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count);
 
 /// The decisions of the engine for a case on a team of `ranks` ranks: `run` executes them, and the
 /// resources follow from them. Not collective.
@@ -102,8 +97,7 @@ struct LayeredPlan {
 void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t ky_count,
                   int ranks);
 /// Adds the work of the frames of this rank. Not collective.
-void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
-                   std::ptrdiff_t ky_count, int ranks);
+void expect_frames(CaseProgress& progress, const LayeredPlan& plan, std::ptrdiff_t ky_count);
 
 /// The grid on which a case is solved: its domain or, with open edges, the domain enlarged on all
 /// sides so that a periodic convolution equals that on the infinite plane. The enlargement is a

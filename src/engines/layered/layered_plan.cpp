@@ -59,11 +59,10 @@ double cached_bessel_B(const TransferKey& key) {
 }
 
 /// Expected costs relative to each other, which are used for the share of a case that is complete
-/// until its stages have been measured: of an evaluation of H in a layer, times the typical number
-/// of evaluations per frequency; of a product for the radial tables; and per point, time sample or
-/// frame, and depth.
-constexpr double of_response = 500.0 * 900.0, of_radial = 0.5, of_expansion = 2.5,
-                 of_open_expansion = 20.0, of_sample = 4.0, of_moving_sample = 10.0, of_frame = 4.5;
+/// until its stages have been measured: of a product for the radial tables; and per point, time
+/// sample or frame, and depth. The evaluations of H come first and are measured at once.
+constexpr double of_radial = 0.5, of_expansion = 2.5, of_open_expansion = 20.0, of_sample = 4.0,
+                 of_moving_sample = 10.0, of_frame = 4.5;
 
 /// Where a Gaussian has fallen to 3e-8 of its peak, in widths (FWHM).
 constexpr double gaussian_reach_fwhm = 2.5;
@@ -88,6 +87,14 @@ std::ptrdiff_t enlarged(std::ptrdiff_t points, double spacing_m, double load_m) 
     const double eighths = std::ceil(8.0 + 16.0 * load_m / (spacing_m * extent) - 1e-9);
     return good_even_length(
         static_cast<std::ptrdiff_t>(std::ceil(extent * std::min(eighths, 16.0) / 8.0)));
+}
+
+/// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows.
+std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
+    const double frame_B =
+        static_cast<double>(c.domain.nx) * static_cast<double>(ky_count) * sizeof(Complex);
+    const auto fitting = static_cast<std::ptrdiff_t>(largest_batch_B / std::max(frame_B, 1.0));
+    return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
 }
 
 } // namespace
@@ -129,13 +136,6 @@ TransferKey loss_key_of(const Case& c, const TransferKey& displacement) {
     return key;
 }
 
-std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
-    const double frame_B =
-        static_cast<double>(c.domain.nx) * static_cast<double>(ky_count) * sizeof(Complex);
-    const auto fitting = static_cast<std::ptrdiff_t>(largest_batch_B / std::max(frame_B, 1.0));
-    return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
-}
-
 void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t ky_count,
                   int ranks) {
     using Stage = CaseProgress::Stage;
@@ -145,8 +145,7 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
     const double frequencies = std::floor(static_cast<double>(key.time.samples) / 2.0) + 1.0;
     // With open edges H is evaluated on the contour as well.
     const double fits = (is_open ? 2.0 : 1.0) * std::ceil(frequencies / ranks);
-    const double layers = static_cast<double>(key.medium.layers.size());
-    progress.expect(Stage::response, fits, fits * layers * of_response);
+    progress.expect(Stage::response, fits, 0.0);
     if (is_open)
         progress.expect(Stage::radial,
                         static_cast<double>(radial_blocks(key.spacing_m, reach_m(key))),
@@ -161,21 +160,21 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
                         (is_open ? of_open_expansion : of_expansion) / ranks);
 }
 
-void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
-                   std::ptrdiff_t ky_count, int ranks) {
+void expect_frames(CaseProgress& progress, const LayeredPlan& plan, std::ptrdiff_t ky_count) {
     using Stage = CaseProgress::Stage;
+    const Case& c = plan.c;
     const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
     const auto frames = static_cast<double>(c.time.frames);
-    const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
-    const bool along_x = LoadSpectrum::moves_along_x(c, key.time);
-    const std::ptrdiff_t stored_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const double batches = std::ceil(frames / static_cast<double>(plan.frames_together));
+    const std::ptrdiff_t stored_nx = plan.moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double lines = depths * batches * static_cast<double>(ky_count * stored_nx);
     progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
     progress.expect(Stage::samples, lines,
-                    2.0 * lines * static_cast<double>(key.time.samples) *
-                        (along_x ? of_sample : of_moving_sample));
+                    2.0 * lines * static_cast<double>(plan.keys[0].time.samples) *
+                        (plan.moves_along_x ? of_sample : of_moving_sample));
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    progress.expect(Stage::frames, depths * frames, depths * frames * points * of_frame / ranks);
+    progress.expect(Stage::frames, depths * frames,
+                    depths * frames * points * of_frame / plan.ranks);
 }
 
 LayeredPlan::LayeredPlan(const Case& given, int team)
