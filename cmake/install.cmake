@@ -46,14 +46,15 @@ print(next((folder for folder in folders if folder in known), folders[2]), end='
     endif()
 ]])
 
-# The program prints its own manual page and completion.
-if(NOT CMAKE_CROSSCOMPILING)
-    add_custom_command(OUTPUT generated/shearwake.1 generated/shearwake.bash
-        COMMAND shearwake man > generated/shearwake.1
-        COMMAND shearwake completion > generated/shearwake.bash
-        DEPENDS shearwake VERBATIM)
-    add_custom_target(shell_support ALL DEPENDS generated/shearwake.1 generated/shearwake.bash)
+install(FILES scripts/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME shearwake)
+
+# help2man writes the manual page from the help of the program.
+if(HELP2MAN AND NOT CMAKE_CROSSCOMPILING)
+    add_custom_command(OUTPUT generated/shearwake.1
+        COMMAND ${CMAKE_COMMAND} -E env SHEARWAKE=$<TARGET_FILE:shearwake> ${HELP2MAN} --no-info
+            --include=${CMAKE_SOURCE_DIR}/packaging/shearwake.h2m --output=generated/shearwake.1
+            ${CMAKE_SOURCE_DIR}/packaging/manual-help
+        DEPENDS shearwake packaging/manual-help packaging/shearwake.h2m VERBATIM)
+    add_custom_target(manual_page ALL DEPENDS generated/shearwake.1)
     install(FILES ${CMAKE_BINARY_DIR}/generated/shearwake.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-    install(FILES ${CMAKE_BINARY_DIR}/generated/shearwake.bash RENAME shearwake
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 endif()

@@ -122,6 +122,8 @@ list_library("Ceres Solver" Ceres_FOUND "${Ceres_VERSION}" "${Ceres_DIR}" "Ceres
 add_library(Ceres::Solver INTERFACE IMPORTED GLOBAL)
 target_link_libraries(Ceres::Solver INTERFACE $<TARGET_NAME_IF_EXISTS:Ceres::ceres>)
 target_compile_definitions(Ceres::Solver INTERFACE SHEARWAKE_CERES=$<BOOL:${Ceres_FOUND}>)
+find_program(HELP2MAN help2man)
+list_library("help2man" HELP2MAN "" "${HELP2MAN}" "HELP2MAN" "no manual page")
 if(SHEARWAKE_TESTS)
     find_package(Catch2 QUIET)
     list_library("Catch2" Catch2_FOUND "${Catch2_VERSION}" "${Catch2_DIR}" "Catch2_ROOT" "no tests")

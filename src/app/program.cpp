@@ -6,19 +6,60 @@
 #include "base/text.hpp"
 #include "config/job.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 
 namespace shearwake::app {
 namespace {
+
+// The only text about them: --help and docs/reference/exit-codes.md show it.
+constexpr std::pair<ExitCode, std::string_view> exit_codes[] = {
+    {ExitCode::done, "The command succeeded."},
+    {ExitCode::internal, "An internal error occurred. Please report it."},
+    {ExitCode::usage, "The command line is invalid, or a folder does not fit the job."},
+    {ExitCode::bad_job, "The job file contains errors, which 'check' lists, or a case needs more "
+                        "memory than the machine has."},
+    {ExitCode::some_cases_failed, "Some cases failed: see failed/, then use 'run --retry-failed'. "
+                                  "Or files are damaged: rerun 'run'."},
+    {ExitCode::differs_from_baseline, "The table differs from the baseline."},
+    {ExitCode::environment, "A file, a disk or the environment caused an error. Remove the cause "
+                            "and rerun the command."},
+    {ExitCode::stopped_early, "The run stopped early. Rerun the command to resume it."},
+};
 
 const std::string footer = "A first sweep:\n"
                            "  shearwake check jobs/quickstart.toml\n"
                            "  mpirun -n 2 shearwake run jobs/quickstart.toml\n"
                            "  shearwake reduce out/quickstart && shearwake report out/quickstart\n"
                            "\n";
+
+/// One line for each exit code of the program.
+std::string exit_code_list() {
+    std::string text = "Exit codes:\n";
+    for (const auto& [code, meaning] : exit_codes)
+        text += fmt::format("  {:<2}  {}\n", static_cast<int>(code), meaning);
+    return text;
+}
+
+/// The names of all options of a command and of its unnamed groups, "-S" and "--out".
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options()) {
+        for (const std::string& name : option->get_snames())
+            names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames())
+            names.push_back("--" + name);
+    }
+    for (const CLI::App* group : command.get_subcommands({}))
+        if (group->get_name().empty())
+            for (const std::string& name : option_names(*group))
+                names.push_back(name);
+    return names;
+}
 
 /// The command of this name. Throws UsageError with the nearest name when there is none.
 const CLI::App* find_command(const CLI::App& app, const std::string& name) {
@@ -181,11 +222,8 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",
              [] { return full_version_text() + "\n"; });
-    add_text(app, action, "man", "print the manual page, in the format of man(7)",
-             [&app] { return man_page(app); });
-    add_text(app, action, "completion", "print a script that completes commands in bash",
-             [&app] { return bash_completion(app); });
     app.footer(footer + exit_code_list());
+    app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     try {
         return execute(app, action, argc, argv, world);
     } catch (const UsageError& error) { // also printed on the standard error

@@ -70,8 +70,8 @@ void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments);
 /// --json, for a document instead of text.
 CLI::Option* add_json(CLI::App& command, bool& json);
 
-/// Accepts these values only, and suggests the nearest one otherwise. The manual page and the
-/// completion read them from the description.
+/// Accepts these values only, and suggests the nearest one otherwise. The help lists them, from
+/// which the shell completes them.
 CLI::Validator one_of(const std::vector<std::string>& values);
 
 // Commands whose library may be missing when the program is built: fit, optimise.

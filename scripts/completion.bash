@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Completion in bash: source scripts/completion.bash. The help of the program lists the commands, options and values.
+_shearwake() {
+    local current=${COMP_WORDS[COMP_CWORD]} command= word help choices
+    for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+        if [[ $word != -* ]]; then command=$word; break; fi
+    done
+    help=$("${COMP_WORDS[0]}" ${command:+"$command"} --help 2> /dev/null)
+    if [[ $current == -* ]]; then
+        choices=$(sed -nE 's/^  (-[^ ]+).*/\1/p' <<< "$help" | tr , '\n')
+    elif [[ -z $command ]]; then
+        choices=$(sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p' <<< "$help")
+    else # values such as NAME TEXT:{layered,spectral,pstd}
+        choices=$(sed -nE '/^Positionals:/,/^$/s/.*\{(.*)\}.*/\1/p' <<< "$help" | tr , '\n')
+    fi
+    if [[ $choices ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
+    elif [[ $help == *$'\n  JOB '* ]]; then
+        mapfile -t COMPREPLY < <(compgen -d -- "$current"; compgen -f -X '!*.toml' -- "$current")
+    else
+        mapfile -t COMPREPLY < <(compgen -f -- "$current")
+    fi
+}
+complete -o filenames -F _shearwake shearwake
