@@ -11,6 +11,7 @@
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
+#include <array>
 #include <deque>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,11 +37,7 @@ public:
     }
 
     void key(const Field& field) {
-        const bool is_flag = field.type == std::string_view("boolean");
-        row(field, is_flag ? "true or false" : words_or_range(field),
-            field.given == Given::required ? "required"
-            : field.given == Given::preset ? "required without a preset"
-                                           : field.fallback);
+        (*this)(nullptr, field);
         with_inline_table(field, [&](const auto& keys) {
             const std::string name = fmt::format("{}.{}", sections_[at_].name, field.key);
             open({.name = name, .heading = fmt::format("`[{}]`", name)});
@@ -51,22 +48,12 @@ public:
 
     template <class... T>
     void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
-        if (*field.key) {
-            std::string names;
-            const auto add = [&](const char* name) {
-                names += fmt::format("{}`\"{}\"`", names.empty() ? "" : ", ", name);
-            };
-            if (*field.type)
-                names = words_or_range(field);
-            else
-                (add(name_in_jobs<T>()), ...);
-            const std::string first = fmt::format(
-                "`\"{}\"`",
-                std::visit([](const auto& a) { return name_in_jobs<std::decay_t<decltype(a)>>(); },
-                           value));
-            row(field, names, *field.fallback ? field.fallback : first);
-        }
         const std::string key = field.key;
+        if (!key.empty()) {
+            const std::array names = {name_in_jobs<T>()...};
+            row(field, *field.type ? words_or_range(field) : list_of(names),
+                *field.fallback ? field.fallback : text(Json(names[value.index()])));
+        }
         for_each_alternative(
             std::type_identity<std::variant<T...>>{}, [&](const auto& alternative) {
                 using Alternative = std::decay_t<decltype(alternative)>;
@@ -151,15 +138,13 @@ private:
     }
 
     template <class T>
-    static std::string allowed(const T&, const Field& field) {
+    static std::string allowed(const T& value, const Field& field) {
         if (!words_of(field).empty()) return words_or_range(field);
-        if (field.type == std::string_view("boolean")) return "true or false";
-        if constexpr (Named<T>) return list_of(names_of(std::type_identity<T>{}));
-        if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
-            return *field.text ? "" : "true or false";
-        if constexpr (requires(T list) { requires Named<typename T::value_type>; })
-            return list_of(names_of(std::type_identity<typename T::value_type>{}));
-        return words_or_range(field);
+        const Json type = *field.type ? named_type(field) : type_of(value, field);
+        const Json& one = type.contains("items") ? type.at("items") : type;
+        if (one.contains("enum")) return list_of(one.at("enum").get<std::vector<std::string>>());
+        if (one.value("type", "") != "boolean") return words_or_range(field);
+        return *field.text && !*field.type ? "" : "true or false";
     }
     static std::string words_or_range(const Field& field) {
         const std::string_view type = field.type;
@@ -190,46 +175,33 @@ private:
         if (*field.fallback) return field.fallback;
         if (field.given == Given::required) return "required";
         if (field.given == Given::preset) return "required without a preset";
-        return shown(value, field.key);
+        return text(value, field.key);
     }
     /// The value as a job file would contain it, in the unit of its key.
-    static std::string shown(double value, const char* key) {
-        const auto unit = unit_of(key);
-        return fmt::format("{:.6g}", unit ? value / unit->to_SI : value);
-    }
-    static std::string shown(const std::integral auto& value, const char*) {
-        return fmt::format("{}", value);
-    }
-    static std::string shown(bool value, const char*) { return value ? "true" : "false"; }
-    static std::string shown(Switch value, const char* key) {
-        return shown(value == Switch::on, key);
-    }
-    static std::string shown(Vec2 v, const char* key) {
-        return fmt::format("[{}, {}]", shown(v.x, key), shown(v.y, key));
-    }
-    static std::string shown(const std::string& word, const char*) {
-        return fmt::format("`\"{}\"`", word);
-    }
-    template <Named E>
-    static std::string shown(const E& value, const char*) {
-        return fmt::format("`\"{}\"`", name_in_text(value));
-    }
-    template <class T>
-    static std::string shown(const std::optional<T>& value, const char* key) {
-        return value ? shown(*value, key) : "none";
-    }
-    template <class T>
-    static std::string shown(const std::vector<T>& values, const char* key) {
-        if constexpr (Named<T>) return values.empty() ? "none" : "all";
+    static std::string text(const Json& value) {
+        if (value.is_string()) return fmt::format("`\"{}\"`", value.get<std::string>());
+        if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+        if (!value.is_array()) return value.is_null() ? "" : value.dump();
         std::string list;
-        if constexpr (requires(T value) { shown(value, key); })
-            for (const T& value : values)
-                list += (list.empty() ? "" : ", ") + shown(value, key);
+        for (const Json& item : value)
+            list += (list.empty() ? "" : ", ") + text(item);
         return "[" + list + "]";
     }
     template <class T>
-    static std::string shown(const T&, const char*) {
-        return "";
+    static std::string text(const T& value, const char* key) {
+        return text(shown(value, key));
+    }
+    template <class T>
+    static std::string text(const std::optional<T>& value, const char* key) {
+        return value ? text(*value, key) : "none";
+    }
+    template <class T>
+    static std::string text(const std::vector<T>& values, const char* key) {
+        if constexpr (Named<T>) return values.empty() ? "none" : "all";
+        Json list = Json::array();
+        for (const T& value : values)
+            list.push_back(shown(value, key));
+        return text(list);
     }
 
     std::deque<Section> sections_;
