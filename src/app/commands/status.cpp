@@ -25,7 +25,6 @@ namespace {
 
 struct StatusArguments {
     std::filesystem::path folder;
-    bool verify = false; // read the case files and check their checksums
     bool json = false;
 };
 
@@ -118,12 +117,6 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
     if (tally.is_active) tally.progress = schedule::recorded_progress(folder);
     tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
     return tally;
-}
-
-void print_verified(const storage::PlanIndex& plan, storage::CaseIndex& index) {
-    const auto intact = std::ranges::count_if(
-        plan.cases, [&](const storage::IndexedCase& c) { return index.is_complete(c.id); });
-    fmt::print("verified: {} case files match their checksums\n", intact);
 }
 
 /// What an output folder contains, for text and JSON.
@@ -225,7 +218,7 @@ void print_remaining(const Tally& tally) {
     fmt::print("\n");
 }
 
-void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
+void print_text(const schedule::OutputFolder& folder, State& state) {
     auto& [plan, journal, index, tally, next, points_to_add] = state;
     fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
     fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
@@ -253,7 +246,6 @@ void print_text(const schedule::OutputFolder& folder, State& state, bool verify)
     if (points_to_add > 0)
         fmt::print("adaptive axes: {} point{} to add\n", points_to_add,
                    points_to_add == 1 ? "" : "s");
-    if (verify) print_verified(plan, index);
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",
                    schedule::shell_word(folder.stop_file().string()));
@@ -270,14 +262,11 @@ std::size_t points_to_add(const schedule::OutputFolder& folder, const State& sta
     return points;
 }
 
-/// Returns whether a case is damaged.
-bool print_status(const StatusArguments& arguments) {
+void print_status(const StatusArguments& arguments) {
     const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
     State state{.plan = storage::read_plan(folder.plan()),
                 .journal = storage::read_journals(folder.root),
-                .index = storage::CaseIndex(
-                    folder.root, arguments.verify ? storage::CaseIndex::Trust::checksum
-                                                  : storage::CaseIndex::Trust::size_and_time),
+                .index = storage::CaseIndex(folder.root),
                 .tally = {},
                 .next = {},
                 .points_to_add = 0};
@@ -287,16 +276,13 @@ bool print_status(const StatusArguments& arguments) {
     if (arguments.json)
         print_json(folder, state);
     else
-        print_text(folder, state, arguments.verify);
+        print_text(folder, state);
     state.index.save();
-    return !state.tally.damaged.empty();
 }
 
 ExitCode status_command(const StatusArguments& arguments, const Comm& world) {
-    bool is_damaged = false;
-    on_root(world, [&] { is_damaged = print_status(arguments); });
-    const bool fails = arguments.verify && world.broadcast(is_damaged);
-    return fails ? ExitCode::some_cases_failed : ExitCode::done;
+    on_root(world, [&] { print_status(arguments); });
+    return ExitCode::done;
 }
 
 } // namespace
@@ -307,8 +293,6 @@ void add_status(CLI::App& app, Action& action) {
         "count done, running, failed and remaining cases, and estimate the remaining time",
         status_command);
     command.add_option("DIR", arguments.folder, "output folder of a run")->required();
-    command.add_flag("--verify", arguments.verify,
-                     "read every case file and check it against its checksum");
     add_json(command, arguments.json);
 }
 
