@@ -133,12 +133,6 @@ bool parse(std::string_view text, ChecksumLine& line) {
 
 } // namespace
 
-std::string checksum_line(std::string_view bytes) {
-    std::string line = line_of(XXH3_128bits(bytes.data(), bytes.size()), bytes.size());
-    line.pop_back();
-    return line;
-}
-
 void append_checksum(const fs::path& path) {
     std::string line;
     {

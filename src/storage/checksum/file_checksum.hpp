@@ -42,9 +42,6 @@ std::string checksum_in(const std::filesystem::path& path);
 /// The member of a line of the journal that contains the last line of a case file.
 inline constexpr const char* recorded_checksum = "file_checksum";
 
-/// The line for these bytes, without its end, as append_checksum() writes it.
-std::string checksum_line(std::string_view bytes);
-
 /// A JSON object with its own checksum as last member: `{...}` becomes `{...,"checksum":"<16
 /// hexadecimal digits>"}`, XXH3-64 of the text without that member. Text after the object (the end
 /// of a line) is preserved.
