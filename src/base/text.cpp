@@ -80,6 +80,10 @@ std::string quoted_list(std::span<const std::string> items, std::string_view con
     return text;
 }
 
+std::string counted(std::ptrdiff_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 bool is_file_name(std::string_view name) {
     const auto is_safe = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||

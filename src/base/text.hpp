@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -26,6 +27,12 @@ std::optional<std::string> with_decimal_point(std::string_view text);
 
 /// `a, b and c` with each item in double quotes.
 std::string quoted_list(std::span<const std::string> items, std::string_view conjunction = "or");
+
+/// "1 case", "2 cases".
+std::string counted(std::ptrdiff_t count, std::string_view noun);
+std::string counted(std::integral auto count, std::string_view noun) {
+    return counted(static_cast<std::ptrdiff_t>(count), noun);
+}
 
 /// Whether `name` is safe as the name of a file or folder: 1 to longest_file_name letters, digits,
 /// "-", "_" and ".", not starting with "." or "-".

@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/registry/make_engine.hpp"
@@ -80,8 +81,8 @@ void measure_layered(const Case& c, const std::string& title, const std::string&
 
 ExitCode bench_layered(const Comm& world, Output& out) {
     if (world.is_root())
-        out.print("engine layered, {} rank{}: three layers, kernels {}\n", world.size(),
-                  world.size() == 1 ? "" : "s", simd::name_of(simd::instruction_set()));
+        out.print("engine layered, {}: three layers, kernels {}\n", counted(world.size(), "rank"),
+                  simd::name_of(simd::instruction_set()));
     measure_layered(layered_bench_case(), "periodic edges", "", world, out);
     Case open = layered_bench_case();
     open.domain.edges = DomainEdges::open;

@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 #include "fft/staggered_derivative.hpp"
 #include "pipeline/memory.hpp"
@@ -167,9 +168,9 @@ ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& 
     if (!arguments.grid.empty()) grids = {read_points(arguments.grid)};
     const double copied_B_s = copies_B_s(world);
     if (world.is_root()) {
-        out.print("engine pstd, {} rank{}: uniform solid, absorbing layer of 10 points on each "
+        out.print("engine pstd, {}: uniform solid, absorbing layer of 10 points on each "
                   "side, {} steps; each core copies {:.1f} GB/s\n",
-                  world.size(), world.size() == 1 ? "" : "s", arguments.steps, copied_B_s / 1e9);
+                  counted(world.size(), "rank"), arguments.steps, copied_B_s / 1e9);
         out.print("  {:<16} {:<8} {:<6} {:>9} {:>9} {:>8} {:>8} {:>8} {:>6} {:>8} {:>9} {:>6}\n",
                   "points", "", "", "ms/step", "core ms", "ns/point", "FFTs ms", "bytes ms",
                   "ratio", "B/point", "Mpoint/s", "copies");

@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "engines/spectral/spectral_plan.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
@@ -248,8 +249,8 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Outp
                                  : "no body";
     const std::string sponge =
         arguments.sponge_mm > 0.0 ? fmt::format(", sponge of {:g} mm", arguments.sponge_mm) : "";
-    out.print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}{}\n",
-              world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
+    out.print("engine spectral, {}: {} x {} points x {} levels, {} steps, {}{}\n",
+              counted(world.size(), "rank"), c.domain.nx, c.domain.ny, mesh.levels(),
               m.statistics.steps, body, sponge);
     print(out, m, c, static_cast<double>(mesh.levels()), copies_B_s, planned_B);
     return ExitCode::done;

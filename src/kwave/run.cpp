@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kwave/run.hpp"
 
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/scene/case_step.hpp"
@@ -161,11 +162,10 @@ void describe(const Job& job, double required_B) {
     const Input& input = job.input;
     const auto& grid = input.setup.grid;
     const bool lossy = input.setup.absorption == pstd::Absorption::kelvin_voigt;
-    print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {} "
-                             "rank{}",
+    print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {}",
                              job.name(), grid.points[0], grid.points[1], grid.points[2], job.steps,
                              grid.dt_s, lossy ? "Kelvin-Voigt" : "lossless", arguments.precision,
-                             world.size(), world.size() == 1 ? "" : "s"));
+                             counted(world.size(), "rank")));
     if (const double faces = world.sum(input.fluid_faces); faces > 0.0)
         print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
                                  "moduli next to them are those of the file",

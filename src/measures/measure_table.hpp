@@ -4,7 +4,6 @@
 #include "measures/surface_sums.hpp"
 
 #include <array>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>

@@ -3,8 +3,6 @@
 
 #include "base/units.hpp"
 #include "measures/kernels/row_sums.hpp"
-#include "measures/spatial_measures.hpp"
-#include "measures/summary.hpp"
 #include "measures/window.hpp"
 #include "problem/load/footprint.hpp"
 #include "simd/kernels.hpp"

@@ -232,8 +232,8 @@ std::string without_locking(const neural::ClassResponse& r, double modulation_Hz
                             double duration_s) {
     if (!(modulation_Hz > 0.0)) return "there is no modulation";
     return fmt::format(
-        "no {} afferent fires {} times; the most active one fires {} time{} in {:.3g} periods",
-        name_of(r.kind), neural::fewest_for_locking, r.most_spikes, r.most_spikes == 1 ? "" : "s",
+        "no {} afferent fires {} times; the most active one fires {} in {:.3g} periods",
+        name_of(r.kind), neural::fewest_for_locking, counted(r.most_spikes, "time"),
         modulation_Hz * duration_s);
 }
 

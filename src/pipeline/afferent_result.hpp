@@ -12,7 +12,6 @@
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The receptors of a case, and their work, memory and file size.
 #include "base/units.hpp"
-#include "neural/fibre/neuron.hpp"
 #include "pipeline/afferent_result.hpp"
 
 #include <algorithm>

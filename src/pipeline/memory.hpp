@@ -6,7 +6,6 @@
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -263,11 +263,7 @@ void put(Tolerances& tolerances, const std::string& column, const Tolerance& tol
 
 /// A number of at least 0, or nothing and a diagnostic.
 std::optional<double> amount(const config::Entry& entry, config::DiagnosticList& diagnostics) {
-    double value = -1.0;
-    if (const auto* integer = std::get_if<std::int64_t>(&entry.value->value))
-        value = static_cast<double>(*integer);
-    else if (const auto* number = std::get_if<double>(&entry.value->value))
-        value = *number;
+    const double value = config::as_number(*entry.value).value_or(-1.0);
     if (std::isfinite(value) && value >= 0.0) return value;
     diagnostics.error(entry.value->at, fmt::format("{} must be a number of at least 0, but is {}",
                                                    config::excerpt(entry.key),

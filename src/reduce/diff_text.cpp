@@ -2,9 +2,11 @@
 #include "reduce/diff.hpp"
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::reduce {
@@ -26,10 +28,6 @@ std::string shown(const std::string& text) {
     return text.empty() ? "(empty)" : text;
 }
 
-std::string plural(std::size_t count, const char* noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 /// "missing case: ..." on one line each, up to a limit.
 std::string lines(const char* what, const std::vector<std::string>& items) {
     constexpr std::size_t most = 20;
@@ -37,13 +35,6 @@ std::string lines(const char* what, const std::vector<std::string>& items) {
     for (std::size_t i = 0; i < items.size() && i < most; ++i)
         text += fmt::format("{}: {}\n", what, items[i]);
     if (items.size() > most) text += fmt::format("{}: {} more\n", what, items.size() - most);
-    return text;
-}
-
-std::string joined(const std::vector<std::string>& items) {
-    std::string text;
-    for (const std::string& item : items)
-        text += (text.empty() ? "" : ", ") + item;
     return text;
 }
 
@@ -69,19 +60,19 @@ std::string words(const Differences& differences) {
     text += lines("extra case", differences.extra_cases);
     if (differences.cases_of_other_id > 0)
         text += fmt::format("{} with different ids, matched by swept values\n",
-                            plural(differences.cases_of_other_id, "case"));
+                            counted(differences.cases_of_other_id, "case"));
     if (!differences.not_compared.empty())
-        text += fmt::format("not compared: {}\n", joined(differences.not_compared));
-    text += fmt::format("{}, {} compared: ", plural(differences.cases, "case"),
-                        plural(differences.compared.size(), "column"));
+        text += fmt::format("not compared: {}\n", fmt::join(differences.not_compared, ", "));
+    text += fmt::format("{}, {} compared: ", counted(differences.cases, "case"),
+                        counted(differences.compared.size(), "column"));
     if (differences.none()) return text + "no difference\n";
     return text +
            fmt::format(
                "{} changed, {} and {} missing or extra\n",
-               plural(differences.moved.size(), "column"),
-               plural(differences.missing_columns.size() + differences.extra_columns.size(),
-                      "column"),
-               plural(differences.missing_cases.size() + differences.extra_cases.size(), "case"));
+               counted(differences.moved.size(), "column"),
+               counted(differences.missing_columns.size() + differences.extra_columns.size(),
+                       "column"),
+               counted(differences.missing_cases.size() + differences.extra_cases.size(), "case"));
 }
 
 std::string json_text(const Differences& differences, const std::filesystem::path& now,

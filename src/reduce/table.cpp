@@ -17,6 +17,13 @@ namespace shearwake::reduce {
 
 namespace {
 
+std::optional<std::size_t> find_in(const std::vector<std::string>& columns,
+                                   std::string_view column) {
+    const auto found = std::ranges::find(columns, column);
+    if (found == columns.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - columns.begin());
+}
+
 std::string text_of(const Cell& cell, int digits) {
     if (const auto* words = std::get_if<std::string>(&cell)) return *words;
     const double value = std::get<double>(cell);
@@ -59,6 +66,10 @@ std::string one_line(const std::string& text) {
 
 } // namespace
 
+std::optional<std::size_t> Table::find(std::string_view column) const {
+    return find_in(columns, column);
+}
+
 std::string markdown_text(const std::string& text) {
     return one_line(text);
 }
@@ -66,9 +77,8 @@ std::string markdown_text(const std::string& text) {
 double valid_value(const storage::PlanIndex& plan, const Table& table, std::size_t row,
                    const std::string& column) {
     const auto cell = [&](std::size_t of, const std::string& name) {
-        const auto place = std::ranges::find(table.columns, name) - table.columns.begin();
-        return place == std::ssize(table.columns) ? Cell(not_a_number)
-                                                  : table.rows[of][static_cast<std::size_t>(place)];
+        const auto place = table.find(name);
+        return place ? table.rows[of][*place] : Cell(not_a_number);
     };
     const Cell no = std::string("no");
     if (cell(row, "valid") == no) return not_a_number;
@@ -130,11 +140,8 @@ private:
 
 std::string markdown(const Table& table, const std::vector<std::string>& columns) {
     std::vector<std::size_t> chosen;
-    for (const std::string& name : columns) {
-        const auto found = std::find(table.columns.begin(), table.columns.end(), name);
-        if (found != table.columns.end())
-            chosen.push_back(static_cast<std::size_t>(found - table.columns.begin()));
-    }
+    for (const std::string& name : columns)
+        if (const auto found = table.find(name)) chosen.push_back(*found);
     std::string text = "|", rule = "|";
     for (const std::size_t i : chosen) {
         text += " " + one_line(table.columns[i]) + " |";
@@ -159,12 +166,11 @@ std::string first_rows(const Table& table, const std::vector<std::string>& colum
                        std::size_t most) {
     std::vector<std::string> lines(1 + std::min(most, table.rows.size()));
     for (const std::string& name : columns) {
-        const auto found = std::find(table.columns.begin(), table.columns.end(), name);
-        if (found == table.columns.end()) continue;
-        const auto column = static_cast<std::size_t>(found - table.columns.begin());
+        const auto column = table.find(name);
+        if (!column) continue;
         std::vector<std::string> cells = {name.substr(name.rfind('.') + 1)};
         for (std::size_t n = 0; n + 1 < lines.size(); ++n)
-            cells.push_back(one_line(text_of(table.rows[n][column], 4)));
+            cells.push_back(one_line(text_of(table.rows[n][*column], 4)));
         std::size_t width = 0;
         for (const std::string& cell : cells)
             width = std::max(width, cell.size());
@@ -252,9 +258,7 @@ bool next(CsvReader& reader, const std::string& file) {
 } // namespace
 
 std::optional<std::size_t> TextTable::find(std::string_view column) const {
-    const auto found = std::find(columns.begin(), columns.end(), column);
-    if (found == columns.end()) return std::nullopt;
-    return static_cast<std::size_t>(found - columns.begin());
+    return find_in(columns, column);
 }
 
 TextTable read_csv(std::string_view text, const std::string& file_name) {

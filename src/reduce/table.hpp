@@ -22,6 +22,8 @@ struct Table {
     std::vector<std::vector<Cell>> rows;
     /// Per row, the sentences of its cell "note"; empty without notes.
     std::vector<std::vector<std::string>> remarks = {};
+
+    std::optional<std::size_t> find(std::string_view column) const;
 };
 
 /// A number of the table of a plan, whose rows are its cases in order. NaN: empty, no such column,

@@ -30,11 +30,6 @@ constexpr double widest_index = 0.05, widest_effect = 0.2;
 /// The beginning of a remark on a case whose readings are not valid, followed by the key.
 constexpr std::string_view not_valid = "not valid: ";
 
-std::size_t place_of(const Table& table, const std::string& column) {
-    return static_cast<std::size_t>(std::ranges::find(table.columns, column) -
-                                    table.columns.begin());
-}
-
 class Evaluation {
 public:
     Evaluation(const storage::PlanIndex& plan, const Table& table)
@@ -59,10 +54,9 @@ public:
 
 private:
     bool has_values(const std::string& column) const {
-        const std::size_t place = place_of(table_, column);
-        return place < table_.columns.size() &&
-               std::ranges::any_of(table_.rows, [&](const std::vector<Cell>& row) {
-                   const auto* number = std::get_if<double>(&row[place]);
+        const auto place = table_.find(column);
+        return place && std::ranges::any_of(table_.rows, [&](const std::vector<Cell>& row) {
+                   const auto* number = std::get_if<double>(&row[*place]);
                    return number && std::isfinite(*number);
                });
     }
@@ -80,7 +74,7 @@ private:
             if (!plan.cases[i].sample) continue;
             std::vector<Cell> settings;
             for (const std::string& key : swept_)
-                settings.push_back(table_.rows[i][place_of(table_, key)]);
+                settings.push_back(table_.rows[i][table_.find(key).value()]);
             auto group = std::ranges::find_if(
                 groups_, [&](const Group& g) { return same(g.settings, settings); });
             if (group == groups_.end()) group = groups_.insert(groups_.end(), {settings, {}});
@@ -115,9 +109,8 @@ private:
                 const std::string of = remark.substr(not_valid.size());
                 keys.push_back(of.substr(0, of.find(": ")));
             }
-        const std::size_t status = place_of(table_, "status");
-        if (keys.empty() && status < table_.columns.size())
-            keys.push_back(std::get<std::string>(table_.rows[row->second][status]));
+        if (const auto status = table_.find("status"); keys.empty() && status)
+            keys.push_back(std::get<std::string>(table_.rows[row->second][*status]));
         return keys;
     }
 
@@ -125,13 +118,14 @@ private:
     /// first `rows` of each block of `step` rows of the design.
     std::string without_values(const Group& group, std::size_t rows, std::size_t step) const {
         std::map<std::string, std::size_t> counts;
-        const std::size_t valid = place_of(table_, "valid"), all = design_.samples * rows;
+        const std::size_t all = design_.samples * rows;
+        const auto valid = table_.find("valid");
         std::size_t invalid = 0;
         for (std::size_t j = 0; j < design_.samples; ++j)
             for (std::size_t r = 0; r < rows; ++r) {
                 const auto row = group.rows.find(j * step + r);
-                invalid += row != group.rows.end() && valid < table_.columns.size() &&
-                           table_.rows[row->second][valid] == Cell(std::string("no"));
+                invalid += row != group.rows.end() && valid &&
+                           table_.rows[row->second][*valid] == Cell(std::string("no"));
                 for (const std::string& reason : reasons(group, j * step + r))
                     ++counts[reason];
             }
@@ -178,12 +172,11 @@ private:
             if (values.empty())
                 note = without_values(group, independent_rows(), step);
             else if (n < least_values)
-                note = fmt::format("too few samples: {} value{}; at least {} are required",
-                                   values.size(), values.size() == 1 ? "" : "s", least_values);
+                note = fmt::format("too few samples: {}; at least {} are required",
+                                   counted(values.size(), "value"), least_values);
             else if (beyond < least_beyond)
-                note = fmt::format("too few samples: {:.0f} value{} beyond this {}; at least {} "
-                                   "are required",
-                                   std::floor(beyond), std::floor(beyond) == 1.0 ? "" : "s",
+                note = fmt::format("too few samples: {} beyond this {}; at least {} are required",
+                                   counted(static_cast<std::ptrdiff_t>(beyond), "value"),
                                    exceeds ? "threshold" : "quantile", least_beyond);
             put(result_.statistics, group, {column, e.name}, e, values.size(),
                 design_.samples * independent_rows(), note);
@@ -253,7 +246,7 @@ private:
 UncertainTables uncertain_tables(const storage::PlanIndex& plan, const Table& table,
                                  std::vector<std::string> columns) {
     for (const Threshold& threshold : plan.uncertain->exceedance) {
-        if (place_of(table, threshold.column) == table.columns.size()) {
+        if (!table.find(threshold.column)) {
             const auto meant = nearest(threshold.column, table.columns);
             throw UsageError(fmt::format(
                 "uncertain.exceedance: the table has no column \"{}\"{}", threshold.column,

@@ -100,9 +100,8 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
         fmt::print("{}\n", coloured("error: " + error, stdout));
         return ExitCode::bad_job;
     }
-    fmt::print("{}: {} case{}, {} warning{}, no errors\n", printable(arguments.job.string()),
-               job->plan.cases.size(), job->plan.cases.size() == 1 ? "" : "s", of_job,
-               of_job == 1 ? "" : "s");
+    fmt::print("{}: {}, {}, no errors\n", printable(arguments.job.string()),
+               counted(job->plan.cases.size(), "case"), counted(of_job, "warning"));
     return ExitCode::done;
 }
 

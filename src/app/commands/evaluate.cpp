@@ -28,9 +28,8 @@ nlohmann::ordered_json values_of(const reduce::Table& table, std::size_t row) {
 }
 
 std::string cell(const reduce::Table& table, const std::string& column) {
-    for (std::size_t i = 0; i < table.columns.size(); ++i)
-        if (table.columns[i] == column) return std::get<std::string>(table.rows.front()[i]);
-    return "";
+    const auto place = table.find(column);
+    return place ? std::get<std::string>(table.rows.front()[*place]) : "";
 }
 
 void print_result(const EvaluateArguments& arguments, const schedule::OutputFolder& folder) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "base/png.hpp"
-#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
 #include "schedule/run/job_source.hpp"

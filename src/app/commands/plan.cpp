@@ -223,16 +223,14 @@ void print_totals(const Estimates& e) {
         fmt::print("longest case: {:.2g} s; teams are busy {:.0f} % of the time\n", e.longest_s,
                    100.0 * std::min(1.0, e.layout.busy));
     fmt::print("time: {}\n", origins[static_cast<std::size_t>(e.origin)].second);
-    fmt::print(
-        "{} case{} on {} rank{} ({} team{} of {}{}): {}at most {:.0f} MB per rank, {:.3g} MB "
-        "on disk\n",
-        e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s", e.busy,
-        e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
-        schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()),
-        e.has_times() ? fmt::format("{:.2g} core hours, about {} of wall time, ", e.core_hours(),
-                                    duration_of(e.layout.seconds))
-                      : "",
-        e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+    fmt::print("{} on {} ({} of {}{}): {}at most {:.0f} MB per rank, {:.3g} MB on disk\n",
+               counted(e.cases.size(), "case"), counted(e.ranks, "rank"), counted(e.busy, "team"),
+               e.layout.ranks_per_case,
+               schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()),
+               e.has_times() ? fmt::format("{:.2g} core hours, about {} of wall time, ",
+                                           e.core_hours(), duration_of(e.layout.seconds))
+                             : "",
+               e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
     if (e.estimated < e.cases.size())
         fmt::print("memory and time are estimated from {} of {} cases, the largest and others that "
                    "are spread evenly; ~: those of the case before\n",

@@ -25,8 +25,8 @@ std::string report_line(const std::filesystem::path& folder) {
 }
 
 void print_counts(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
-    fmt::print("{} case{}: {} complete, {} failed or missing\n", written.rows,
-               written.rows == 1 ? "" : "s", written.complete, written.rows - written.complete);
+    fmt::print("{}: {} complete, {} failed or missing\n", counted(written.rows, "case"),
+               written.complete, written.rows - written.complete);
     if (const std::size_t left = written.rows - written.complete; left > 0 && written.complete > 0)
         fmt::print(stderr,
                    "{} the table is partial: {} of {} cases ha{} no result, and {} empty; "
@@ -34,8 +34,8 @@ void print_counts(const reduce::ReducedTables& written, const std::filesystem::p
                    coloured("warning:", stderr), left, written.rows, left == 1 ? "s" : "ve",
                    left == 1 ? "its row is" : "their rows are", folder.string());
     if (written.not_valid > 0)
-        fmt::print("the readings of {} case{} are not valid: see the column note\n",
-                   written.not_valid, written.not_valid == 1 ? "" : "s");
+        fmt::print("the readings of {} are not valid: see the column note\n",
+                   counted(written.not_valid, "case"));
     if (written.programs.size() > 1)
         fmt::print("{} {} versions of the program computed the cases: {}\n",
                    coloured("warning:", stdout),
@@ -46,10 +46,10 @@ void print_counts(const reduce::ReducedTables& written, const std::filesystem::p
 void print_damaged(const reduce::ReducedTables& written) {
     if (!written.damaged.empty())
         fmt::print(stderr,
-                   "{} {} damaged case file{}: {}; the rows of these cases are empty, the "
-                   "next run computes them again\n",
-                   coloured("error:", stderr), written.damaged.size(),
-                   written.damaged.size() == 1 ? "" : "s", fmt::join(written.damaged, ", "));
+                   "{} {}: {}; the rows of these cases are empty, the next run computes them "
+                   "again\n",
+                   coloured("error:", stderr), counted(written.damaged.size(), "damaged case file"),
+                   fmt::join(written.damaged, ", "));
 }
 
 void print_files(const reduce::ReducedTables& written, const std::filesystem::path& folder) {

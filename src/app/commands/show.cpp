@@ -115,8 +115,9 @@ void print_text(const storage::CaseSummary& s) {
     fmt::print("status:   {}, checksum verified\n", text_of(s, "status"));
     const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
     const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;
-    fmt::print("computed: {} to {} on {}, {:.0f} rank{}, {:.3g} s\n", text_of(s, "started"),
-               text_of(s, "ended"), text_of(s, "host"), ranks, ranks == 1.0 ? "" : "s", wall_s);
+    fmt::print("computed: {} to {} on {}, {}, {:.3g} s\n", text_of(s, "started"),
+               text_of(s, "ended"), text_of(s, "host"), counted(std::lround(ranks), "rank"),
+               wall_s);
     fmt::print("program:  {}, git {}, {} ({}), {}, {}, HDF5 {}\n", text_of(s, "program"),
                text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
                text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));

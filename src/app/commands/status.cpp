@@ -209,8 +209,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
 void print_remaining(const Tally& tally) {
     const std::optional<double> left_s = tally.time_left_s();
     if (!left_s || tally.to_do() == 0) return;
-    fmt::print("remaining: about {} on {} team{}", duration_text(*left_s), tally.teams,
-               tally.teams == 1 ? "" : "s");
+    fmt::print("remaining: about {} on {}", duration_text(*left_s), counted(tally.teams, "team"));
     if (tally.seconds > 0.0) fmt::print(", at {:.3g} s per case", tally.seconds_per_case());
     if (tally.progress && tally.running > 0)
         fmt::print("; the running case{} {:.0f} % complete", tally.running == 1 ? " is" : "s are",
@@ -221,8 +220,8 @@ void print_remaining(const Tally& tally) {
 void print_text(const schedule::OutputFolder& folder, State& state) {
     auto& [plan, journal, index, tally, next, points_to_add] = state;
     fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
-    fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
-               plan.cases.size() == 1 ? "" : "s", tally.done, tally.running, tally.failed,
+    fmt::print("{}: {} done, {} running, {} failed, {} remaining",
+               counted(plan.cases.size(), "case"), tally.done, tally.running, tally.failed,
                tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
     fmt::print("{}{}\n",
@@ -240,12 +239,10 @@ void print_text(const schedule::OutputFolder& folder, State& state) {
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: {}; the next run computes it again\n", id, index.find(id)->damage);
     if (!tally.not_valid.empty())
-        fmt::print("not valid: the readings of {} case{}: {}; see the column note of the table\n",
-                   tally.not_valid.size(), tally.not_valid.size() == 1 ? "" : "s",
-                   fmt::join(tally.not_valid, ", "));
+        fmt::print("not valid: the readings of {}: {}; see the column note of the table\n",
+                   counted(tally.not_valid.size(), "case"), fmt::join(tally.not_valid, ", "));
     if (points_to_add > 0)
-        fmt::print("adaptive axes: {} point{} to add\n", points_to_add,
-                   points_to_add == 1 ? "" : "s");
+        fmt::print("adaptive axes: {} to add\n", counted(points_to_add, "point"));
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",
                    schedule::shell_word(folder.stop_file().string()));

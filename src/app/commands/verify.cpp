@@ -5,7 +5,6 @@
 #include "parallel/agree.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "storage/case_file/case_index.hpp"
-#include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
 

@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "pipeline/provenance.hpp"
 #include "studies/laboratory/least_squares.hpp"
-#include "studies/optimise/search/families.hpp"
+#include "studies/optimise/search/best_envelope.hpp"
 
 #include <algorithm>
 #include <array>

@@ -322,8 +322,7 @@ void Remarks::report(DiagnosticList& diagnostics) const {
     for (const Group* group : order_) {
         std::string message = fmt::format("{}: {}", group->reported.key, group->reported.message);
         if (group->cases > 1)
-            message +=
-                fmt::format(" (and {} more case{})", group->cases - 1, group->cases > 2 ? "s" : "");
+            message += fmt::format(" (and {})", counted(group->cases - 1, "more case"));
         if (group->reported.severity == Severity::error)
             diagnostics.error(group->at, std::move(message));
         else

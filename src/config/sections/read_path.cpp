@@ -7,8 +7,6 @@
 #include "config/files/csv_files.hpp"
 #include "config/sections/read_fields.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>

@@ -44,9 +44,7 @@ private:
 };
 
 Setting setting(const std::string& key, const Node& node) {
-    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
-        return {key, static_cast<double>(*integer)};
-    if (const auto* number = std::get_if<double>(&node.value)) return {key, *number};
+    if (const auto number = as_number(node)) return {key, *number};
     if (const auto* word = std::get_if<std::string>(&node.value)) return {key, *word};
     return {key, render(node)};
 }

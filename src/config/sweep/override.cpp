@@ -73,11 +73,6 @@ NodePtr first_of(const NodePtr& list) {
     return values && !values->empty() ? values->front() : nullptr;
 }
 
-bool is_number(const Node& node) {
-    return std::holds_alternative<double>(node.value) ||
-           std::holds_alternative<std::int64_t>(node.value);
-}
-
 /// The values that [sweep] states for a key, in a list of its own or in `zip`; null without any.
 NodePtr swept_values(const NodePtr& root, const std::string& key) {
     const NodePtr own = find(root, {{"sweep"}, {key}}), zip = find(root, {{"sweep"}, {"zip"}});
@@ -91,7 +86,7 @@ NodePtr swept_values(const NodePtr& root, const std::string& key) {
 bool check_type(const NodePtr& root, const Override& override, const Node& value, const Place& at,
                 DiagnosticList& diagnostics) {
     const NodePtr swept = first_of(swept_values(root, override.key));
-    if (!swept || !is_number(*swept) || is_number(value)) return true;
+    if (!swept || !as_number(*swept) || as_number(value)) return true;
     diagnostics.error(at,
                       fmt::format("{} must be a number, like the values of its sweep, but is {}",
                                   override.key, excerpt(render(value))));

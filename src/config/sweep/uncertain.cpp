@@ -2,7 +2,6 @@
 #include "config/sweep/uncertain.hpp"
 
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/files/csv_files.hpp"
 #include "config/sections/read_fields.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/arrangement.hpp"
 
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -139,8 +140,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
 
 std::string excessive_team(int wanted, int ranks) {
     if (wanted <= ranks) return "";
-    return fmt::format("--ranks-per-case {} exceeds the {} rank{} of the run: a team has {}",
-                       wanted, ranks, ranks == 1 ? "" : "s", ranks);
+    return fmt::format("--ranks-per-case {} exceeds the {} of the run: a team has {}", wanted,
+                       counted(ranks, "rank"), ranks);
 }
 
 std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases) {
@@ -217,9 +218,6 @@ std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
     return groups;
 }
 
-namespace {
-
-/// The cases at the positions `numbers` of the plan.
 std::vector<const PlannedCase*> cases_of(const Plan& plan,
                                          const std::vector<std::size_t>& numbers) {
     std::vector<const PlannedCase*> cases;
@@ -227,6 +225,8 @@ std::vector<const PlannedCase*> cases_of(const Plan& plan,
         cases.push_back(&plan.cases[number]);
     return cases;
 }
+
+namespace {
 
 Arrangement arranged(const Plan& plan, const std::vector<std::size_t>& work, int ranks, int wanted,
                      double memory_per_rank_B, cost::CaseCosts& costs) {

@@ -51,11 +51,13 @@ struct Bundle {
 };
 
 /// Divides cases that are in the order of work into bundles, which the teams take in this order. A
-/// bundle is a single case, or a complete group of cases that share data (case_groups.hpp), so that
-/// only one team computes this data. Groups stay together if the estimated time is shorter then.
-/// Not collective.
+/// bundle is a single case, or a complete group of cases that share data, so that only one team
+/// computes this data. Groups stay together if the estimated time is shorter then. Not collective.
 std::vector<Bundle> bundles_of(const std::vector<const PlannedCase*>& cases,
                                const TeamLayout& layout, cost::CaseCosts& costs);
+
+/// The cases at the positions `numbers` of the plan.
+std::vector<const PlannedCase*> cases_of(const Plan& plan, const std::vector<std::size_t>& numbers);
 
 /// The remaining cases of a sweep in the order of work, and their division among teams. Identical
 /// on all ranks.

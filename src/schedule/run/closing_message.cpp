@@ -20,14 +20,10 @@ namespace {
 /// Largest number of cases that a message lists.
 constexpr std::size_t most_listed = 5;
 
-std::string cases_text(std::size_t count) {
-    return fmt::format("{} case{}", count, count == 1 ? "" : "s");
-}
-
 std::string counts_text(const Selection& selection, const WorkResult& result) {
     std::string text = fmt::format("{}: {} computed now, {} already complete, {} failed",
-                                   cases_text(selection.total), result.done, selection.complete,
-                                   result.failed + selection.failed_before);
+                                   counted(selection.total, "case"), result.done,
+                                   selection.complete, result.failed + selection.failed_before);
     if (selection.not_selected > 0)
         text += fmt::format(", {} not selected", selection.not_selected);
     if (result.elsewhere > 0) text += fmt::format(", {} by other runs", result.elsewhere);
@@ -48,7 +44,7 @@ std::string validity_text(const OutputFolder& folder, const Plan& plan) {
     const std::size_t invalid = not_valid_cases(folder, plan).size();
     if (invalid == 0) return "";
     return fmt::format("\nthe readings of {} are not valid: see the column note of the table",
-                       cases_text(invalid));
+                       counted(invalid, "case"));
 }
 
 std::string stopped_text(const OutputFolder& folder, const Plan& plan, const Selection& selection,
@@ -137,7 +133,7 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
     const std::size_t others = left_to_others(folder, plan, selection);
     if (others > 0)
         text += fmt::format("\n{} of the sweep that this run did not select {} not complete",
-                            cases_text(others), others == 1 ? "is" : "are");
+                            counted(others, "case"), others == 1 ? "is" : "are");
     if (arguments.is_round) return text;
     if (const std::string next = next_step(folder, plan, selection, ending, arguments);
         !next.empty())

@@ -38,36 +38,35 @@ bool has_foreign_files(const OutputFolder& folder) {
     return false;
 }
 
-/// A damaged plan may be rewritten only if all results in the folder belong to cases of this job.
-void require_plan(const Plan& plan, const OutputFolder& folder) {
+/// The names of case files that do not belong to a case of the plan.
+std::vector<std::string> foreign_cases(const Plan& plan, const OutputFolder& folder) {
     std::set<std::string> ids;
     for (const PlannedCase& c : plan.cases)
         ids.insert(c.id);
+    std::vector<std::string> names;
     std::error_code missing;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing)) {
-        const std::filesystem::path name = entry.path().filename();
-        if (name.extension() != ".h5" || ids.contains(name.stem().string())) continue;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing))
+        if (entry.path().extension() == ".h5" && !ids.contains(entry.path().stem().string()))
+            names.push_back(entry.path().filename().string());
+    return names;
+}
+
+/// A damaged plan may be rewritten only if all results in the folder belong to cases of this job.
+void require_plan(const Plan& plan, const OutputFolder& folder) {
+    if (const std::vector<std::string> foreign = foreign_cases(plan, folder); !foreign.empty())
         throw UsageError(fmt::format("{} is damaged, and {} does not belong to a case of this job; "
                                      "run the job of this folder, or choose another folder with "
                                      "--out",
-                                     folder.plan().string(), name.string()),
+                                     folder.plan().string(), foreign.front()),
                          ExitCode::environment);
-    }
 }
 
 /// A sentence about case files that do not belong to a case of the plan; empty without them.
 std::string cases_left_out(const Plan& plan, const OutputFolder& folder) {
-    std::set<std::string> ids;
-    for (const PlannedCase& c : plan.cases)
-        ids.insert(c.id);
-    std::size_t count = 0;
-    std::error_code missing;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing))
-        if (entry.path().extension() == ".h5" && !ids.contains(entry.path().stem().string()))
-            ++count;
+    const std::size_t count = foreign_cases(plan, folder).size();
     if (count == 0) return {};
-    return fmt::format("{} case file{} in {} {} not in this job and {} unused", count,
-                       count == 1 ? "" : "s", folder.cases().string(), count == 1 ? "is" : "are",
+    return fmt::format("{} in {} {} not in this job and {} unused", counted(count, "case file"),
+                       folder.cases().string(), count == 1 ? "is" : "are",
                        count == 1 ? "remains" : "remain");
 }
 

@@ -10,7 +10,6 @@
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/closing_message.hpp"
 #include "schedule/run/deadline.hpp"
-#include "schedule/run/job_source.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/progress.hpp"
 #include "schedule/run/select_cases.hpp"
@@ -192,9 +191,7 @@ void require_resources(const config::Job& job, const OutputFolder& folder,
                        const RunArguments& arguments, int ranks, double memory_B) {
     storage::CaseIndex index(folder.root);
     const Selection selection = select_cases(job.plan, {}, index, arguments);
-    std::vector<const PlannedCase*> cases;
-    for (const std::size_t number : selection.work)
-        cases.push_back(&job.plan.cases[number]);
+    const std::vector<const PlannedCase*> cases = cases_of(job.plan, selection.work);
     const int together =
         arguments.ranks_per_case > 0 ? std::min(arguments.ranks_per_case, ranks) : ranks;
     const std::string error =
@@ -204,9 +201,8 @@ void require_resources(const config::Job& job, const OutputFolder& folder,
 
 std::string layout_text(const std::string& name, std::size_t cases, const TeamLayout& layout,
                         int ranks, const OutputFolder& folder) {
-    return fmt::format("{}: {} case{} to compute on {} team{} of {} rank{}{}, into {}", name, cases,
-                       cases == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
-                       layout.ranks_per_case, layout.ranks_per_case == 1 ? "" : "s",
+    return fmt::format("{}: {} to compute on {} of {}{}, into {}", name, counted(cases, "case"),
+                       counted(layout.teams, "team"), counted(layout.ranks_per_case, "rank"),
                        cases > 0 ? idle_ranks_text(layout, ranks, cases) : "",
                        folder.root.string());
 }
@@ -309,9 +305,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     print_beginning(beginning, arguments, progress);
     Selection& selection = beginning.selection;
     share(selection, world);
-    std::vector<const PlannedCase*> cases;
-    for (const std::size_t index : selection.work)
-        cases.push_back(&job.plan.cases[index]);
+    const std::vector<const PlannedCase*> cases = cases_of(job.plan, selection.work);
     const storage::Journal journal(folder.journal(part));
     std::optional<cost::CaseCosts> costs =
         costs_of(cases, {folder, deadline, world, journal, start, report});

@@ -94,17 +94,12 @@ void share(Selection& selection, const Comm& world) {
 
 namespace {
 
-struct WrittenShard {
-    std::size_t number = 0, of = 0;
-};
-
 /// The shards that have a file in a folder: `prefix`, "2-of-8", and any end.
-std::vector<WrittenShard> shards_in(const std::filesystem::path& folder,
-                                    const std::string& prefix) {
-    std::vector<WrittenShard> found;
+std::vector<Shard> shards_in(const std::filesystem::path& folder, const std::string& prefix) {
+    std::vector<Shard> found;
     std::error_code missing; // a missing folder has none
     for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
-        WrittenShard shard;
+        Shard shard;
         const std::string name = entry.path().filename().string();
         if (name.starts_with(prefix) &&
             std::sscanf(name.c_str() + prefix.size(), "%zu-of-%zu", &shard.number, &shard.of) ==
@@ -115,7 +110,7 @@ std::vector<WrittenShard> shards_in(const std::filesystem::path& folder,
     return found;
 }
 
-bool is_running(const OutputFolder& folder, const WrittenShard& shard) {
+bool is_running(const OutputFolder& folder, const Shard& shard) {
     const auto lock = folder.part_lock(fmt::format("{}-of-{}", shard.number, shard.of));
     return std::filesystem::exists(lock) && storage::is_locked(lock).value_or(true);
 }
@@ -123,9 +118,9 @@ bool is_running(const OutputFolder& folder, const WrittenShard& shard) {
 /// The number of shards; 0: not computed in shards.
 std::size_t shard_count(const OutputFolder& folder, const std::string& last_part) {
     std::set<std::size_t> running, all;
-    for (const WrittenShard& shard : shards_in(folder.part_lock("").parent_path(), ""))
+    for (const Shard& shard : shards_in(folder.part_lock("").parent_path(), ""))
         if (is_running(folder, shard)) running.insert(shard.of);
-    for (const WrittenShard& shard : shards_in(folder.root, "journal."))
+    for (const Shard& shard : shards_in(folder.root, "journal."))
         all.insert(shard.of);
     const std::set<std::size_t>& counts = running.empty() ? all : running;
     const bool is_complete_sweep = running.empty() && last_part.empty();

@@ -212,8 +212,8 @@ AxisPoints shared(const AxisPoints& points, const Comm& world) {
 std::string counts_text(const AxisPoints& points) {
     std::string text;
     for (const auto& [key, values] : points)
-        text += fmt::format("{}{} point{} of {}", text.empty() ? "" : ", ", values.size(),
-                            values.size() == 1 ? "" : "s", key);
+        text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", counted(values.size(), "point"),
+                            key);
     return text;
 }
 

@@ -5,7 +5,6 @@
 #include "config/sweep/override.hpp"
 #include "schedule/run/job_source.hpp"
 #include "studies/optimise/optimise_study.hpp"
-#include "studies/optimise/search/waveform.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -45,9 +44,7 @@ public:
         const config::NodePtr node = config::find(root_, config::split_path(key).value());
         if (!node || factor == 1.0) return;
         const auto number = [&](const config::Node& of) {
-            if (const auto* integer = std::get_if<std::int64_t>(&of.value))
-                return factor * static_cast<double>(*integer);
-            return factor * std::get<double>(of.value);
+            return factor * config::as_number(of).value();
         };
         const auto* list = std::get_if<config::ListNode>(&node->value);
         if (!list) return set(key, exact(number(*node)));

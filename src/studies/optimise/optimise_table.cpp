@@ -4,7 +4,6 @@
 #include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "storage/files.hpp"
-#include "storage/journal/plan_file.hpp"
 #include "studies/optimise/search/gram.hpp"
 #include "studies/optimise/search/waveform.hpp"
 #include "studies/tables.hpp"
@@ -170,11 +169,8 @@ void write_waveforms(const Study& study, const Optima& results, std::size_t i, s
 
 Readings readings_of(const schedule::OutputFolder& folder, const std::string& maximised) {
     const reduce::Table table = studies::table_of(folder);
-    const auto place = [&](const std::string& name) {
-        return static_cast<std::size_t>(std::ranges::find(table.columns, name) -
-                                        table.columns.begin());
-    };
-    const std::size_t eta = place(maximised), rms = place("focal_rms_um"), valid = place("valid");
+    const std::size_t eta = table.find(maximised).value(),
+                      rms = table.find("focal_rms_um").value(), valid = table.find("valid").value();
     Readings readings;
     for (const auto& row : table.rows)
         readings[std::get<std::string>(row[0])] = {std::get<double>(row.at(eta)),
