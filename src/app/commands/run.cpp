@@ -10,7 +10,7 @@ void add_run(CLI::App& app, Action& action) {
         adaptive::adaptive_run);
     add_job(command, arguments);
     command.add_option("--out", arguments.out, "output folder (default: out/<job name>)");
-    add_ranks_per_case(command, arguments.ranks_per_case);
+    add_study_options(command, arguments);
     add_value(command, "--only", arguments.only, "ID[,ID]", "only these cases, by id")
         ->delimiter(',');
     add_value(command, "--shard", arguments.shard, "I/N",
@@ -22,21 +22,12 @@ void add_run(CLI::App& app, Action& action) {
     add_value(command, "--checkpoint-steps", arguments.checkpoints.steps, "N",
               "write a checkpoint every N steps in addition (default 0: never)")
         ->check(CLI::NonNegativeNumber);
-    add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS",
-              "start no case that cannot finish within this time (default: the limit of the "
-              "Slurm job)");
     add_value(command, "--log-json", arguments.log_json, "FILE",
               "append progress to this file as lines of JSON");
-    command.add_flag("--allow-mixed", arguments.allow_mixed,
-                     "continue in a folder with results of another version of the program");
     command.add_flag("--extend", arguments.extend,
                      "accept a folder with another plan of the same name: keep the cases that this "
                      "job contains, compute the others");
-    command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--fail-fast", arguments.fail_fast, "stop at the first failed case");
-    command.add_flag("--force", arguments.force,
-                     "run although the estimates exceed the memory or the disk");
-    command.add_flag("--quiet", arguments.quiet, "print only errors");
     add_json(command, arguments.json);
 }
 

@@ -68,9 +68,10 @@ void add_ranks_per_case(CLI::App& command, int& ranks) {
 void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
     add_ranks_per_case(command, arguments.ranks_per_case);
     add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS",
-              "start no case that cannot finish within this time");
+              "start no case that cannot finish within this time (default: the limit of the "
+              "Slurm job)");
     command.add_flag("--allow-mixed", arguments.allow_mixed,
-                     "use results of another version of the program");
+                     "continue in a folder with results of another version of the program");
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--force", arguments.force,
                      "run although the estimates exceed the memory or the disk");

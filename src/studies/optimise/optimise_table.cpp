@@ -169,8 +169,8 @@ void write_waveforms(const Study& study, const Optima& results, std::size_t i, s
 
 Readings readings_of(const schedule::OutputFolder& folder, const std::string& maximised) {
     const reduce::Table table = studies::table_of(folder);
-    const std::size_t eta = table.find(maximised).value(),
-                      rms = table.find("focal_rms_um").value(), valid = table.find("valid").value();
+    const std::size_t eta = table.find(maximised).value(), rms = table.find("focal_rms_um").value(),
+                      valid = table.find("valid").value();
     Readings readings;
     for (const auto& row : table.rows)
         readings[std::get<std::string>(row[0])] = {std::get<double>(row.at(eta)),
