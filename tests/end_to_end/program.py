@@ -142,6 +142,12 @@ class ProgramTest(unittest.TestCase):
             self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
         return done
 
+    def compute(self, text=JOB):
+        """Runs a job and writes its table."""
+        self.write_job(text)
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+
     def start(self, *arguments, ranks=1):
         """Starts a command in a separate process group without waiting for its end."""
         process = subprocess.Popen(command(*arguments, ranks=ranks), cwd=self.folder,

@@ -151,9 +151,7 @@ class FailingCase(ProgramTest):
 class Damage(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.write_job()
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute()
         self.before = table(self.out)
 
     def test_a_truncated_case_file_is_reported_and_recomputed(self):

@@ -18,9 +18,7 @@ from shearwake.report import load
 class CaseFiles(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.write_job()
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute()
         self.before = table(self.out)
         self.victim = case_files(self.out)[1]
         self.sound = self.victim.read_bytes()
@@ -106,9 +104,7 @@ class CaseFiles(ProgramTest):
 class TextFiles(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.write_job()
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute()
         self.before = table(self.out)
 
     def test_a_changed_index_changes_no_table(self):

@@ -72,9 +72,7 @@ class HostileResults(ProgramTest):
 
     @pytest.mark.long
     def test_what_is_not_a_file_in_place_of_results(self):
-        self.write_job(ONE_CASE)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute(ONE_CASE)
         table = next((self.out / "tables").glob("*.csv"))
         path = case_files(self.out)[0]
         path.unlink()
@@ -92,9 +90,7 @@ class HostileResults(ProgramTest):
             remove(path)
 
     def test_what_is_not_a_file_in_place_of_texts(self):
-        self.write_job(ONE_CASE)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute(ONE_CASE)
         case = case_files(self.out)[0]
         accepted_or_refused(self, [sys.executable, "-c", READ, str(case), str(self.out)], (0,), MOST_s, "undamaged results")
         odd = (("pipe", os.mkfifo), ("hole", self.make_hole), ("folder", os.mkdir), ("device", lambda path: path.symlink_to("/dev/zero")))
@@ -117,9 +113,7 @@ class HostileResults(ProgramTest):
 
     @pytest.mark.long
     def test_texts_with_changed_bytes(self):
-        self.write_job(ONE_CASE)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute(ONE_CASE)
         python = [sys.executable, "-c", READ, str(case_files(self.out)[0]), str(self.out)]
         rng = random.Random("texts")
         texts = [path for path in sorted(self.out.rglob("*")) if path.suffix in (".json", ".jsonl", ".toml", ".csv")]

@@ -52,9 +52,7 @@ class Output(ProgramTest):
 
     @pytest.mark.long
     def test_a_reader_of_a_report_may_end_first(self):
-        self.write_job()
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute()
         reader, writer = os.pipe()
         os.close(reader)
         done = self.run_with(command("report", self.out), stdout=writer)
@@ -109,9 +107,7 @@ class Output(ProgramTest):
 
 class Surroundings(ProgramTest):
     def test_odd_paths_change_nothing(self):
-        self.write_job()
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute()
         reference = table(self.out)
         for name in ("a folder with spaces", "it's \"quoted\" $HOME", "x" * 100):
             out = self.folder / name / "small"
@@ -137,9 +133,7 @@ class Surroundings(ProgramTest):
     @pytest.mark.long
     def test_decimal_commas_change_nothing(self):
         env = self.with_decimal_commas()
-        self.write_job(UNRECORDED)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute(UNRECORDED)
         out = self.folder / "commas"
         for words in (("check", "job.toml"), ("plan", "job.toml"), ("run", "job.toml", "--out", out), ("reduce", out),
                       ("report", out), ("verify", out)):
@@ -232,9 +226,7 @@ class Kills(ProgramTest):
 
     @pytest.mark.long
     def test_a_killed_report_leaves_a_complete_one(self):
-        self.write_job(UNRECORDED)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.compute(UNRECORDED)
         folder = self.out / "report"
 
         def is_complete():
