@@ -4,9 +4,7 @@
 #include "base/text.hpp"
 #include "config/document/reader.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sweep/expand.hpp"
-#include "config/sweep/sweep_axes.hpp"
-#include "config/sweep/uncertain.hpp"
+#include "config/sweep/sweep.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,9 +3,9 @@
 
 #include "base/error.hpp"
 #include "config/document/diagnostic.hpp"
-#include "config/files/loaders.hpp"
+#include "config/files/files.hpp"
 #include "config/sweep/override.hpp"
-#include "config/sweep/sweep_axes.hpp"
+#include "config/sweep/sweep.hpp"
 #include "problem/case/afferents.hpp"
 #include "problem/case/optimise_options.hpp"
 #include "problem/case/plan.hpp"

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kwave/input.hpp"
+#include "kwave/files.hpp"
 
 #include "base/error.hpp"
 #include "engines/pstd/study_run.hpp"
-#include "kwave/reader.hpp"
-#include "storage/input/study_file.hpp"
+#include "storage/input/input_files.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kwave/output.hpp"
+#include "kwave/files.hpp"
 
 #include "pipeline/provenance.hpp"
 

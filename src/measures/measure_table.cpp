@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/measure_table.hpp"
 
-#include "measures/participation.hpp"
+#include "measures/spatial_measures.hpp"
 
 #include <algorithm>
 #include <cmath>

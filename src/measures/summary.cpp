@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "measures/participation.hpp"
 #include "measures/spatial_measures.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vectors.hpp"
-#include "measures/mach_angle.hpp"
+#include "measures/spatial_measures.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"
 #include "problem/case/case.hpp"

@@ -2,7 +2,7 @@
 #include "neural/respond.hpp"
 
 #include "neural/kernels/neuron.hpp"
-#include "neural/skin/resample.hpp"
+#include "neural/skin/stimulus.hpp"
 #include "simd/kernels.hpp"
 
 #include <cmath>

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "neural/fibre/afferent.hpp"
-#include "neural/fibre/neuron.hpp"
-#include "neural/skin/contact.hpp"
-#include "neural/skin/skin_paths.hpp"
+#include "neural/fibre/fibre.hpp"
+#include "neural/skin/skin.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -2,9 +2,8 @@
 #include "neural/response.hpp"
 
 #include "base/units.hpp"
-#include "neural/skin/check_stimulus.hpp"
-#include "neural/skin/resample.hpp"
-#include "neural/skin/skin_paths.hpp"
+#include "neural/skin/stimulus.hpp"
+#include "neural/skin/skin.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "neural/hand/scene.hpp"
+#include "neural/hand/hand.hpp"
 #include "neural/respond.hpp"
 
 #include <cstdint>

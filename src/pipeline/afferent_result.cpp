@@ -4,8 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "neural/skin/check_stimulus.hpp"
-#include "neural/skin/resample.hpp"
+#include "neural/skin/stimulus.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "engines/checkpoint.hpp"
 #include "measures/summary.hpp"
-#include "neural/hand/scene.hpp"
+#include "neural/hand/hand.hpp"
 #include "neural/respond.hpp"
 #include "neural/response.hpp"
 #include "parallel/comm.hpp"

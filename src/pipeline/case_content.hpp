@@ -3,7 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "measures/summary.hpp"
-#include "neural/hand/scene.hpp"
+#include "neural/hand/hand.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"

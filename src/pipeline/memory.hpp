@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "neural/hand/scene.hpp"
+#include "neural/hand/hand.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pipeline/observers/frame_sums.hpp"
-#include "pipeline/observers/stored_fields.hpp"
-#include "pipeline/observers/point_series.hpp"
+#include "pipeline/observers/recording.hpp"
 
 #include <functional>
 #include <optional>

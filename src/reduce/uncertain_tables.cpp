@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduce/uncertain_tables.hpp"
+#include "reduce/derived_tables.hpp"
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "reduce/sensitivity.hpp"
 #include "sampling/design.hpp"
 
 #include <algorithm>

@@ -6,8 +6,7 @@
 #include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
-#include "serve/line_input.hpp"
-#include "serve/output.hpp"
+#include "serve/streams.hpp"
 #include "serve/solver.hpp"
 
 #include <algorithm>

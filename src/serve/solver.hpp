@@ -4,8 +4,7 @@
 #include "engines/engine.hpp"
 #include "pipeline/memory.hpp"
 #include "problem/case/volume.hpp"
-#include "serve/line_input.hpp"
-#include "serve/output.hpp"
+#include "serve/streams.hpp"
 
 #include <memory>
 #include <nlohmann/json.hpp>

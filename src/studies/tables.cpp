@@ -5,7 +5,6 @@
 #include "base/text.hpp"
 #include "config/document/tree.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/run/job_source.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/files.hpp"
 

@@ -5,7 +5,7 @@
 #include "parallel/comm.hpp"
 #include "reduce/reduce.hpp"
 #include "schedule/run/output_folder.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 
 #include <filesystem>
 #include <string>

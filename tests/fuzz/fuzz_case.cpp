@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "fuzz/processor_time.hpp"
 #include "storage/case_file/case_file_reader.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/hdf5/guard.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "support/scratch_file.hpp"

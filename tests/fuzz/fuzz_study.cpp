@@ -3,7 +3,7 @@
 #include "base/error.hpp"
 #include "fuzz/processor_time.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/input/study_file.hpp"
+#include "storage/input/input_files.hpp"
 #include "support/scratch_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,7 +3,7 @@
 // noise and delay. SHEARWAKE_NEURAL_REFERENCE specifies the folder of its two files, without which
 // these tests are skipped; tests/unit/neural contains the small reference data.
 #include "neural/respond.hpp"
-#include "neural/skin/skin_paths.hpp"
+#include "neural/skin/skin.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/hdf5/h5_block.hpp"
 

@@ -6,7 +6,7 @@
 #include "engines/registry/check.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
-#include "studies/converge/converge.hpp"
+#include "studies/converge/convergence.hpp"
 
 namespace shearwake::app {
 

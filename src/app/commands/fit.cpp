@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/fit.hpp"
+#include "studies/laboratory/laboratory.hpp"
 
 #include "app/commands/commands.hpp"
 

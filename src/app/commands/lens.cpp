@@ -3,7 +3,7 @@
 #include "base/png.hpp"
 #include "parallel/agree.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/measure.hpp"
+#include "studies/laboratory/laboratory.hpp"
 
 #include "app/commands/commands.hpp"
 #include "parallel/agree.hpp"

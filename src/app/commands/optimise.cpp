@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
-#include "studies/optimise/optimise.hpp"
+#include "studies/optimise/optimise_study.hpp"
 
 namespace shearwake::app {
 namespace {

@@ -8,8 +8,7 @@
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/arrangement.hpp"
-#include "schedule/run/job_source.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>

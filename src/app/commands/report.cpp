@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
-#include "app/common/python_command.hpp"
+#include "app/common/command.hpp"
 #include "studies/tables.hpp"
 
 namespace shearwake::app {

@@ -8,10 +8,10 @@
 #include "pipeline/case_content.hpp"
 #include "pipeline/provenance.hpp"
 #include "problem/case/text_walk.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
-#include "storage/input/motion_file.hpp"
+#include "storage/input/input_files.hpp"
 
 #include <algorithm>
 #include <cmath>

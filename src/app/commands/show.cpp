@@ -5,7 +5,7 @@
 #include "base/python_module.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/groups.hpp"
 

@@ -2,9 +2,10 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "base/python_module.hpp"
 #include "parallel/comm.hpp"
-#include "schedule/run/run_arguments.hpp"
-#include "studies/laboratory/fit.hpp"
+#include "schedule/run/run.hpp"
+#include "studies/laboratory/laboratory.hpp"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -80,5 +81,29 @@ CLI::Validator one_of(const std::vector<std::string>& values);
 void require_library(const std::string& command);
 /// The versions of the program and its libraries, and the commands that this build lacks.
 std::string full_version_text();
+
+/// A command that a module of the Python package executes.
+struct PythonCommand {
+    const char* module;
+    const char* rejection; // the message if the module rejects the arguments (exit 2)
+    const char* failure;   // the message with another exit code
+    /// What precedes the module; returns further arguments for it.
+    std::vector<std::string> (*prepare)(const std::vector<std::string>& arguments) =
+        [](const std::vector<std::string>&) { return std::vector<std::string>{}; };
+    const PythonPackages& packages = figure_packages;
+};
+
+/// Declares such a command, to which options can be added. The module receives the arguments and
+/// options that are given.
+CLI::App& add_python_command(CLI::App& app, Action& action, const std::string& name,
+                             const std::string& text, const PythonCommand& command);
+/// Adds an argument, or an option with a value, that is passed to the module.
+CLI::Option* pass_option(CLI::App& command, const std::string& name, const std::string& text,
+                         const std::string& type = "TEXT");
+void pass_flag(CLI::App& command, const std::string& name, const std::string& text);
+
+/// Executes such a command. Collective; rank 0 does the work.
+ExitCode execute(const PythonCommand& command, const std::vector<std::string>& arguments,
+                 const Comm& world);
 
 } // namespace shearwake::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/files/csv_files.hpp"
+#include "config/files/files.hpp"
 
 #include "base/units.hpp"
 #include "config/document/diagnostic.hpp"

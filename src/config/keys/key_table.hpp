@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 namespace shearwake::config {
 
@@ -17,11 +17,6 @@ std::string preset_reference();
 /// types, units, ranges, defaults and meanings of all keys. Editors complete and check jobs by it.
 /// What depends on several keys at once, on files or on the physics, only `check` reports.
 std::string job_schema();
-
-/// The tables that the presets of [medium] supply, and the properties of the classes of receptors,
-/// for programs that show them. They are part of the schema.
-nlohmann::ordered_json medium_presets();
-nlohmann::ordered_json receptor_table();
 
 /// "did you mean load.peak_Pa?" for the end of a key, such as "peak_Pa". Empty if no key of a job
 /// ends in this way, or more than three do.

@@ -4,8 +4,11 @@
 #include "base/units.hpp"
 #include "config/document/job_keys.hpp"
 #include "config/document/key_range.hpp"
+#include "config/document/presets.hpp"
+#include "config/document/tree.hpp"
 #include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
+#include "problem/case/afferents.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
@@ -247,6 +250,45 @@ void add_job_tables(Json& root) {
     uncertain.erase("unevaluatedProperties");
     uncertain["additionalProperties"] = {{"$ref", "#/$defs/distribution"}};
     uncertain["description"] = "uncertain keys in full, each with its distribution";
+}
+
+Json json_of(const Node& node) {
+    return std::visit(overloaded{
+                          [](const DateNode&) { return Json(); },
+                          [](const ListNode& list) {
+                              Json array = Json::array();
+                              for (const NodePtr& item : list)
+                                  array.push_back(json_of(*item));
+                              return array;
+                          },
+                          [](const TableNode& table) {
+                              Json members = Json::object();
+                              for (const Entry& entry : table.entries)
+                                  members[entry.key] = json_of(*entry.value);
+                              return members;
+                          },
+                          [](const auto& value) { return Json(value); },
+                      },
+                      node.value);
+}
+
+/// The tables that the presets of [medium] supply, and the properties of the classes of receptors,
+/// for programs that show them.
+Json medium_presets() {
+    Json presets = Json::object();
+    for (const std::string& name : preset_names())
+        presets[name] = json_of(*medium_preset(name, {}));
+    return presets;
+}
+
+Json receptor_table() {
+    Json table = Json::object();
+    for (const ReceptorClass& one : receptor_classes)
+        table[one.name] = {{"label", one.label},
+                           {"colour", one.colour},
+                           {"colour_on_map", one.colour_on_map},
+                           {"feels_static", one.feels_static}};
+    return table;
 }
 
 } // namespace

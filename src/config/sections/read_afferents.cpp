@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "config/document/job_keys.hpp"
-#include "config/files/csv_files.hpp"
+#include "config/files/files.hpp"
 #include "config/sections/read_fields.hpp"
 #include "problem/load/footprint.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/reader.hpp"
-#include "config/files/loaders.hpp"
+#include "config/files/files.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 #include "problem/load/footprint.hpp"
@@ -20,8 +20,6 @@ Medium read_medium(Reader& reader, const MapLoader& load_map);
 Body read_body(Reader reader, std::size_t number, const Medium& medium);
 Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                const FileLoaders& files);
-Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
-                           const TextLoader& load_text);
 Domain read_domain(Reader& reader);
 /// `load`: null after an error.
 TimeAxis read_time(Reader& reader, const Load* load);

@@ -6,7 +6,6 @@
 #include "base/text.hpp"
 #include "config/sections/read_fields.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
-#include "problem/load/acoustics/plane_propagation.hpp"
 #include "problem/load/array_field.hpp"
 
 #include <algorithm>

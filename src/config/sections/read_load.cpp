@@ -1,11 +1,254 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
-#include "config/sections/read_fields.hpp"
 
+#include "config/sections/read_fields.hpp"
+#include "config/sections/read_path.hpp"
+#include "problem/load/envelope.hpp"
+#include "problem/load/motion/trajectory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace shearwake::config {
 namespace {
+
+/// Sets an edge that is not given, and checks the relations between the numbers of a gain. `read`:
+/// no errors so far. Most gains require nothing.
+void settle(Reader&, const FieldReader::Table&, bool, auto&) {}
+
+void settle(Reader& reader, const FieldReader::Table& table, bool read, SquareGain& square) {
+    // From the end of one edge to the next, at most half of the shorter part of a period.
+    const double shorter_s = std::min(square.duty, 1.0 - square.duty) / square.frequency_Hz;
+    const std::string key = std::string(table.prefix) + "edge_us";
+    if (!reader.has(key)) square.edge_s = std::min(usual_edge_s, 0.5 * shorter_s);
+    if (read && reader.has(std::string(table.prefix) + "frequency_Hz") &&
+        square.edge_s > shorter_s * (1.0 + 1e-12))
+        reader.error(
+            key, fmt::format("must be at most {:.6g}, the shorter part of a period, but is {:.6g}",
+                             1e6 * shorter_s, 1e6 * square.edge_s));
+}
+
+void settle(Reader& reader, const FieldReader::Table&, bool read, WindowGain& window) {
+    const double lasts_s = window.to_s - window.from_s;
+    if (!reader.has("edge_us")) window.edge_s = std::min(usual_edge_s, 0.5 * lasts_s);
+    if (!read || !reader.has("to_ms")) return;
+    if (!(lasts_s > 0.0))
+        reader.error("to_ms", fmt::format("must be after from_ms = {:.6g}, but is {:.6g}",
+                                          1e3 * window.from_s, 1e3 * window.to_s));
+    else if (2.0 * window.edge_s > lasts_s * (1.0 + 1e-12))
+        reader.error("edge_us",
+                     fmt::format("must be at most {:.6g}, half of the window, but is {:.6g}",
+                                 0.5e6 * lasts_s, 1e6 * window.edge_s));
+}
+
+Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Table& table = {}) {
+    const std::size_t before = reader.diagnostics().errors();
+    Gain gain = read_alternative<Gain>(reader, shape, table).value_or(SineGain{});
+    const bool read = reader.diagnostics().errors() == before;
+    std::visit([&](auto& alternative) { settle(reader, table, read, alternative); }, gain);
+    return gain;
+}
+
+/// The keys am_... of a modulation: a sine or a square wave.
+Gain read_am_gain(Reader& reader) {
+    const std::string wave = read_optional_word(reader, field_of<Modulation>("am_wave"));
+    if (wave == SquareGain::name) return read_shape(reader, wave, {.prefix = "am_"});
+    for (const char* key : {"am_duty", "am_edge_us"})
+        if (reader.has(key)) reader.error(key, "applies only with am_wave = \"square\"");
+    return read_shape(reader, wave, {.prefix = "am_"});
+}
+
+/// One table of [[load.modulation.envelope]].
+Gain read_gain(Reader reader) {
+    if (reader.empty()) return SineGain{};
+    const auto shape = reader.find_choice("shape", alternative_names<Gain>());
+    if (!shape) { // its other keys belong to another shape
+        reader.report_missing("shape");
+        return SineGain{};
+    }
+    Gain gain = read_shape(reader, *shape);
+    reader.finish();
+    return gain;
+}
+
+const std::array<std::string, 8> kinds = {"STM", "AM",  "AM-STM", "SM-STM",
+                                          "LM",  "DTP", "STP",    "custom"};
+
+/// The kinds to which a key applies. Keys of all kinds are not listed.
+struct KindKey {
+    std::string_view key;
+    std::string_view kinds; // separated by blanks
+};
+constexpr std::string_view along_paths = "STM AM-STM SM-STM DTP STP";
+constexpr std::string_view at_constant_speed = "STM AM-STM DTP STP";
+constexpr std::string_view amplitude_modulated = "AM AM-STM DTP";
+constexpr std::array kind_keys = {
+    KindKey{"position_mm", "AM LM"},
+    KindKey{"path", along_paths},
+    KindKey{"speed_m_s", along_paths},
+    KindKey{"mach", along_paths},
+    KindKey{"draw_frequency_Hz", along_paths},
+    KindKey{"corner_dwell_ms", at_constant_speed},
+    KindKey{"corner_slow_mm", at_constant_speed},
+    KindKey{"corner_slow_to", at_constant_speed},
+    KindKey{"am_wave", amplitude_modulated},
+    KindKey{"am_frequency_Hz", amplitude_modulated},
+    KindKey{"am_depth", amplitude_modulated},
+    KindKey{"am_phase_deg", amplitude_modulated},
+    KindKey{"am_on", amplitude_modulated},
+    KindKey{"am_duty", amplitude_modulated},
+    KindKey{"am_edge_us", amplitude_modulated},
+    KindKey{"speed_deviation_m_s", "SM-STM"},
+    KindKey{"sm_frequency_Hz", "SM-STM"},
+    KindKey{"sm_phase_deg", "SM-STM"},
+    KindKey{"lm_amplitude_mm", "LM"},
+    KindKey{"lm_angle_deg", "LM"},
+    KindKey{"lm_frequency_Hz", "LM"},
+    KindKey{"lm_phase_deg", "LM"},
+    KindKey{"lm_wave", "LM"},
+    KindKey{"pattern", "STP"},
+    KindKey{"pattern_frequency_Hz", "STP"},
+    KindKey{"trajectory", "custom"},
+};
+
+bool contains_word(std::string_view words, std::string_view word) {
+    while (!words.empty()) {
+        const std::size_t blank = std::min(words.find(' '), words.size());
+        if (words.substr(0, blank) == word) return true;
+        words.remove_prefix(std::min(blank + 1, words.size()));
+    }
+    return false;
+}
+
+/// A short line through the centre, traversed back and forth.
+Swing read_lateral(Reader& reader) {
+    const double angle = read_optional_number(reader, field_of<Modulation>("lm_angle_deg"));
+    const double amplitude_m =
+        reader.number("lm_amplitude_mm", range_of<Modulation>("lm_amplitude_mm"));
+    Swing swing{.amplitude_m = {amplitude_m * std::cos(angle), amplitude_m * std::sin(angle)}};
+    read_fields(reader, swing, {.prefix = "lm_", .without = {"amplitude_mm"}});
+    return swing;
+}
+
+/// The small, fast figure around the moving centre. Open figures are traversed back and forth.
+Travel read_pattern(Reader& reader, const PathContext& context) {
+    const double frequency_Hz =
+        reader.number("pattern_frequency_Hz", range_of<Modulation>("pattern_frequency_Hz"));
+    const PathAndEnd read = read_path(reader.table("pattern"), context, LeastLength::none);
+    Travel travel{.path = read.path, .at_end = read.at_end};
+    if (read.rests)
+        reader.error("pattern", "has a file with the time at each point, but pattern_frequency_Hz "
+                                "states the speed; remove the columns");
+    if (!is_closed(read.path) && !read.end_is_given) travel.at_end = AtEnd::back_and_forth;
+    if (travel.at_end == AtEnd::off || travel.at_end == AtEnd::hold)
+        reader.error("pattern",
+                     "is drawn repeatedly, so its at_end must be \"repeat\" or \"back-and-forth\"");
+    travel.motion = ConstantSpeed{cycle_m(travel) * frequency_Hz};
+    return travel;
+}
+
+/// Reads one table of [[load.modulation.trajectory]].
+Mover read_mover(Reader reader, const PathContext& context) {
+    static const std::array<std::string, 3> moves = {Hold::name, Swing::name, "path"};
+    if (reader.empty()) return Hold{};
+    const auto move = reader.find_choice("move", moves);
+    if (!move) { // its other keys belong to some move
+        reader.report_missing("move");
+        return Hold{};
+    }
+    Mover mover;
+    if (const auto read = read_alternative<Mover>(reader, *move)) mover = *read;
+    if (move == "path") mover = read_travel(reader, context, SpeedKind::either);
+    reader.finish();
+    return mover;
+}
+
+Trajectory read_trajectory(Reader& reader, std::string_view kind, const PathContext& context) {
+    Trajectory trajectory;
+    auto& parts = trajectory.parts;
+    if (kind == "custom") {
+        const std::vector<Reader> movers = reader.tables("trajectory");
+        for (const Reader& mover : movers)
+            parts.push_back(read_mover(mover, context));
+        if (!reader.has("trajectory"))
+            reader.missing("trajectory");
+        else if (movers.empty())
+            reader.error("trajectory", "must be a list of at least one table");
+    } else if (kind == "AM" || kind == "LM") {
+        parts.push_back(Hold{reader.point_or("position_mm", {})});
+        if (kind == "LM") parts.push_back(read_lateral(reader));
+    } else {
+        parts.push_back(read_travel(
+            reader, context, kind == "SM-STM" ? SpeedKind::oscillating : SpeedKind::constant));
+        if (kind == "STP") parts.push_back(read_pattern(reader, context));
+    }
+    return trajectory;
+}
+
+/// Simultaneous foci relative to the moving point.
+std::vector<Vec2> read_foci_m(Reader& reader) {
+    const auto foci_m = reader.find_points("foci_mm");
+    if (!foci_m) return {};
+    if (foci_m->empty()) reader.error("foci_mm", "must contain at least one focus");
+    for (std::size_t i = 0; i < foci_m->size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if ((*foci_m)[i] == (*foci_m)[j])
+                reader.error("foci_mm",
+                             fmt::format("has foci {} and {} at the same position", j + 1, i + 1));
+    return *foci_m;
+}
+
+void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_kinds) {
+    for (const KindKey& other : kind_keys) {
+        if (contains_word(other.kinds, kind)) continue;
+        if (reader.has(other.key) && other_kinds == OtherKinds::refused)
+            reader.error(other.key, fmt::format("does not apply to kind {}", kind));
+    }
+}
+
+} // namespace
+
+bool has_meaning(std::string_view key, std::string_view kind) {
+    for (const KindKey& known : kind_keys) {
+        const bool is_it = key.starts_with(known.key) &&
+                           (key.size() == known.key.size() || key[known.key.size()] == '.' ||
+                            key[known.key.size()] == '[');
+        if (is_it) return contains_word(known.kinds, kind);
+    }
+    return true;
+}
+
+namespace {
+
+Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+                           const TextLoader& load_text) {
+    if (reader.empty()) return {};
+    Modulation modulation;
+    if (!reader.has("kind")) reader.missing("kind");
+    const auto kind = reader.find_choice("kind", kinds);
+    const auto ramp_s = reader.find_number("ramp_ms", range_of<Modulation>("ramp_ms"));
+    std::vector<Gain> more_gains;
+    for (const Reader& gain : reader.tables("envelope"))
+        more_gains.push_back(read_gain(gain));
+    if (!kind) { // the applicable keys are unknown
+        for (const KindKey& known : kind_keys)
+            reader.allow(std::array{known.key});
+        reader.finish();
+        return modulation;
+    }
+    modulation.kind = *kind;
+    modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
+    modulation.foci_m = read_foci_m(reader);
+    auto& gains = modulation.envelope.gains;
+    if (contains_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
+    gains.insert(gains.end(), more_gains.begin(), more_gains.end());
+    if (ramp_s) gains.push_back(RampGain{*ramp_s});
+    settle_other_kinds(reader, *kind, other_kinds);
+    reader.finish();
+    return modulation;
+}
 
 Carrier read_array_carrier(Reader& reader) {
     ResolvedCarrier resolved;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/reader.hpp"
-#include "config/files/loaders.hpp"
+#include "config/files/files.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/medium.hpp"
 

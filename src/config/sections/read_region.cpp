@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
-#include "neural/hand/scene.hpp"
+#include "neural/hand/hand.hpp"
 #include "problem/load/footprint.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "config/sections/read_case.hpp"
 
 #include "base/error.hpp"
-#include "config/files/csv_files.hpp"
+#include "config/files/files.hpp"
 #include "config/sections/read_fields.hpp"
 #include "problem/load/acoustics/hologram.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sweep/sweep_axes.hpp"
+#include "config/sweep/sweep.hpp"
 
 #include "base/text.hpp"
 #include "config/document/job_keys.hpp"

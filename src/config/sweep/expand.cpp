@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sweep/expand.hpp"
+#include "config/sweep/sweep.hpp"
 
 #include "config/document/presets.hpp"
 #include "config/document/reader.hpp"
-#include "config/files/csv_files.hpp"
+#include "config/files/files.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sweep/sweep_axes.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

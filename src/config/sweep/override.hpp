@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/tree.hpp"
-#include "config/sweep/sweep_axes.hpp"
+#include "config/sweep/sweep.hpp"
 #include "problem/case/plan.hpp"
 
 #include <span>

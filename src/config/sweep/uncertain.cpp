@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/sweep/uncertain.hpp"
+#include "config/sweep/sweep.hpp"
 
 #include "base/text.hpp"
 #include "config/document/job_keys.hpp"
-#include "config/files/csv_files.hpp"
+#include "config/files/files.hpp"
 #include "config/sections/read_fields.hpp"
-#include "config/sweep/sweep_axes.hpp"
 #include "sampling/design.hpp"
 
 #include <algorithm>

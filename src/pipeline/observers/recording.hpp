@@ -2,9 +2,14 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "measures/spatial_measures.hpp"
+#include "measures/sensation.hpp"
+#include "measures/summary.hpp"
 #include "parallel/agree.hpp"
+#include "storage/case_file/case_file_writer.hpp"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,6 +62,169 @@ public:
 
 private:
     const Comm& team_;
+};
+
+/// The sums of every frame at every depth (measures/surface_sums.hpp).
+class FrameSums : public Recording {
+public:
+    FrameSums(const Case& c, const Comm& team);
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    /// Throws CaseFailure when the field is not finite.
+    void finish() override;
+
+    const std::vector<measures::DepthSeries>& depths() const { return depths_; }
+
+private:
+    measures::Region region_;
+    std::vector<measures::DepthSeries> depths_;
+};
+
+/// The time mean of u_z^2 over the period window, of the first depth [m^2].
+class MeanEnergy : public Recording {
+public:
+    MeanEnergy(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override { all_ = team_.gather(rows_); }
+
+    /// (x, y) row-major. On rank 0 only; empty elsewhere, and when no window fits.
+    const std::vector<double>& all() const { return all_; }
+
+private:
+    std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits
+    std::vector<double> rows_;    // of this rank so far
+    std::vector<double> all_;
+};
+
+/// The level of sensation in the measured region, if the case computes it.
+class SensationLevels : public Recording {
+public:
+    SensationLevels(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    /// The complete map. On rank 0 only; empty elsewhere, and where there is no level.
+    const measures::SensationMap& map() const { return map_; }
+
+private:
+    DistributedRows rows() const;
+
+    std::size_t surface_ = 0; // index of the depth 0
+    std::optional<measures::SensationSums> sums_;
+    measures::SensationMap map_;
+};
+
+/// The contribution of the rows of this rank to the value at a point of the plane, by cubic
+/// Lagrange interpolation; the sum over the ranks is the value.
+double value_at(Vec2 at_m, View2<const double> values, const Domain& domain,
+                const engines::Slab& slab);
+
+/// u_z at some points of the surface, at every frame: the traces of a case, or the pins of its
+/// afferents.
+class PointSeries : public Recording {
+public:
+    /// `name`: that of the series in checkpoints.
+    PointSeries(const Case& c, const Comm& team, std::string name, const std::vector<Vec2>& at_m);
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    const std::vector<measures::TraceSeries>& series() const { return series_; }
+
+private:
+    std::string name_;
+    std::vector<measures::TraceSeries> series_;
+};
+
+/// The stress at the receptors of a case [Pa], compression positive; 0 off the domain.
+class ReceptorSeries : public Recording {
+public:
+    using Recording::Recording;
+    /// Positions and, for each, the index of its depth. Call before the run. Collective.
+    void record_at(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
+    void stress(const engines::StressFrame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    const std::vector<measures::TraceSeries>& series() const { return series_; }
+
+private:
+    std::vector<measures::TraceSeries> series_;
+    std::vector<std::size_t> depths_; // of each
+};
+
+/// The displacement along the line of sight of a vibrometer at the points of its scan, averaged
+/// over the spot, at every frame.
+class ScanSeries : public Recording {
+public:
+    ScanSeries(const Case& c, const Comm& team);
+    void frame(const engines::Frame& frame) override;
+    void tangential(const engines::TangentialFrame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    /// One row of frames per point [m]; empty without a vibrometer.
+    const std::vector<double>& displacements_m() const { return displacements_m_; }
+
+private:
+    void add(std::ptrdiff_t number, double factor, View2<const double> values);
+
+    std::vector<double> displacements_m_;
+};
+
+/// The frames that a case stores: all, or those closest to the requested snapshots.
+std::vector<std::ptrdiff_t> recorded_frames(const Case& c);
+
+/// Passes the frames and volumes that a case stores to its file.
+class StoredFields : public Recording {
+public:
+    StoredFields(const Case& c, const Comm& team, storage::CaseFileWriter& writer);
+    void frame(const engines::Frame& frame) override;
+    void volume_levels(const std::vector<double>& z_m) override;
+    void volume(const engines::VolumePlane& plane) override;
+    /// Flushes the data stored so far to the disk.
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    /// Throws CaseFailure when a volume is not complete.
+    void finish() override;
+
+private:
+    storage::CaseFileWriter& writer_;
+    std::vector<std::ptrdiff_t> frames_;
+    double volume_planes_ = 0.0; // so far
+};
+
+/// Stores the surface at the instant `measure.at` and fits the angle of the wake to it.
+class InstantSurface : public Recording {
+public:
+    InstantSurface(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override;
+
+    /// On rank 0 only; empty elsewhere.
+    const std::optional<measures::MachFit>& mach() const { return mach_; }
+
+private:
+    measures::MachFit fit(const std::vector<double>& surface) const;
+
+    std::ptrdiff_t instant_;
+    std::vector<double> rows_;
+    // Whether the frame of the instant was received; this rank may have no rows of it.
+    bool has_instant_ = false;
+    std::optional<measures::MachFit> mach_;
 };
 
 } // namespace shearwake::pipeline

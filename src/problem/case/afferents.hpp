@@ -15,7 +15,7 @@
 namespace shearwake {
 
 /// Classes of mechanoreceptors. A further class has an enumerator, a row of receptor_classes, and
-/// its neurons in neural/fibre/neuron_rows.cpp.
+/// its neurons in neural/fibre/fibre.cpp.
 enum class AfferentClass { SA1, RA, PC };
 
 struct ReceptorClass {

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "problem/case/plan.hpp"
 #include "problem/case/text_walk.hpp"
+#include "problem/case/volume.hpp"
 
 #include <fmt/format.h>
 
@@ -96,6 +97,27 @@ std::string settings_text(const std::vector<Setting>& settings) {
         text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key,
                             std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
     return text;
+}
+
+std::string name_of(VolumeField field) {
+    return name_in_text(field);
+}
+
+std::string units_of(VolumeField field) {
+    switch (field) {
+    case VolumeField::u:
+        return "m";
+    case VolumeField::strain:
+        return "1";
+    case VolumeField::stress:
+        return "Pa";
+    }
+    return {};
+}
+
+std::vector<std::string> components_of(VolumeField field) {
+    if (field == VolumeField::u) return {"x", "y", "z"};
+    return {"xx", "yy", "zz", "yz", "xz", "xy"};
 }
 
 } // namespace shearwake

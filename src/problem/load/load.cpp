@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "problem/load/load_pattern.hpp"
+#include "problem/load/modulation.hpp"
 #include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
@@ -364,6 +365,22 @@ std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, doubl
         if (all[i].jump >= least_jump || !is_close) relevant.push_back(all[i]);
     }
     return relevant;
+}
+
+std::vector<Vec2> foci(const Modulation& modulation, double t_s) {
+    const Vec2 middle = position(modulation.trajectory, t_s);
+    std::vector<Vec2> places;
+    for (const Vec2& offset : modulation.foci_m)
+        places.push_back(middle + offset);
+    if (places.empty()) places.push_back(middle);
+    return places;
+}
+
+std::optional<double> modulation_frequency_Hz(const Modulation& modulation) {
+    if (const double of_gain = gain_frequency_Hz(modulation.envelope); of_gain > 0.0)
+        return of_gain;
+    const double of_swing = swing_frequency_Hz(modulation.trajectory);
+    return of_swing > 0.0 ? std::optional(of_swing) : std::nullopt;
 }
 
 } // namespace shearwake

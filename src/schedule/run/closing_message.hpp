@@ -4,7 +4,7 @@
 #include "config/job.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/run/output_folder.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 #include "schedule/run/select_cases.hpp"
 #include "schedule/run/worker.hpp"
 

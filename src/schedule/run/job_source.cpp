@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -7,11 +7,9 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "schedule/run/output_folder.hpp"
-#include "schedule/run/run_arguments.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/input/map_file.hpp"
-#include "storage/input/study_file.hpp"
+#include "storage/input/input_files.hpp"
 
 #include <fmt/format.h>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 
 #include <cctype>
 #include <fmt/format.h>

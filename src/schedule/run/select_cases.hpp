@@ -4,7 +4,7 @@
 #include "parallel/comm.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/run/output_folder.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 

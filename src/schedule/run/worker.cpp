@@ -5,7 +5,7 @@
 #include "pipeline/provenance.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_index.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 

@@ -11,7 +11,7 @@
 #include "schedule/run/deadline.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/progress.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/run_lock.hpp"
 

@@ -2,7 +2,7 @@
 #include "storage/case_file/case_file_reader.hpp"
 
 #include "base/error.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <array>

@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/groups.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5_block.hpp"
 

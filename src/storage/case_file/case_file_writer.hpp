@@ -6,7 +6,7 @@
 #include "problem/case/case.hpp"
 #include "problem/case/volume.hpp"
 #include "storage/case_file/groups.hpp"
-#include "storage/checksum/part_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <filesystem>

@@ -7,7 +7,7 @@
 #include "base/units.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/groups.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 

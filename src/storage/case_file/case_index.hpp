@@ -3,7 +3,7 @@
 
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
-#include "storage/checksum/part_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -3,7 +3,7 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>

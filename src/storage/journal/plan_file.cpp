@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 
 #include <fmt/format.h>

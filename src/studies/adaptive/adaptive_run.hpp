@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 
 namespace shearwake::adaptive {
 

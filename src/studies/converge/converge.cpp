@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/converge/converge.hpp"
+#include "studies/converge/convergence.hpp"
 
 #include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/run/job_source.hpp"
-#include "schedule/run/output_folder.hpp"
 #include "schedule/run/run.hpp"
+#include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "storage/journal/run_lock.hpp"
-#include "studies/converge/convergence.hpp"
 #include "studies/tables.hpp"
 
 #include <fmt/format.h>

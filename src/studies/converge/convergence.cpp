@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/converge/convergence.hpp"
 
+#include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
+#include "engines/registry/make_engine.hpp"
 #include "measures/measure_table.hpp"
+#include "measures/surface_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::converge {
@@ -142,6 +147,167 @@ std::string markdown_text(const std::vector<CaseChange>& changes,
             }
     }
     return text;
+}
+
+namespace {
+
+/// Measures are sums over cells, of which the edges of the focal disc cut some, and over frames by
+/// the trapezoidal rule. Both are of second order, whatever that of the field is.
+constexpr double order_of_sums = 2.0;
+
+/// At the faces of bodies, cells contain the mean of two materials, which is of first order.
+double order_in_spacing(const Case& c) {
+    return varies_laterally(c.scene().medium) ? 1.0 : order_of_sums;
+}
+
+Refinement half_the_spacing(const Case& c) {
+    Refinement r{.name = "spacing", .change = "", .physics = c, .order = order_in_spacing(c)};
+    Domain& d = r.physics.domain;
+    d.nx *= 2;
+    d.ny *= 2;
+    d.spacing_m *= 0.5;
+    // Without a sponge, a region ends half a cell before the edges of the domain.
+    if (!c.measure.region_m.empty())
+        r.physics.measure.region_m = measures::measured_outline(c.domain, c.measure);
+    r.change = fmt::format("half the spacing, {:.4g} mm", 1e3 * d.spacing_m);
+    return r;
+}
+
+Refinement twice_the_domain(const Case& c) {
+    Refinement r{.name = "domain", .change = "", .physics = c, .order = std::nullopt};
+    Domain& d = r.physics.domain;
+    d.nx *= 2;
+    d.ny *= 2;
+    // The larger domain is measured where the original one is.
+    r.physics.measure.region_m = measures::measured_outline(c.domain, c.measure);
+    r.change = fmt::format("twice the domain, {:.4g} x {:.4g} mm", 1e3 * d.extent_x_m(),
+                           1e3 * d.extent_y_m());
+    return r;
+}
+
+Refinement half_the_step(const Case& c) {
+    const engines::StepRefinement step = engines::make_engine(c.solver)->half_the_step(c);
+    Refinement r{.name = "time",
+                 .change = step.change + (step.change.empty() ? "" : ", and ") +
+                           "half the frame interval",
+                 .physics = c,
+                 .ratio = step.ratio,
+                 .order = order_of_sums};
+    r.physics.solver = step.options;
+    r.physics.time.frames *= 2;
+    r.physics.time.interval_s *= 0.5;
+    return r;
+}
+
+} // namespace
+
+Case without_fields(Case c) {
+    c.record.frames = false;
+    c.record.volumes_s.clear();
+    c.record.volume_fields.clear();
+    return c;
+}
+
+std::vector<Refinement> refinements(const Case& c) {
+    if (c.study())
+        throw UsageError("a k-Wave study has a fixed grid and time step: export it from k-Wave "
+                         "with finer ones, and compare both with shearwake compare");
+    const Case base = without_fields(c);
+    return {half_the_spacing(base), half_the_step(base), twice_the_domain(base)};
+}
+
+double estimated_error(double change, const Refinement& refinement) {
+    if (!refinement.order) return std::abs(change);
+    const double power = std::pow(refinement.ratio, *refinement.order);
+    return std::abs(change) * power / (power - 1.0);
+}
+
+namespace {
+
+constexpr const char* refinement_key = "converge.refinement";
+
+const PlannedCase& case_of(const Plan& plan, const std::string& id) {
+    std::vector<std::string> ids;
+    for (const PlannedCase& c : plan.cases) {
+        if (c.id == id) return c;
+        ids.push_back(c.id);
+    }
+    const auto meant = nearest(id, ids);
+    throw UsageError(
+        fmt::format("--only {}: no such case{}; shearwake plan lists the ids of all cases", id,
+                    meant ? "; did you mean " + *meant + "?" : ""));
+}
+
+/// At most `count` of the ordinary cases, from the first to the last.
+std::vector<const PlannedCase*> spread(const Plan& plan, std::size_t count) {
+    std::vector<const PlannedCase*> ordinary, chosen;
+    for (const PlannedCase& c : plan.cases)
+        if (!c.is_reference) ordinary.push_back(&c);
+    count = std::min(count, ordinary.size());
+    for (std::size_t i = 0; i < count; ++i)
+        chosen.push_back(ordinary[count == 1 ? 0 : i * (ordinary.size() - 1) / (count - 1)]);
+    return chosen;
+}
+
+std::vector<const PlannedCase*> selection(const Plan& plan, std::span<const std::string> only,
+                                          std::size_t count) {
+    std::vector<const PlannedCase*> chosen;
+    for (const std::string& id : only)
+        chosen.push_back(&case_of(plan, id));
+    if (only.empty()) chosen = spread(plan, count);
+    for (std::size_t i = 0, n = chosen.size(); i < n; ++i) {
+        if (chosen[i]->reference_id.empty()) continue;
+        const PlannedCase* reference = &case_of(plan, chosen[i]->reference_id);
+        if (std::ranges::find(chosen, reference) == chosen.end()) chosen.push_back(reference);
+    }
+    return chosen;
+}
+
+} // namespace
+
+RefinedPlan refined_plan(const Plan& plan, std::span<const std::string> only, std::size_t count) {
+    RefinedPlan found;
+    found.plan = {.name = plan.name,
+                  .title = "Convergence of " + plan.name,
+                  .swept_keys = plan.swept_keys,
+                  .table = {.x = "", .series = {}},
+                  .cases = {}};
+    found.plan.swept_keys.emplace_back(refinement_key);
+    std::map<std::string, std::string> references; // id of the case and refinement -> refined id
+    for (const PlannedCase* planned : selection(plan, only, count)) {
+        StudiedCase studied{.planned = planned,
+                            .base_id = case_id(without_fields(planned->physics)),
+                            .refinements = refinements(planned->physics),
+                            .refined_ids = {}};
+        const auto add = [&](const std::string& refinement, const Case& physics) {
+            const std::string id = case_id(physics);
+            references[planned->id + refinement] = id;
+            const bool known = std::ranges::any_of(
+                found.plan.cases, [&](const PlannedCase& c) { return c.id == id; });
+            if (known) return id;
+            PlannedCase refined{.id = id, .physics = physics, .settings = planned->settings};
+            refined.settings.push_back({refinement_key, refinement});
+            found.plan.cases.push_back(std::move(refined));
+            return id;
+        };
+        add("none", without_fields(planned->physics));
+        for (const Refinement& r : studied.refinements)
+            studied.refined_ids.push_back(add(r.name, r.physics));
+        found.cases.push_back(std::move(studied));
+    }
+    // Ratios to the reference are formed with the same refinement of both cases.
+    const auto refer = [&](const std::string& id, const std::string& to) {
+        for (PlannedCase& c : found.plan.cases)
+            if (c.id == id) c.reference_id = to;
+    };
+    for (const StudiedCase& studied : found.cases) {
+        const std::string& reference = studied.planned->reference_id;
+        if (reference.empty()) continue;
+        refer(studied.base_id, references.at(reference + "none"));
+        for (std::size_t i = 0; i < studied.refinements.size(); ++i)
+            refer(studied.refined_ids[i], references.at(reference + studied.refinements[i].name));
+    }
+    return found;
 }
 
 } // namespace shearwake::converge

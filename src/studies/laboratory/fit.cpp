@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/fit.hpp"
+#include "studies/laboratory/laboratory.hpp"
 
 #include "base/error.hpp"
 #include "base/python_module.hpp"
 #include "base/text.hpp"
-#include "config/sweep/uncertain.hpp"
+#include "config/sweep/sweep.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
 #include "sampling/distribution.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
-#include "studies/laboratory/converted_data.hpp"
+#include "studies/laboratory/observed_data.hpp"
 #include "studies/laboratory/least_squares.hpp"
-#include "studies/laboratory/observed_model.hpp"
 #include "studies/tables.hpp"
 
 #include <cmath>

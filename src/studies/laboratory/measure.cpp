@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/measure.hpp"
+#include "studies/laboratory/laboratory.hpp"
 
 #include "base/units.hpp"
 #include "engines/engine.hpp"
@@ -7,11 +7,11 @@
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/run_case.hpp"
-#include "schedule/run/job_source.hpp"
-#include "storage/checksum/file_checksum.hpp"
+#include "schedule/run/run.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
-#include "studies/laboratory/converted_data.hpp"
+#include "studies/laboratory/observed_data.hpp"
 #include "studies/tables.hpp"
 
 #include <algorithm>

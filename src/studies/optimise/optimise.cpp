@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/optimise.hpp"
+#include "studies/optimise/optimise_study.hpp"
 
 #include "parallel/agree.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "storage/files.hpp"
-#include "studies/optimise/optimise_study.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <chrono>

@@ -3,7 +3,7 @@
 #include "base/units.hpp"
 #include "config/document/tree.hpp"
 #include "config/sweep/override.hpp"
-#include "schedule/run/job_source.hpp"
+#include "schedule/run/run.hpp"
 #include "studies/optimise/optimise_study.hpp"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "storage/journal/run_lock.hpp"
-#include "studies/optimise/search/gram.hpp"
+#include "studies/optimise/search/search.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "config/job.hpp"
 #include "parallel/comm.hpp"
 #include "schedule/run/output_folder.hpp"
-#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/run.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <filesystem>
@@ -14,6 +14,11 @@
 #include <vector>
 
 namespace shearwake::optimise {
+
+/// The command `optimise`: computes the best envelope of each case of a job with [optimise], an
+/// upper bound with its certificate, and the cases of the result. Arguments of `run`, of which
+/// `out` is the folder of the optima (default: out/<job name>.optimise). Collective.
+ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world);
 
 /// The files of a study, in the folder `optimise`.
 struct StudyFiles {

@@ -4,8 +4,7 @@
 #include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "storage/files.hpp"
-#include "studies/optimise/search/gram.hpp"
-#include "studies/optimise/search/waveform.hpp"
+#include "studies/optimise/search/search.hpp"
 #include "studies/tables.hpp"
 
 #include <algorithm>

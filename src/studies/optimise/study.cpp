@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "studies/optimise/search/quotient.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,10 +4,7 @@
 #include "problem/case/optimise_options.hpp"
 #include "problem/case/plan.hpp"
 #include <Eigen/Core>
-#include "studies/optimise/search/ceiling.hpp"
-#include "studies/optimise/search/families.hpp"
-#include "studies/optimise/search/variation.hpp"
-#include "studies/optimise/search/waveform.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include <optional>
 #include <string>

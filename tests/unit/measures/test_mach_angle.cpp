@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measures/mach_angle.hpp"
+#include "measures/spatial_measures.hpp"
 
 #include <catch2/catch.hpp>
 

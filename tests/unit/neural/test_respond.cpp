@@ -93,7 +93,7 @@ TEST_CASE("wave is delayed by its path along the skin but static stress is immed
     const auto drive = [&](double way_mm) {
         return source.drive(there, [=](Vec2) { return std::vector{way_mm}; });
     };
-    const auto first = [](const Line& line) {
+    const auto first = [](const neural::Line& line) {
         std::size_t k = 0;
         while (k < line.size() && line[k][0] == 0.0)
             ++k;

@@ -2,8 +2,7 @@
 #include "neural/response.hpp"
 
 #include "base/error.hpp"
-#include "neural/skin/check_stimulus.hpp"
-#include "neural/skin/resample.hpp"
+#include "neural/skin/stimulus.hpp"
 
 #include <catch2/catch.hpp>
 

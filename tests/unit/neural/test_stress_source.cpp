@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "neural/response.hpp"
-#include "neural/skin/skin_paths.hpp"
+#include "neural/skin/skin.hpp"
 #include "support/neural_data.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/observers/point_series.hpp"
+#include "pipeline/observers/recording.hpp"
 
 #include <algorithm>
 #include <array>

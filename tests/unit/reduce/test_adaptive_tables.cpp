@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduce/adaptive_tables.hpp"
+#include "reduce/derived_tables.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

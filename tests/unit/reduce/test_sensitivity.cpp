@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduce/sensitivity.hpp"
+#include "reduce/derived_tables.hpp"
 
-#include "reduce/uncertain_tables.hpp"
 #include "sampling/design.hpp"
 #include "support/known_models.hpp"
 

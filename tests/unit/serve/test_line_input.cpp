@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "serve/line_input.hpp"
+#include "serve/streams.hpp"
 
 #include <array>
 #include <catch2/catch.hpp>

@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "problem/load/acoustics/plane_propagation.hpp"
 
 #include <algorithm>
 #include <bit>

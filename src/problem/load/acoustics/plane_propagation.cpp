@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/load/acoustics/plane_propagation.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
 
 #include "base/units.hpp"
 #include "fft/aligned.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/best_envelope.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include "base/error.hpp"
 #include "base/units.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/ceiling.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include <algorithm>
 #include <cmath>

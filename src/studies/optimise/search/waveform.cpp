@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/waveform.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "measures/window.hpp"
-#include "studies/optimise/search/gram.hpp"
-#include "studies/optimise/search/quotient.hpp"
-#include "studies/optimise/search/variation.hpp"
 
 #include <algorithm>
 #include <cmath>

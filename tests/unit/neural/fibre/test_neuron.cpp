@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/fibre/neuron.hpp"
+#include "neural/fibre/fibre.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/hand/hand.hpp"
-#include "neural/hand/scene.hpp"
 
 #include <catch2/catch.hpp>
 

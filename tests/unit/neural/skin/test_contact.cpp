@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/skin/contact.hpp"
+#include "neural/skin/skin.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/skin/resample.hpp"
+#include "neural/skin/stimulus.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "neural/skin/skin_paths.hpp"
+#include "neural/skin/skin.hpp"
 
 #include "neural/hand/hand.hpp"
 

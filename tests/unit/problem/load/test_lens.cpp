@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/acoustics/lens_design.hpp"
-#include "problem/load/acoustics/plane_propagation.hpp"
 #include "problem/load/load_pattern.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/checksum/file_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 
 #include "base/error.hpp"
 #include "storage/case_file/case_file_reader.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/checksum/part_checksum.hpp"
+#include "storage/checksum/checksum.hpp"
 
 #include "storage/files.hpp"
 #include "support/temporary_folder.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/input/map_file.hpp"
+#include "storage/input/input_files.hpp"
 
 #include "base/error.hpp"
 #include "storage/files.hpp"

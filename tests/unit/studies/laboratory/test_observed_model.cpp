@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/observed_model.hpp"
+#include "studies/laboratory/observed_data.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <algorithm>

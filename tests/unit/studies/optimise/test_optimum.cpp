@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
 #include "problem/load/load.hpp"
-#include "studies/optimise/search/ceiling.hpp"
-#include "studies/optimise/search/families.hpp"
+#include "studies/optimise/search/search.hpp"
 #include "studies/optimise/study.hpp"
 
 #include <catch2/catch.hpp>

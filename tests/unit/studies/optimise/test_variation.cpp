@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/variation.hpp"
+#include "studies/optimise/search/search.hpp"
 
 #include "problem/load/load.hpp"
-#include "studies/optimise/search/quotient.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <cmath>

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/units.hpp"
+#include "engines/pstd/scheme/recorder.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
+#include "kwave/run.hpp"
+#include "parallel/comm.hpp"
+#include "problem/case/study_data.hpp"
+#include "storage/hdf5/h5.hpp"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace shearwake::kwave {
+
+/// Both corners of a cuboid of sensor nodes, which belong to it; indices from 0.
+struct Cuboid {
+    pstd::Node first = {}, last = {};
+    std::ptrdiff_t count(std::size_t axis) const { return last[axis] - first[axis] + 1; }
+};
+
+/// The largest steps of the medium of this rank's nodes, and what they follow from.
+struct StepLimits {
+    double p_modulus_Pa = 0.0, p_viscosity_Pa_s = 0.0; // the largest lambda + 2 mu, chi + 2 eta
+    double density_kg_m3 = 0.0;                        // the smallest
+    double alone_s = 0.0;                              // above it the step is unstable at a node
+};
+
+/// What a run needs of an input file, of which each rank reads its slab.
+struct Input {
+    pstd::Setup setup;
+    std::ptrdiff_t steps = 0;
+    /// The sensor: all points in the order of the output, those of cuboids one after another, each
+    /// with x fastest. No cuboids: a list of points.
+    SensorPoints sensor;
+    std::vector<Cuboid> cuboids;
+    /// Scalars that the output file repeats, and the description of the file.
+    std::map<std::string, std::uint64_t> integers;
+    std::map<std::string, double> numbers;
+    std::string description;
+    StepLimits limits;
+    double soft_nodes = 0.0;                // of this rank, with a negative bulk modulus
+    double fluid_faces = 0.0;               // of this rank, between a fluid node and a solid one
+    std::size_t source_values = 0;          // stored on every rank
+    std::shared_ptr<const StudyData> study; // to which `setup` refers; none for a file of k-Wave
+};
+
+/// Reads the elastic input file that k-Wave's pstdElastic3D saves, or the file of a study that
+/// scripts/import-kwave writes, for a rank of a team, and validates all of it. Nothing is derived
+/// from speeds: densities and moduli of the staggered grid, profiles of the absorbing layer and
+/// scaled sources are those of the file. Throws UsageError whose message names the file, the
+/// dataset and its error, also before more than available_B are allocated. Not collective.
+Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B);
+
+using Shape = std::array<hsize_t, 3>; // (z, y, x)
+
+enum class Kind { real, complex, integer };
+
+constexpr std::array axes = {"x", "y", "z"};
+constexpr std::array planes = {"xy", "xz", "yz"};
+
+/// The text of an attribute of fixed or variable length; nothing if it is missing or is not a text.
+std::optional<std::string> text_attribute(hid_t object, const char* name);
+
+/// Values of every node of a slab of x, or one for all.
+struct NodeValues {
+    std::vector<float> values;
+    std::ptrdiff_t x0 = 0, nx = 0, ny = 0;
+    double operator()(pstd::Node n) const {
+        const std::ptrdiff_t at = values.size() == 1 ? 0 : (n[2] * ny + n[1]) * nx + n[0] - x0;
+        return static_cast<double>(values[static_cast<std::size_t>(at)]);
+    }
+};
+
+/// Reads an elastic input file of k-Wave for a rank of a team: datasets.cpp reads and checks single
+/// datasets and the medium, and input.cpp the rest. No function is collective.
+class Reader {
+public:
+    Reader(hid_t file, int ranks, int rank, double available_B)
+        : file_(file), ranks_(ranks), rank_(rank), available_B_(available_B) {}
+    Input input();
+
+private:
+    bool has(const std::string& name) const {
+        return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
+    }
+    h5::Id open(const std::string& name, Kind kind) const;
+    h5::Id open(const std::string& name, Kind kind, const Shape& expected) const;
+    /// Throws if these bytes and those before exceed the available memory.
+    void require_memory(const std::string& name, double bytes) const;
+    static Shape shape_of(const h5::Id& dataset, const std::string& name);
+    std::vector<float> reals(const std::string& name, const Shape& shape,
+                             Kind kind = Kind::real) const;
+    std::uint64_t integer(const std::string& name);
+    std::uint64_t flag(const std::string& name, std::uint64_t most);
+    double number(const std::string& name, bool positive);
+    std::vector<std::ptrdiff_t> indices(const std::string& name) const;
+    pstd::Node node_of(std::ptrdiff_t index) const;
+
+    void check_kind();
+    void read_grid();
+    void check_operators() const;
+    NodeValues field(const std::string& name) const;
+    void read_material();
+    void read_layer();
+    void read_sources(const std::string& letter, std::span<const pstd::Field> fields);
+    void read_sensor();
+
+    hid_t file_;
+    int ranks_, rank_;
+    double available_B_;
+    mutable double required_B_ = 0.0;
+    Input input_;
+    std::array<hsize_t, 3> n_ = {}; // along x, y, z
+    pstd::Slabs slabs_;
+};
+
+/// An output file that rank 0 writes.
+struct OutputFile {
+    hid_t file = -1;
+    bool doubles = false; // real numbers of 64 bits instead of 32
+    int gzip_level = 0;
+};
+
+/// Times of the phases of a run, for the output file.
+struct Phases {
+    double loading_s = 0.0, preparing_s = 0.0, stepping_s = 0.0;
+    Clock::time_point began = Clock::now(), phase = began;
+    double next() {
+        const auto now = Clock::now(), from = std::exchange(phase, now);
+        return seconds_between(from, now);
+    }
+};
+
+/// Writes scalars and attributes. Not collective.
+void write_facts(const OutputFile& output, const Arguments& arguments, const Input& input,
+                 long steps, long done, Phases& phases, int ranks, double memory_B);
+
+/// Writes the records after the last step, in the layout of k-Wave: (1, samples, points) or one
+/// dataset per cuboid, (samples, z, y, x); grids as (z, y, x). Collective.
+template <class Real>
+void write_records(const OutputFile& output, const pstd::Recorder& recorder, const Input& input,
+                   const pstd::Stepper<Real>& stepper, const Comm& team);
+
+} // namespace shearwake::kwave
