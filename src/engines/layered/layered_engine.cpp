@@ -305,13 +305,13 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     std::optional<FieldSpectra> spectra;
     fft::AlignedVector<double> plane;
     together(team, [&] {
-        spectra.emplace(c, plan.keys[0], share, batch, batch_);
+        spectra.emplace(c, plan.keys[displacement_table], share, batch, batch_);
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 
     progress.did(CaseProgress::Stage::setup);
     std::optional<FieldSpectra::Energy> energy;
-    if (tables_[3]) energy = spectra->energy(*tables_[3]);
+    if (tables_[loss_table]) energy = spectra->energy(*tables_[loss_table]);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
     observer.begin({inner.x_start, inner.x_count});
     const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& emit) {
@@ -319,7 +319,8 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
                 const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-                const bool is_first = &table == tables_[0].get() && depth == 0 && first == 0;
+                const bool is_first =
+                    &table == tables_[displacement_table].get() && depth == 0 && first == 0;
                 spectra->compute(table, other + depth, first, count, largest,
                                  energy && is_first ? &*energy : nullptr, progress);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -335,7 +336,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
             }
         }
     };
-    each_frame(*tables_[0], c.measure.depths_m.size(),
+    each_frame(*tables_[displacement_table], c.measure.depths_m.size(),
                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
                });
@@ -343,19 +344,20 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     if (energy) report = report_of(energy->sums.total(period_times_area_s_m2(c), team));
     for (std::string& note : plan.notes())
         report.notes.push_back(std::move(note));
-    warn_of_step(c, plan.keys[0].time.step_s, report);
+    warn_of_step(c, plan.keys[displacement_table].time.step_s, report);
     observer.solved(report);
-    if (tables_[1])
-        each_frame(*tables_[1], stress_depths_m(c).size(),
+    if (tables_[stress_table])
+        each_frame(*tables_[stress_table], stress_depths_m(c).size(),
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                        observer.stress({.number = n, .depth = depth, .compression_Pa = values});
                    });
     for (const std::size_t component : {0u, 1u}) {
-        if (!tables_[2]) break;
+        if (!tables_[tangential_table]) break;
         spectra->differentiate(component);
-        each_frame(*tables_[2], 1, [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
-            observer.tangential({.number = n, .component = component, .u_m = values});
-        });
+        each_frame(*tables_[tangential_table], 1,
+                   [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
+                       observer.tangential({.number = n, .component = component, .u_m = values});
+                   });
     }
     progress.report_times(plan.stages());
 }

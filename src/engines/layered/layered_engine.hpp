@@ -24,6 +24,15 @@ TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 
 struct LayeredPlan;
 
+/// The tables of a case, in the order of LayeredPlan::keys.
+enum Table : std::size_t {
+    displacement_table,
+    stress_table,
+    tangential_table,
+    loss_table,
+    table_count
+};
+
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
 /// per (k, omega), see docs/explanation/engine-layered.md. Passes the frames depth by depth and in
 /// order of time for each depth. Between cases it keeps the transfer table of the last medium and
@@ -52,7 +61,7 @@ private:
                      const Comm& team, CaseProgress& progress);
 
     /// Those of LayeredPlan::keys that the last case needed.
-    std::array<std::unique_ptr<TransferTable>, 4> tables_;
+    std::array<std::unique_ptr<TransferTable>, table_count> tables_;
     std::shared_ptr<OpenGrid> open_grid_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
@@ -78,10 +87,10 @@ struct LayeredPlan {
 
     Case c; // on the solved grid
     int ranks;
-    std::ptrdiff_t ky_count;         // of the rank with most rows
-    std::ptrdiff_t frames_together;  // whose spectra are in memory at the same time
-    std::array<TransferKey, 4> keys; // displacement, stress, tangential displacement, loss
-    bool moves_along_x = false;      // whether the load moves along x alone
+    std::ptrdiff_t ky_count;        // of the rank with most rows
+    std::ptrdiff_t frames_together; // whose spectra are in memory at the same time
+    std::array<TransferKey, table_count> keys;
+    bool moves_along_x = false; // whether the load moves along x alone
 
     /// Whether a table is expanded once, not for each batch of frames.
     bool is_stored(const TransferKey& table) const;

@@ -170,7 +170,7 @@ void expect_frames(CaseProgress& progress, const LayeredPlan& plan, std::ptrdiff
     const double lines = depths * batches * static_cast<double>(ky_count * stored_nx);
     progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
     progress.expect(Stage::samples, lines,
-                    2.0 * lines * static_cast<double>(plan.keys[0].time.samples) *
+                    2.0 * lines * static_cast<double>(plan.keys[displacement_table].time.samples) *
                         (plan.moves_along_x ? of_sample : of_moving_sample));
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
     progress.expect(Stage::frames, depths * frames,
@@ -191,7 +191,7 @@ bool LayeredPlan::is_stored(const TransferKey& table) const {
 }
 
 std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
-    const TransferKey& key = keys[0];
+    const TransferKey& key = keys[displacement_table];
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
     const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
     const double samples = static_cast<double>(key.time.samples);
@@ -242,20 +242,22 @@ std::vector<engines::Array> LayeredPlan::arrays() const {
                                          ? TransferTable::expanded_bytes(keys[i], ky_count)
                                          : 0.0});
     all.push_back({"a row of the transfer function",
-                   static_cast<double>(c.domain.nx * keys[0].time.samples) * sizeof(Complex)});
-    all.push_back({"load", LoadSpectrum::memory_B(c, keys[0].time, ky_count)});
-    all.push_back({"Bessel functions", cached_bessel_B(keys[0]) + cached_bessel_B(keys[3])});
+                   static_cast<double>(c.domain.nx * keys[displacement_table].time.samples) *
+                       sizeof(Complex)});
+    all.push_back({"load", LoadSpectrum::memory_B(c, keys[displacement_table].time, ky_count)});
+    all.push_back({"Bessel functions",
+                   cached_bessel_B(keys[displacement_table]) + cached_bessel_B(keys[loss_table])});
     all.push_back({"plane of the transform", points * sizeof(double) / ranks});
     return all;
 }
 
 std::vector<std::string> LayeredPlan::notes() const {
-    const double step_s = keys[0].time.step_s, error = step_error(c, step_s);
+    const double step_s = keys[displacement_table].time.step_s, error = step_error(c, step_s);
     // One text for all cases that reach the accuracy, since a run prints each text once.
     std::vector<std::string> all = {fmt::format(
         "time step {:.4g} us, estimated error {} {:.0e} of the maximum of the field", 1e6 * step_s,
         error <= step_accuracy ? "below" : "about", std::max(error, step_accuracy))};
-    if (keys[0].edges == DomainEdges::open)
+    if (keys[displacement_table].edges == DomainEdges::open)
         all.push_back(fmt::format(
             "open edges: convolution with the response of the infinite plane on {} x {} points, "
             "which the path and the footprint require",
