@@ -122,12 +122,17 @@ class Installed(ProgramTest):
         return self.command("bash", "-c", text, "bash", script, "shearwake", *words, cwd=self.user).split()
 
     def test_bash_completes_commands_options_values_and_files(self):
-        for name in ("a.toml", "b.txt"):
+        for name in ("a.toml", "b.txt", "c.h5"):
             (self.user / name).touch()
+        (self.user / "d").mkdir()
         self.assertEqual(self.completed("re"), ["reduce", "report", "respond"])
         self.assertEqual(self.completed("run", "--retry"), ["--retry-failed"])
         self.assertEqual(self.completed("bench", "lay"), ["layered"])
-        self.assertEqual(self.completed("check", ""), ["a.toml"])
+        self.assertEqual(self.completed("show", "--modul"), ["--modulation"])
+        for command, files in (("check", ["a.toml"]), ("show", ["c.h5"]), ("reduce", []), ("measure", ["a.toml", "b.txt", "c.h5"])):
+            offered = self.completed(command, "")
+            for name in ("a.toml", "b.txt", "c.h5", "d"):
+                self.assertEqual(name in offered, name in (*files, "d"), (command, name))
 
 
 if __name__ == "__main__":
