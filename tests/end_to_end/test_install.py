@@ -111,7 +111,7 @@ class Installed(ProgramTest):
         shown = subprocess.run(["groff", "-man", "-ww", "-Tascii", page], capture_output=True,
                                encoding="ascii", errors="replace", check=True)
         self.assertEqual(shown.stderr, "")
-        for word in ("check", "SHEARWAKE_CACHE", "--retry-failed"):
+        for word in ("check", "SHEARWAKE_CACHE", "--retry-failed", "EXIT STATUS"):
             self.assertIn(word, re.sub(".\x08", "", shown.stdout))  # bold is printed twice
 
     def completed(self, *words):

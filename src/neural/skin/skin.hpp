@@ -61,7 +61,7 @@ Lines loads_N(const PinStimulus& stimulus);
 /// sample.
 Lines load_rates_N_s(const Lines& loads, double rate_Hz);
 
-/// Path lengths of waves from every pin to a receptor [mm]; infinite if there is no path.
+/// Path lengths of waves from every pin to a receptor [mm]; infinite without a path.
 using SkinPaths = std::function<std::vector<double>(Vec2 receptor_mm)>;
 
 /// Straight lines on an unbounded flat sheet of skin.

@@ -110,7 +110,7 @@ public:
     void restore(const StateReader& state) override;
     void finish() override;
 
-    /// The complete map. On rank 0 only; empty elsewhere, and where there is no level.
+    /// The complete map. On rank 0 only; empty elsewhere, and for a case without levels.
     const measures::SensationMap& map() const { return map_; }
 
 private:

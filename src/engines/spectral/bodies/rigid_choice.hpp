@@ -46,8 +46,8 @@ struct RigidPlan {
     std::vector<std::string> reasons; // per body of c: why a stiff one is rigid or not; or empty
 };
 /// Marks those bodies as rigid whose contrast exceeds solver.spectral.rigid_above, unless they are
-/// lighter than the layers around them, add so many markers of lumps that elastic bodies are
-/// faster, or are rejected by rigid_limits(). Not collective.
+/// lighter than the layers around them, need more time as lumps than as elastic bodies, or are
+/// rejected by rigid_limits(). Not collective.
 RigidPlan rigid_plan(Case given);
 /// Why a rigid body cannot move, as in "held by the rigid base", or an empty text if it can. Not
 /// collective.
