@@ -144,6 +144,8 @@ void read_identity(Reader reader, Plan& plan) {
     const std::size_t before = reader.diagnostics().errors();
     plan.name = reader.word("name");
     plan.title = reader.find_word("title").value_or("");
+    plan.answer = reader.find_word("answer").value_or("");
+    reader.find_word("question"); // the report reads it from the text of the job
     const bool given = reader.has("name") && reader.diagnostics().errors() == before;
     reader.finish();
     if (given) check_name(reader, plan.name);

@@ -199,6 +199,12 @@ class CommandLine(ProgramTest):
                 self.says(self.shearwake(*words, "job.toml", expect=2).said, "job.toml is a job file", "out/small")
         self.says(self.shearwake("show", "job.toml", expect=6).said, "shearwake show --modulation job.toml")
 
+    def test_the_answer_of_a_job_must_be_a_column(self):
+        for answer, expected in (("felt_path_dB", 0), ("felt_path", 3)):
+            self.write_job(JOB.replace('name = "small"', f'name = "small"\nquestion = "Which is felt best?"\nanswer = "{answer}"'))
+            said = self.shearwake("check", "job.toml", expect=expected).said
+        self.says(said, 'job.answer: tables have no column "felt_path"; did you mean "felt_path_dB"?')
+
     def test_unknown_commands_and_options_are_reported(self):
         self.write_job(JOB)
         for words in ([], ["fly"], ["run"], ["run", "job.toml", "--fast"], ["run", "job.toml", "other"],

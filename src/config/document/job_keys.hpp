@@ -162,6 +162,15 @@ void walk_fields(Walk& walk, Keys&) {
               .type = "word",
               .fallback = "the name",
               .meaning = "title in tables and reports"});
+    walk.key({.key = "question",
+              .type = "word",
+              .fallback = "the first question of the comment at the beginning of the file",
+              .meaning = "the question that the report answers"});
+    walk.key({.key = "answer",
+              .type = "word",
+              .fallback = "follows from the columns and the question",
+              .meaning = "the column of the table that answers the question, for example "
+                         "`\"felt_path_dB\"`"});
 }
 
 /// The options of [sweep]; its other keys are swept keys with their values.

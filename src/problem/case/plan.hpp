@@ -114,6 +114,7 @@ struct UncertainPlan {
 struct Plan {
     std::string name;
     std::string title;
+    std::string answer; // the column that answers the question of the job; empty: not given
     std::vector<std::string> swept_keys; // in the order of the job
     TableOptions table;
     std::vector<PlannedCase> cases; // in the order of the job, references last

@@ -139,6 +139,7 @@ void check_columns(const config::Job& job, const std::string& file) {
                  fmt::format("{}: tables have no column \"{}\"{}", key, config::excerpt(column),
                              meant ? fmt::format("; did you mean \"{}\"?", *meant) : "")});
     };
+    if (!job.plan.answer.empty()) check("job.answer", job.plan.answer);
     for (const AdaptiveAxis& axis : job.plan.adaptive)
         check(fmt::format("sweep.\"{}\".column", axis.key), axis.column);
     if (job.plan.uncertain)
