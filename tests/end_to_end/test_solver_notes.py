@@ -142,6 +142,13 @@ class SolverNotes(ProgramTest):
         for path in case_files(self.folder / "coarse"):
             self.assertIn("does not resolve the load", self.shearwake("show", path).said)
 
+    def test_steps_chosen_for_short_edges_cause_no_warning(self):
+        self.write_job(changed(*SHORT))
+        for edge_us in (50, 70, 100):
+            said = self.shearwake("run", "job.toml", "-S", "load.modulation.am_wave=square", "-S", f"load.modulation.am_edge_us={edge_us}",
+                                  "--out", f"{edge_us}").said
+            self.says(said, "estimated error below 2e-05 of the maximum of the field")
+            self.assertNotIn("time_step_us", said)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@
 // and Whitt 1995, ORSA Journal on Computing 7, 36), a Fourier series of its own for each time,
 // whose alternating tail is summed by Euler's transformation. It has neither samples of the load
 // nor a highest frequency.
+#include "engines/layered/load/time_step.hpp"
 #include "engines/layered/response/stack_response.hpp"
 #include "problem/load/footprint.hpp"
 #include "problem/load/load.hpp"
@@ -214,6 +215,45 @@ TEST_CASE("rare frames do not change the field", "[layered][jumps]") {
             }
             INFO("depth " << depth << ": " << difference / most);
             CHECK(difference < 1e-4 * most); // the stated accuracy
+        }
+    }
+}
+
+TEST_CASE("the estimated error of a step is that of the field for edges of any duration",
+          "[layered][jumps]") {
+    Layer layer = test::tissue(1500.0, 0.5);
+    layer.thickness_m = 10e-3;
+    Case c = small_case({{layer}, Base::rigid});
+    c.time = {50, 200e-6};
+    c.scene().load.modulation.trajectory.parts = {Hold{}};
+    const auto fields = [&](std::optional<double> step_s) {
+        c.solver = LayeredOptions{.time_step_s = step_s};
+        return test::frames_of(c);
+    };
+    for (const double edge_s : {40e-6, 50e-6, 80e-6, 100e-6, 150e-6}) {
+        c.scene().load.modulation.envelope = {
+            {SquareGain{.frequency_Hz = 150.0, .edge_s = edge_s}}};
+        const test::FrameStore exact = fields(2.5e-6);
+        for (const double step_s : {0.0, 12.5e-6, 25e-6, 50e-6, 100e-6}) {
+            const bool is_automatic = step_s == 0.0;
+            const test::FrameStore found =
+                fields(is_automatic ? std::nullopt : std::optional(step_s));
+            double most = 0.0, difference = 0.0;
+            for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+                most = std::max(most, largest(exact.at(n)));
+                for (std::size_t i = 0; i < exact.at(n).size(); ++i)
+                    difference = std::max(difference, std::abs(found.at(n)[i] - exact.at(n)[i]));
+            }
+            const double used_s =
+                layered::time_transform(c, std::get<LayeredOptions>(c.solver)).step_s;
+            const double estimate = layered::step_error(c, used_s), error = difference / most;
+            INFO("edge " << edge_s << " s, step " << used_s << " s, estimate " << estimate
+                         << ", error " << error);
+            if (is_automatic) CHECK(estimate <= layered::step_accuracy);
+            CHECK(error <= 1.5 * std::max(estimate, layered::step_accuracy));
+            // No false alarm: between half an edge and one, the error grows by 130.
+            if (estimate > layered::stated_accuracy && estimate < layered::largest_estimate)
+                CHECK(error >= 0.05 * estimate);
         }
     }
 }

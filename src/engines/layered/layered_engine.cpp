@@ -208,14 +208,20 @@ private:
 /// Adds a warning to a report if the step is too long.
 void warn_of_step(const Case& c, double step_s, engines::SolverReport& report) {
     const double error = step_error(c, step_s);
-    if (error > stated_accuracy)
-        report.warnings.push_back(
-            {Severity::warning, "solver.layered.time_step_us",
-             fmt::format(
-                 "a time step of {:.4g} us does not resolve the load and the response to its "
-                 "jumps: the estimated error is {:.1e} of the maximum of the field, more "
-                 "than {:.0e}; remove this key, or use a shorter step",
-                 1e6 * step_s, error, stated_accuracy)});
+    if (error <= stated_accuracy) return;
+    const bool is_given = std::get<LayeredOptions>(c.solver).time_step_s.has_value();
+    report.warnings.push_back(
+        {Severity::warning, is_given ? "solver.layered.time_step_us" : "load.modulation",
+         fmt::format("a time step of {:.4g} us does not resolve the load and the response to its "
+                     "jumps{}; {}",
+                     1e6 * step_s,
+                     error < largest_estimate
+                         ? fmt::format(": the estimated error is {:.1e} of the maximum of the "
+                                       "field, more than {:.0e}",
+                                       error, stated_accuracy)
+                         : "",
+                     is_given ? "remove this key, or use a shorter step"
+                              : "use longer edges or smoother gains")});
 }
 
 double period_times_area_s_m2(const Case& c) {

@@ -254,9 +254,13 @@ std::vector<engines::Array> LayeredPlan::arrays() const {
 std::vector<std::string> LayeredPlan::notes() const {
     const double step_s = keys[displacement_table].time.step_s, error = step_error(c, step_s);
     // One text for all cases that reach the accuracy, since a run prints each text once.
-    std::vector<std::string> all = {fmt::format(
-        "time step {:.4g} us, estimated error {} {:.0e} of the maximum of the field", 1e6 * step_s,
-        error <= step_accuracy ? "below" : "about", std::max(error, step_accuracy))};
+    const std::string quality =
+        error < largest_estimate
+            ? fmt::format("estimated error {} {:.0e} of the maximum of the field",
+                          error <= step_accuracy ? "below" : "about",
+                          std::max(error, step_accuracy))
+            : "which does not resolve the load";
+    std::vector<std::string> all = {fmt::format("time step {:.4g} us, {}", 1e6 * step_s, quality)};
     if (keys[displacement_table].edges == DomainEdges::open)
         all.push_back(fmt::format(
             "open edges: convolution with the response of the infinite plane on {} x {} points, "

@@ -173,6 +173,36 @@ double smooth_frequency_Hz(const Envelope& envelope) {
     return greatest_envelope_frequency_Hz(smooth);
 }
 
+/// Duration and size of the edges of a gain; of samples, the lines between them.
+struct Edge {
+    double duration_s = 0.0; // 0: none, or a jump, which BreakError estimates
+    double size = 1.0;
+};
+Edge find_edge(const Gain& gain) {
+    return std::visit(overloaded{[](const SineGain&) { return Edge{}; },
+                                 [](const RampGain& g) {
+                                     return Edge{g.duration_s, std::abs(g.to - g.from)};
+                                 },
+                                 [](const SquareGain& g) {
+                                     return Edge{g.edge_s, g.depth};
+                                 },
+                                 [](const WindowGain& g) { return Edge{g.edge_s}; },
+                                 [](const SampledGain& g) { return Edge{g.interval_s}; }},
+                      gain);
+}
+
+/// The error of samples that are hardly shorter than the edges, whose breaks BreakError finds only
+/// if they are several cells apart. Measured for edges of 40 to 150 us on tissue with 5 m/s and a
+/// focus of 4 mm: at most 3e-5 for half an edge, 4e-4 for two thirds, and 0.06 for two edges.
+double edge_error(const Envelope& envelope, double step_s) {
+    constexpr double half_edge_error = 4e-5;
+    double sum = 0.0;
+    for (const Gain& gain : envelope.gains)
+        if (const auto [duration_s, size] = find_edge(gain); duration_s > 0.0)
+            sum += size * half_edge_error * std::pow(2.0 * step_s / duration_s, 7);
+    return std::min(sum, 1.0);
+}
+
 /// A smooth gain needs four times the samples of its frequency: it begins with a break, and
 /// JumpTail requires the derivatives there to decrease.
 double band_Hz(const Load& load) {
@@ -272,9 +302,11 @@ double step_error(const Case& c, double step_s) {
     double unresolved = 0.0;
     if (speed_m_s > 0.0)
         unresolved = std::erfc(resolved_rad_s * sigma_m / (std::sqrt(2.0) * speed_m_s));
-    if (two_pi * greatest_envelope_frequency_Hz(load.modulation.envelope) > resolved_rad_s)
+    // 1e-9: the step chosen for a sine may be at this limit.
+    if (two_pi * smooth_frequency_Hz(load.modulation.envelope) > (1.0 + 1e-9) * resolved_rad_s)
         unresolved = 1.0;
-    return unresolved + break_error(c, step_s).relative(step_s);
+    return unresolved + edge_error(load.modulation.envelope, step_s) +
+           break_error(c, step_s).relative(step_s);
 }
 
 std::ptrdiff_t samples_per_frame(const Case& c, const TimeTransform& time) {

@@ -9,6 +9,8 @@ namespace shearwake::layered {
 /// Errors of the field due to the time step, relative to its maximum at any depth: for which the
 /// step is chosen, and above which a case has a warning.
 inline constexpr double step_accuracy = 2e-5, stated_accuracy = 1e-4;
+/// Larger estimates of the error are not printed: the step does not resolve the load.
+inline constexpr double largest_estimate = 0.1;
 
 /// Sample spacing and period of the time transform of a case. The step divides the output interval
 /// and, unless the options specify it, is the longest one that
@@ -31,8 +33,9 @@ TimeTransform time_transform(const Case& c, const LayeredOptions& options);
 double least_samples(const Case& c, const LayeredOptions& options);
 inline constexpr double most_samples = 4e6;
 
-/// Estimated error of the field for a step, relative to its maximum: that of BreakError, and the
-/// part of the load's spectrum above the roll-off of the transform. Not collective.
+/// Estimated error of the field for a step, relative to its maximum: that of BreakError and of
+/// edges, the part of the spectrum of a moving focus above the roll-off of the transform, and 1 for
+/// a sine gain above it. Not collective.
 double step_error(const Case& c, double step_s);
 
 /// Number of output intervals per sample of the transform.
