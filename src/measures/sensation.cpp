@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "measures/kernels/row_sums.hpp"
 #include "measures/window.hpp"
+#include "problem/case/sensation_window.hpp"
 #include "problem/load/footprint.hpp"
 #include "simd/kernels.hpp"
 
@@ -23,64 +24,55 @@ constexpr double rounding = 1e-9; // relative, for rounding
 /// of all bands has -206 dB in one, by rounding.
 constexpr double no_motion = 1e-18;
 
-// The threshold of the hand: centres [Hz] and rms accelerations [m/s^2].
+// The built-in threshold: centres [Hz] and rms accelerations [m/s^2].
 constexpr std::array centres_Hz = {8.0,  10.0, 12.5,  16.0,  20.0,  25.0,  31.5,  40.0, 50.0,
                                    63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0};
 constexpr std::array hand_m_s2 = {0.095, 0.1,   0.095, 0.108, 0.15,  0.16,  0.109, 0.065, 0.072,
                                   0.049, 0.028, 0.023, 0.022, 0.021, 0.029, 0.032, 0.061};
 static_assert(centres_Hz.size() == hand_m_s2.size());
 
-/// Periods of its centre that a window must contain to judge a band.
-constexpr double fewest_periods = 3.0;
 /// Lines per 1/T of a Hann window.
 constexpr double hann_lines = 2.0;
 /// Half the width of the spectrum of a tone in a Hann window [1/T].
 constexpr double hann_reach = 2.0;
 
-/// Sets the window and removes the bands that it does not judge, or sets the reason.
+/// Sets the window, or the reason why there is none. A Hann window judges fewer bands.
 void set_window(const Case& c, SensationLines& lines) {
     const TimeAxis& time = c.time;
-    // The second difference at the last frame would need the one after it.
-    const double to_s = std::min(c.measure.at_s, time.duration_s() - time.interval_s);
-    const double settled_s = to_s - c.measure.settled_after_s + time.interval_s;
+    const SensationWindow window = sensation_window(c);
     lines.reason =
         no_focus_reason(c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
-    if (!(settled_s > 4.0 * time.interval_s) && lines.reason.empty())
-        lines.reason = "fewer than four frames lie between measure.settled_after_ms and "
-                       "measure.at_ms";
+    if (lines.reason.empty()) lines.reason = window.reason;
     if (!lines.reason.empty()) return;
-    const LoadPeriod period = least_period(c.scene().load, settled_s);
-    const double periods =
-        period.reason.empty() ? std::floor(settled_s / period.period_s * (1.0 + rounding)) : 0.0;
-    if (periods >= 1.0) {
-        lines.window_s = periods * period.period_s;
-        lines.weights = window_weights(time, std::max(0.0, to_s - lines.window_s), to_s);
+    lines.window_s = window.duration_s;
+    const double from_s = std::max(0.0, window.end_s - lines.window_s);
+    if (window.has_whole_periods) {
+        lines.weights = window_weights(time, from_s, window.end_s);
     } else {
-        lines.window_s = std::min(settled_s, to_s);
         lines.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
         lines.slopes = lines.weights;
         // By Parseval's theorem, lines 1/T apart have 3/2 of the power of a tone.
         lines.power = 1.0 / (1.5 * hann_lines);
-        const double from_s = to_s - lines.window_s, turn = std::numbers::pi / lines.window_s;
+        const double turn = std::numbers::pi / lines.window_s;
         for (std::ptrdiff_t n = 0; n < time.frames; ++n) {
             const double t_s = time.frame_s(n);
-            if (!(t_s > from_s && t_s < to_s)) continue;
+            if (!(t_s > from_s && t_s < window.end_s)) continue;
             const auto at = static_cast<std::size_t>(n);
             lines.weights[at] = std::pow(std::sin(turn * (t_s - from_s)), 2);
             lines.slopes[at] = turn * std::sin(2.0 * turn * (t_s - from_s));
         }
+        std::erase_if(lines.bands, [&](const SensationBand& band) {
+            return band.centre_Hz * lines.window_s < fewest_periods_in_window * (1.0 - rounding);
+        });
+        if (lines.bands.empty())
+            lines.reason = fmt::format("the window of {:.3g} ms is shorter than three periods of "
+                                       "the highest band",
+                                       1e3 * lines.window_s);
     }
     const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
     for (std::vector<double>* values : {&lines.weights, &lines.slopes})
         for (double& value : *values)
             value /= sum;
-    std::erase_if(lines.bands, [&](const SensationBand& band) {
-        return band.centre_Hz * lines.window_s < fewest_periods * (1.0 - rounding);
-    });
-    if (lines.bands.empty())
-        lines.reason = fmt::format("the window of {:.3g} ms is shorter than three periods of the "
-                                   "highest band",
-                                   1e3 * lines.window_s);
 }
 
 } // namespace
@@ -114,7 +106,8 @@ SensationLines sensation_lines(const Case& c) {
         lines.reason = "measure.depths_mm does not contain 0, the surface";
         return lines;
     }
-    lines.bands = sensation_bands(c.sensation ? c.sensation->threshold : std::vector<Vec2>{});
+    lines.threshold = sensation_bands(c.sensation ? c.sensation->threshold : std::vector<Vec2>{});
+    lines.bands = lines.threshold;
     const double nyquist_Hz = 0.5 / lines.interval_s;
     if (lines.bands.back().high_Hz > nyquist_Hz) {
         lines.reason = fmt::format("frames every {:g} us cannot represent {:g} Hz",
@@ -142,6 +135,16 @@ SensationLines sensation_lines(const Case& c) {
         lines.reason = fmt::format("the load has no line between {:g} and {:g} Hz",
                                    lines.bands.front().low_Hz, lines.bands.back().high_Hz);
     return lines;
+}
+
+double SensationLines::threshold_m_s2(double f_Hz) const {
+    const auto above = std::ranges::upper_bound(threshold, f_Hz, {}, &SensationBand::centre_Hz);
+    if (above == threshold.begin()) return threshold.front().threshold_m_s2;
+    if (above == threshold.end()) return threshold.back().threshold_m_s2;
+    const SensationBand& below = *std::prev(above);
+    return below.threshold_m_s2 * std::pow(above->threshold_m_s2 / below.threshold_m_s2,
+                                           std::log(f_Hz / below.centre_Hz) /
+                                               std::log(above->centre_Hz / below.centre_Hz));
 }
 
 std::size_t SensationLines::band_of(double f_Hz) const {
@@ -234,32 +237,33 @@ SensationMap SensationSums::levels() {
         map.rows = map.columns = 0;
         return map;
     }
-    std::vector<double> squares(lines_.bands.size() * static_cast<std::size_t>(columns_));
+    std::vector<double> ratios(lines_.bands.size() * static_cast<std::size_t>(columns_));
     for (std::ptrdiff_t i = 0; i < count_; ++i) {
-        std::ranges::fill(squares, 0.0);
+        std::ranges::fill(ratios, 0.0);
         const double* part = sums() + i * row_length();
         const auto at = [&](std::ptrdiff_t sum, std::ptrdiff_t j) {
             return std::complex<double>(part[2 * sum * filled_ + j],
                                         part[(2 * sum + 1) * filled_ + j]);
         };
+        const auto add_line = [&](double f_Hz, std::ptrdiff_t j, double square) {
+            const std::size_t band = lines_.band_of(f_Hz);
+            if (band < lines_.bands.size()) // rms: 2 |A_k|^2 per line
+                ratios[band * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(j)] +=
+                    2.0 * lines_.power * square / std::pow(lines_.threshold_m_s2(f_Hz), 2);
+        };
         for (const double line_Hz : lines_.frequencies_Hz) {
-            std::size_t band = lines_.band_of(line_Hz);
             for (std::ptrdiff_t j = 0; j < columns_; ++j) {
                 const std::complex<double> amplitude = at(0, j);
-                if (!lines_.slopes.empty())
-                    band = lines_.band_of(line_Hz - (at(1, j) / amplitude).imag() / two_pi);
-                if (band < lines_.bands.size()) // rms: 2 |A_k|^2 per line
-                    squares[band * static_cast<std::size_t>(columns_) +
-                            static_cast<std::size_t>(j)] +=
-                        2.0 * lines_.power * std::norm(amplitude);
+                const double offset_Hz =
+                    lines_.slopes.empty() ? 0.0 : (at(1, j) / amplitude).imag() / two_pi;
+                add_line(line_Hz - offset_Hz, j, std::norm(amplitude));
             }
             part += row_length() / std::ssize(lines_.frequencies_Hz);
         }
         for (std::size_t j = 0; j < static_cast<std::size_t>(columns_); ++j) {
             double most = no_motion, sum = 0.0, band_Hz = not_a_number;
             for (std::size_t b = 0; b < lines_.bands.size(); ++b) {
-                const double ratio = squares[b * static_cast<std::size_t>(columns_) + j] /
-                                     std::pow(lines_.bands[b].threshold_m_s2, 2);
+                const double ratio = ratios[b * static_cast<std::size_t>(columns_) + j];
                 sum += ratio;
                 if (!(ratio > most)) continue;
                 most = ratio;

@@ -16,8 +16,9 @@ namespace shearwake::measures {
 struct Column;
 
 // The level of sensation at a point of the surface: the normal acceleration above the threshold of
-// perception, L = max over third octaves of 20 log10(a / a_0), where a is the rms of the spectral
-// lines in the band. Nothing in it is fitted to the studies that it is compared with.
+// perception, L = max over third octaves of 10 log10(sum of (a_k / a_0(f_k))^2), where a_k is the
+// rms of a spectral line in the band and a_0 the threshold at its frequency. Nothing in it is
+// fitted to the studies that it is compared with.
 
 /// A third octave, with exact edges 10^((n -+ 1/2)/10) Hz. The built-in table begins at 8 Hz and
 /// ends at 500 Hz, in the middle of its first and last band.
@@ -28,26 +29,27 @@ struct SensationBand {
     bool is_extrapolated = false;
 };
 
-/// The bands of a table of centres [Hz] and thresholds [m/s^2 rms]. Empty: the absolute threshold
-/// of the hand from 8 to 315 Hz (Morioka and Griffin 2006, Somatosensory & Motor Research 23, as
-/// tabulated by the Haptics Industry Forum, HDActuatorSpec), continued to 500 Hz with the slope
-/// between its points at 160 and 315 Hz.
+/// The bands of a table of centres [Hz] and thresholds [m/s^2 rms]. Empty: 17 values from 8 to
+/// 315 Hz for a handle that the whole hand grips, adapted to third octaves by the notebook
+/// HDActuatorTest of the Haptics Industry Forum (HDActuatorSpec) from Morioka and Griffin 2006,
+/// Journal of Sound and Vibration 295, 633-648, continued to 500 Hz with the slope between its
+/// points at 160 and 315 Hz. A gripped handle has a threshold that is 10 to 18 dB lower than that
+/// of a small probe, and a level has no spatial summation.
 std::vector<SensationBand> sensation_bands(std::span<const Vec2> table = {});
 
 /// Difference of amplitude that is just noticeable [dB], and the range of its values (Israr, Tan
 /// and Reed 2006, JASA 120).
 constexpr double jnd_dB = 2.3, least_jnd_dB = 1.65, largest_jnd_dB = 2.98;
 
-/// The spectral lines from which levels are computed: in the periodic regime those of the period.
-/// Otherwise those of a window before `measure.at`: the largest whole number of periods of the
-/// load after `settled_after`, or, if the load has no period or none fits, a Hann window over the
-/// settled part, with lines half as far apart as its length resolves. Such a window judges only
-/// bands of whose centre it contains at least three periods. A tone has several lines in a Hann
-/// window. Each counts in the band of the tone, f - Im(D/A) / 2 pi, where A is its amplitude and D
-/// that with the slope of the window (reassignment; Auger and Flandrin 1995, IEEE Transactions on
-/// Signal Processing 43).
+/// The spectral lines from which levels are computed: in the periodic regime those of the period,
+/// otherwise those of a window (sensation_window.hpp). Whole periods of the load have exact lines.
+/// A Hann window has lines half as far apart as its length resolves, and judges only bands of whose
+/// centre it contains at least three periods. A tone has several lines in it. Each counts at the
+/// frequency of the tone, f - Im(D/A) / 2 pi, where A is its amplitude and D that with the slope of
+/// the window (reassignment; Auger and Flandrin 1995, IEEE Transactions on Signal Processing 43).
 struct SensationLines {
-    std::vector<SensationBand> bands; // those that are judged
+    std::vector<SensationBand> threshold; // all bands
+    std::vector<SensationBand> bands;     // those that are judged
     std::vector<double> frequencies_Hz;
     double window_s = 0.0; // duration of the window
     double power = 1.0;    // by which sums of squared amplitudes are multiplied
@@ -61,6 +63,9 @@ struct SensationLines {
     std::size_t sums() const { return frequencies_Hz.size() * (slopes.empty() ? 1 : 2); }
     /// Tones that are closer are not separated; 0 if the load has only the lines.
     double separation_Hz() const { return slopes.empty() ? 0.0 : 4.0 / window_s; }
+    /// The threshold at a frequency: a straight line between the centres of the bands over log f
+    /// and log a, constant before the first and after the last centre.
+    double threshold_m_s2(double f_Hz) const;
     /// Index of the band that contains a frequency; the number of bands if none does.
     std::size_t band_of(double f_Hz) const;
 
@@ -77,7 +82,7 @@ struct SensationMap {
     std::ptrdiff_t x0 = 0, y0 = 0, rows = 0, columns = 0; // of the rectangle, in global indices
     std::vector<double> level_dB;
     std::vector<double> band_Hz; // nominal centre of the band that decides
-    std::vector<double> sum_dB;  // 10 log10 of the sum over bands of (a / a_0)^2
+    std::vector<double> sum_dB;  // 10 log10 of the sum over all lines of (a_k / a_0)^2
 };
 
 /// Sums of the frames of the rows of a slab inside the rectangle of the measured region. Not

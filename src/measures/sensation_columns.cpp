@@ -21,13 +21,13 @@ namespace {
 constexpr double rounding_of_weights = 1e-9; // relative
 constexpr double strong_dB = 6.0;            // below the largest level
 
-/// Levels between the samples.
+/// Levels between the samples, by interpolation of the power.
 class Levels {
 public:
     Levels(const Case& c, const SensationMap& map) : domain_(c.domain), map_(map) {}
 
     /// Bilinear; NaN outside the rectangle or where nothing moves.
-    double at(Vec2 place_m, const std::vector<double>& values) const {
+    double at(Vec2 place_m, const std::vector<double>& levels_dB) const {
         const double x = place_m.x / domain_.spacing_m +
                          static_cast<double>(domain_.nx / 2 - map_.x0),
                      y = place_m.y / domain_.spacing_m +
@@ -48,8 +48,9 @@ public:
             for (const auto& [dj, wy] : {std::pair{0, 1.0 - v}, std::pair{1, v}})
                 if (wx * wy > 0.0)
                     sum += wx * wy *
-                           values[static_cast<std::size_t>((i + di) * map_.columns + j + dj)];
-        return sum;
+                           std::pow(10.0, 0.1 * levels_dB[static_cast<std::size_t>(
+                                                    (i + di) * map_.columns + j + dj)]);
+        return 10.0 * std::log10(sum);
     }
     double level(Vec2 place_m) const { return at(place_m, map_.level_dB); }
 
@@ -222,11 +223,11 @@ private:
         });
         std::string note;
         if (!lines_.repeats && reason_.empty())
-            note = fmt::format("from a window of {:.4g} ms, which judges bands from {:g} Hz on",
-                               1e3 * lines_.window_s, lines_.bands.front().centre_Hz);
+            note = fmt::format("from a window of {:.4g} ms", 1e3 * lines_.window_s);
         if (lines_.separation_Hz() > 0.0)
-            note += fmt::format(" and does not separate tones that are less than {:.3g} Hz apart",
-                                lines_.separation_Hz());
+            note += fmt::format(", which judges bands from {:g} Hz on and does not separate tones "
+                                "that are less than {:.3g} Hz apart",
+                                lines_.bands.front().centre_Hz, lines_.separation_Hz());
         for (const SensationBand& band : lines_.bands)
             if (band.is_extrapolated && band.centre_Hz == band_Hz)
                 note += fmt::format("{}the threshold at {:g} Hz is extrapolated",

@@ -200,16 +200,25 @@ class ExplorePage(InFolder):
         self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))
         self.assertLess(page.run("explorer.result.wake"), page.run("explorer.result.peak"))
 
+    def use(self, page, changes):
+        page.run(f"(() => {{ const s = structuredClone(explorer.settings); {changes}; explorer.waits_ms.length = 0; explorer.use(s); }})()")
+        self.assertTrue(page.wait("explorer.waits_ms.length"))
+
     def test_the_level_of_sensation_has_a_map_with_its_threshold_in_the_middle_of_the_scale(self):
         page = self.open()
         page.run("(s => { s.value = 'level'; s.dispatchEvent(new Event('change')); })(document.getElementById('style'))")
+        # The path of 12 ms is too short for a level: the map shows the displacement, and the reason is a hint.
+        low, hint = page.run("(e => [e.textContent, e.title])(document.getElementById('scale-low'))")
+        self.assertRegex(low, "^no level of sensation, instead: out of the skin")
+        self.assertRegex(hint, r"^the motion of the focus at \S+ Hz needs")
+        self.use(page, "s.kind = 'AM'; s.am = 200")
         most, peak = page.run("(r => [Math.max(...r.level), r.column('felt_peak_dB').value])(explorer.result)")
         self.assertAlmostEqual(most, peak, places=3)  # single precision
         low, high = (page.run(f"document.getElementById('scale-{end}').textContent") for end in ("low", "high"))
         self.assertRegex(low, r"^below the threshold −[1-9]0 dB$")
-        self.assertRegex(high, r"^[1-9]0 dB above it from \S+ Hz on$")
+        self.assertRegex(high, r"^[1-9]0 dB above it$")
         self.assertRegex(page.run("document.querySelector('[data-column=felt_path_dB]').textContent"),
-                         r"dB (above|below) threshold from \S+ Hz on$")
+                         r"dB (above|below) threshold$")
         self.assertEqual(page.errors(), [])
 
     @pytest.mark.long
@@ -219,8 +228,7 @@ class ExplorePage(InFolder):
         self.assertIsNotNone(page.run(angle))
         page.run(f"{MOVE}('speed', 3)")
         self.assertIsNone(page.run(angle))
-        page.run("(() => { const s = structuredClone(explorer.settings); s.speed = 9; s.path = 'circle'; explorer.waits_ms.length = 0; explorer.use(s); })()")
-        self.assertTrue(page.wait("explorer.waits_ms.length"))
+        self.use(page, "s.speed = 9; s.path = 'circle'")
         self.assertIsNone(page.run(angle))
 
     @pytest.mark.long

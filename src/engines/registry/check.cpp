@@ -5,6 +5,7 @@
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "problem/case/edges.hpp"
+#include "problem/case/sensation_window.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/material_field.hpp"
 
@@ -241,6 +242,10 @@ void check_measured_times(const Case& c, Notes& notes) {
                   "{:.4g} ms: the period columns will be empty; reduce measure.settled_after_ms, "
                   "or increase time.duration_ms and measure.at_ms",
                   1e3 / *frequency_Hz, milli(c.measure.settled_after_s), milli(c.measure.at_s));
+    if (!computes_sensation(c)) return;
+    if (const SensationWindow window = sensation_window(c); !window.reason.empty())
+        notes.add(Severity::warning, "measure.sensation", "the columns felt_* will be empty: {}",
+                  window.reason);
 }
 
 void check_focal_disc(const Case& c, Notes& notes) {

@@ -278,10 +278,12 @@ template <class Walk, Is<SensationOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk.key({.key = "threshold",
               .type = "file",
-              .fallback = "the hand, [Morioka and Griffin 2006](../explanation/user-studies.md)",
+              .fallback = "a handle that the hand grips, "
+                          "[sources](table-columns.md#level-of-sensation)",
               .meaning = "CSV file with the header `frequency_Hz,acceleration_m_s2`: one line for "
                          "each third octave without gaps, with its nominal centre and the rms "
-                         "acceleration at the threshold; its path is relative to the job file"});
+                         "acceleration at the threshold there; its path is relative to the job "
+                         "file"});
     walk(o.threshold, {.text = "threshold_{}", .in_text = !o.threshold.empty()});
     walk(o.line_m, {.key = "line_mm",
                     .text = "line_{}_m",

@@ -185,18 +185,6 @@ void add_of(const Mover& mover, std::vector<double>& frequencies_Hz) {
                mover);
 }
 
-/// The reason why the load does not repeat; empty if it does.
-std::string why_not(const Load& load) {
-    for (const Mover& mover : load.modulation.trajectory.parts)
-        if (const auto* travel = std::get_if<Travel>(&mover))
-            if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
-                return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
-    if (std::ranges::any_of(load.modulation.envelope.gains, acts_once))
-        return "rises or falls once (a ramp, a window, or samples that are not repeated), which a "
-               "load that repeats for ever cannot; remove it, or set repeat = true";
-    return {};
-}
-
 std::string listed(const std::vector<double>& frequencies_Hz) {
     std::string text;
     for (std::size_t i = 0; i < frequencies_Hz.size(); ++i)
@@ -209,6 +197,17 @@ std::string listed(const std::vector<double>& frequencies_Hz) {
 }
 
 } // namespace
+
+std::string aperiodicity_reason(const Load& load) {
+    for (const Mover& mover : load.modulation.trajectory.parts)
+        if (const auto* travel = std::get_if<Travel>(&mover))
+            if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
+                return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
+    if (std::ranges::any_of(load.modulation.envelope.gains, acts_once))
+        return "rises or falls once (a ramp, a window, or samples that are not repeated), which a "
+               "load that repeats for ever cannot; remove it, or set repeat = true";
+    return {};
+}
 
 std::vector<double> frequencies_of(const Load& load) {
     std::vector<double> frequencies_Hz;
@@ -229,7 +228,8 @@ std::vector<double> frequencies_of(const Load& load) {
 }
 
 LoadPeriod least_period(const Load& load, double longest_s) {
-    if (std::string reason = why_not(load); !reason.empty()) return {0.0, std::move(reason)};
+    if (std::string reason = aperiodicity_reason(load); !reason.empty())
+        return {0.0, std::move(reason)};
     const std::vector<double> frequencies_Hz = frequencies_of(load);
     if (frequencies_Hz.empty())
         return {0.0, "is constant and therefore has no period; use time.regime = \"transient\""};

@@ -104,6 +104,10 @@ struct LoadPeriod {
 /// gains, of a resolved carrier, and of the updates of an array whose focus moves.
 std::vector<double> frequencies_of(const Load& load);
 
+/// Why a load does not repeat for ever: its path ends, or it rises or falls once. A sentence
+/// without a subject: "has ..."; empty if it repeats, or is constant.
+std::string aperiodicity_reason(const Load& load);
+
 /// The least common period of these frequencies, up to `longest_s`: the shortest time that is a
 /// whole number of periods of each, to 1e-6 of a period. A load whose path ends, which rises or
 /// falls once, or which is constant, has none.

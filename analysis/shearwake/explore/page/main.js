@@ -203,9 +203,11 @@ class Explorer {
     this.plots.showTime(this.frame);
   }
   draw() {
-    const style = this.parts.style.value, is_level = style === "level";
+    const felt = this.result?.column("felt_peak_dB") ?? {value: null, note: ""};
+    const has_level = felt.value !== null, wants_level = this.parts.style.value === "level";
+    const is_level = wants_level && has_level, style = wants_level && !has_level ? "map" : this.parts.style.value;
     // Levels: 0 dB, the threshold, is in the middle.
-    const scale = is_level ? 10 * Math.max(1, Math.ceil(0.1 * Math.max(this.result?.column("felt_peak_dB").value ?? 0, this.pins.level)))
+    const scale = is_level ? 10 * Math.max(1, Math.ceil(0.1 * Math.max(felt.value, this.pins.level)))
       : roundScale(Math.max(this.result?.wake ?? 0, this.pins.wake));
     this.overlay.fit();
     if (this.result) {
@@ -213,7 +215,9 @@ class Explorer {
       this.surface.draw(this.result, this.frame, scale, style);
       this.pins.draw(this.result.time[this.frame], scale, style);
       const size = `${(1e6 * scale).toPrecision(2)} µm`;
-      this.parts["scale-low"].textContent = is_level ? `below the threshold −${scale} dB` : `out of the skin −${size}`;
+      this.parts["scale-low"].textContent = is_level ? `below the threshold −${scale} dB`
+        : `${wants_level ? "no level of sensation, instead: " : ""}out of the skin −${size}`;
+      this.parts["scale-low"].title = wants_level ? felt.note : "";
       this.parts["scale-high"].textContent = is_level ? `${scale} dB above it${judged(this.result)}` : `${size} into the skin`;
     }
     this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,

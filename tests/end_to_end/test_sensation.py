@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Levels of sensation of short runs, and their search with adaptive axes."""
+import unittest
+
+from program import ProgramTest, table
+
+AT_REST = """\
+schema = 1
+[job]
+name = "small"
+[medium]
+base = "rigid"
+[[medium.layer]]
+preset = "palm"
+[load]
+peak_Pa = 125.0
+footprint = {{ shape = "gaussian", fwhm_mm = 8.5 }}
+[load.modulation]
+kind = "AM"
+am_frequency_Hz = 200.0
+[domain]
+extent_mm = [96.0, 96.0]
+spacing_mm = 2.0
+edges = "open"
+[time]
+{time}
+[solver]
+engine = "layered"
+"""
+PERIODIC = AT_REST.format(time='regime = "periodic"\noutput_interval_us = 250.0')
+SHORT = AT_REST.format(time="duration_ms = 14.0\noutput_interval_us = 50.0") + "[measure]\nsensation = true\n"
+FREQUENCY = '"load.modulation.am_frequency_Hz"'
+
+
+def felt(row):
+    return {name: text for name, text in row.items() if name.startswith("felt_")}
+
+
+class Levels(ProgramTest):
+    def rows(self, job, out):
+        self.write_job(job)
+        self.shearwake("run", "job.toml", "--out", out, "--quiet", ranks=2)
+        self.shearwake("reduce", out)
+        return table(self.folder / out)
+
+    def test_a_window_of_whole_periods_has_the_level_of_the_steady_state(self):
+        swept = f"[sweep]\n{FREQUENCY} = [100, 200, 400]\n"
+        steady, short = self.rows(PERIODIC + swept, "steady"), self.rows(SHORT + swept, "short")
+        for exact, window in zip(steady, short, strict=True):
+            self.assertEqual(window["felt_band_Hz"], exact["felt_band_Hz"])
+            # The skin has settled for 3.5 ms only: what is left of the beginning is up to a fifth of the amplitude.
+            self.assertAlmostEqual(float(window["felt_peak_dB"]), float(exact["felt_peak_dB"]), delta=1.5)
+
+    def test_a_window_that_is_too_short_has_no_level_and_check_warns(self):
+        self.write_job(SHORT + f"[sweep]\n{FREQUENCY} = [50, 60]\n")
+        self.says(self.shearwake("check", "job.toml").said, "measure.sensation: the columns felt_* will be empty: AM at 50 Hz needs 20 ms")
+        for row, frequency_Hz in zip(self.rows(SHORT + f"[sweep]\n{FREQUENCY} = [50, 60]\n", "short"), (50, 60), strict=True):
+            self.assertEqual(len(felt(row)), 13)
+            self.assertEqual(set(felt(row).values()), {""})
+            self.assertIn(f"AM at {frequency_Hz} Hz needs", row["note"])
+
+    def test_the_most_sensitive_frequency_is_found_between_the_centres_of_bands(self):
+        rows = self.rows(PERIODIC + f"[sweep]\n{FREQUENCY} = {{ linspace = [120, 350, 116] }}\n", "fine")
+        best = max(rows, key=lambda row: float(row["felt_peak_dB"]))
+        rows = self.rows(PERIODIC + f'[sweep]\n{FREQUENCY} = {{ find = "maximum", in = [120, 350], '
+                         'column = "felt_peak_dB", tolerance = 1.0 }\n', "found")
+        found = max(rows, key=lambda row: float(row["felt_peak_dB"]))
+        key = FREQUENCY.strip('"')
+        # The spacing of the fine scan, and the tolerance of the search.
+        self.assertAlmostEqual(float(found[key]), float(best[key]), delta=2.0 + 1.0)
+        self.assertGreaterEqual(float(found["felt_peak_dB"]), float(best["felt_peak_dB"]) - 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
