@@ -32,7 +32,7 @@ count_cores() {
 }
 
 # on_ranks N COMMAND...: runs mpirun, also as root (in a container) and with fewer cores than ranks, which Open MPI 4
-# (OMPI) and 5 (PRTE) refuse otherwise.
+# (OMPI) and 5 (PRTE) refuse otherwise. Without hwloc's OpenCL component, mpirun forwards SIGUSR1 (docs/how-to/cluster.md).
 on_ranks() {
     ranks=$1
     shift
@@ -44,6 +44,7 @@ on_ranks() {
     fi
     # All ranks are on this machine. Open MPI 5 would warn if the network does not lead back to it.
     export OMPI_MCA_btl="${OMPI_MCA_btl:-^tcp}"
+    export HWLOC_COMPONENTS="${HWLOC_COMPONENTS--opencl}"
     mpirun -n "$ranks" "$@"
 }
 

@@ -7,7 +7,6 @@ Prints a Markdown table, or draws the measured dispersion and the secular equati
 """
 import json
 import re
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -16,6 +15,7 @@ from typing import Callable
 
 import numpy as np
 
+from shearwake import program
 from shearwake.laboratory.dispersion import curves, line_coordinates
 from shearwake.laboratory.scan import Scan
 from shearwake.laboratory.scan_files import read_scan, write_scan
@@ -23,7 +23,6 @@ from shearwake.laboratory.scan_files import read_scan, write_scan
 from .secular import secular_speeds
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "build" / "shearwake"
 
 COLUMNS = ("eta_period_1", "focal_rms_um", "peak_um", "rms_40_400_um")
 FULL = "grid_mm = [190.0, 190.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
@@ -40,11 +39,7 @@ def job_text(name: str, scan: str) -> str:
 
 
 def shearwake(*arguments: object, ranks: int = 1) -> str:
-    launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise SystemExit(f"shearwake {arguments}: {done.stdout}{done.stderr}")
-    return done.stdout
+    return program.call(list(map(str, arguments)), ranks=ranks).stdout
 
 
 def simulated(folder: Path, text: str) -> tuple[Path, Path]:

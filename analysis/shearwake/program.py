@@ -64,9 +64,10 @@ def jobs() -> dict[str, Path]:
 
 def environment() -> dict[str, str]:
     """The environment without the variables by which a process joins the MPI program that has started this one: the program would
-    otherwise become one of its ranks."""
-    return {name: value for name, value in os.environ.items()
-            if not name.startswith(OF_LAUNCHERS) or (name.startswith(OF_USERS) and not name.startswith(OF_RANKS))}
+    otherwise become one of its ranks. Without hwloc's OpenCL component, mpirun forwards SIGUSR1 (docs/how-to/cluster.md)."""
+    inherited = {name: value for name, value in os.environ.items()
+                 if not name.startswith(OF_LAUNCHERS) or (name.startswith(OF_USERS) and not name.startswith(OF_RANKS))}
+    return {"HWLOC_COMPONENTS": "-opencl", **inherited}
 
 
 def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | None = None) -> list[str]:

@@ -12,6 +12,7 @@ job=JOB.toml
 out=out/NAME
 
 # The limit above, less what the start has taken; PBS does not report it.
+export HWLOC_COMPONENTS="${HWLOC_COMPONENTS--opencl}" # mpirun forwards SIGUSR1: docs/how-to/cluster.md
 mpirun build/shearwake run "$job" --out "$out" --walltime 3:58:00 &
 step=$!
 trap 'kill -s USR1 "$step"' USR1 TERM # qsig -s SIGUSR1, qdel

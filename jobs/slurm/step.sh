@@ -4,6 +4,7 @@
 # with the code 75 (stopped early).
 
 launch=${SHEARWAKE_LAUNCH:-srun --kill-on-bad-exit=1}
+export HWLOC_COMPONENTS="${HWLOC_COMPONENTS--opencl}" # mpirun forwards SIGUSR1: docs/how-to/cluster.md
 
 # forward SIGNAL: srun and mpirun pass it on to all ranks.
 forward() {

@@ -7,35 +7,23 @@ import argparse
 import asyncio
 import contextlib
 import os
-import re
 import secrets
 import signal
 import sys
 import webbrowser
-from collections.abc import Mapping
 
 from aiohttp import web
 
+from .. import program
+from ..errors import ProgramNotFound
 from .engine import Engine
 from .page import keys_of
 from .server import Explorer
 
-# What an MPI program sets for itself: programs that inherit it would take themselves for its ranks.
-OF_A_RANK = re.compile(r"PMIX_|PMI_|OMPI_(?!ALLOW_|MCA_)|OMPI_MCA_(orte|ess|pmix|initial)")
-
-
-def without_ranks(environment: Mapping[str, str]) -> dict[str, str]:
-    return {name: value for name, value in environment.items() if not OF_A_RANK.match(name)}
-
-
-def command(program: str, ranks: int) -> list[str]:
-    launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-    return [*launch, program, "serve"]
-
 
 async def serve(arguments: argparse.Namespace) -> None:
     token = secrets.token_urlsafe(24)
-    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out, keys_of(arguments.program),
+    explorer = Explorer(Engine(program.launched(["serve"], arguments.ranks)), token, arguments.out, keys_of(arguments.program),
                         arguments.public_port)
     runner = web.AppRunner(explorer.application(), access_log=None)
     await runner.setup()
@@ -64,13 +52,13 @@ def main() -> None:
     parser.add_argument("--out", default="out")
     parser.add_argument("--no-browser", dest="browser", action="store_false")
     arguments = parser.parse_args()
-    environment = without_ranks(os.environ)
+    environment = program.environment()
     os.environ.clear()
     os.environ.update(environment, SHEARWAKE=arguments.program)
     try:
         with contextlib.suppress(KeyboardInterrupt):
             asyncio.run(serve(arguments))
-    except OSError as error:
+    except (OSError, ProgramNotFound) as error:
         sys.exit(f"the page cannot be served: {error}")
 
 

@@ -2,6 +2,8 @@
 """How the tests and the nightly run start several ranks next to other programs."""
 import os
 
+from .. import program
+
 # Settings of Open MPI 4 (OMPI) and 5 (PRTE), where mpirun otherwise refuses more ranks than cores and binds ranks to
 # cores that other programs may use. MPICH does neither and ignores them.
 SHARED_CORES = {
@@ -13,7 +15,7 @@ AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 def environment() -> dict[str, str]:
-    return {**os.environ, **SHARED_CORES, **(AS_ROOT if os.geteuid() == 0 else {})}
+    return {**program.environment(), **SHARED_CORES, **(AS_ROOT if os.geteuid() == 0 else {})}
 
 
 def launch(ranks: int) -> list[str]:
