@@ -35,7 +35,7 @@ function(add_group name label)
     string(MAKE_C_IDENTIFIER ${name} stem)
     list(TRANSFORM ARGN REPLACE REPORT ${CMAKE_BINARY_DIR}/test-results/${stem}.xml)
     add_test(NAME ${name} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} COMMAND ${ARGN})
-    set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 3600 ENVIRONMENT "${test_environment}")
+    set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 14400 ENVIRONMENT "${test_environment}")
 endfunction()
 
 # -# tags tests with their file. A group without tests is a failure, with Catch2 2 by an option.

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the program in temporary folders, for the tests in this folder."""
+import atexit
 import contextlib
 import csv
+import functools
 import json
 import os
 import re
-import resource
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -23,7 +25,7 @@ PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
 # Time limit of a single command. It distinguishes a hang from a slow or busy machine and does not express an
 # expectation of speed. It is shorter than the limit of a group in cmake/test_groups.cmake, so that the test reports the
 # condition for which it has waited.
-PATIENCE_s = 480.0
+PATIENCE_s = 1800.0
 
 # A 3 mm focus at 7 m/s for 4 ms: three frequencies and the reference, a fraction of a second each.
 JOB = """\
@@ -110,10 +112,54 @@ def command(*arguments, ranks=1):
     return [*launch(ranks), str(PROGRAM), *map(str, arguments)]
 
 
-def processor_s():
-    """CPU time of the programs that have ended, which does not depend on the load of the machine."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+@functools.cache
+def failing_library():
+    """Compiles faults/failing.cpp."""
+    folder = tempfile.mkdtemp(prefix="shearwake-fault-")
+    atexit.register(shutil.rmtree, folder)
+    subprocess.run([os.environ.get("CXX", "g++"), "-shared", "-fPIC", "-O1", "-w", "-o", f"{folder}/failing.so",
+                    str(ROOT / "tests" / "faults" / "failing.cpp"), "-ldl"], check=True)
+    return f"{folder}/failing.so"
+
+
+def faulty_environment(**faults):
+    """The environment in which programs meet the given faults of faults/failing.cpp."""
+    return {**environment(), "LD_PRELOAD": failing_library(), **{f"FAULT_{name}": str(value) for name, value in faults.items()}}
+
+
+# Programs stop themselves when their second case is computed and has not got its name yet.
+SECOND_CASE = {"PATH": "/cases/*.h5", "CALL": "rename", "STOP_AT": 2}
+
+
+def state_of(pid):
+    """The state of a process as in /proc: T is stopped, Z is a zombie; empty if there is no such process."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0]
+    return ""
+
+
+def alive(pid):
+    return state_of(pid) not in ("", "Z")
+
+
+def descendants(pid):
+    found = []
+    with contextlib.suppress(OSError):
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            for child in map(int, (task / "children").read_text(encoding="utf-8").split()):
+                found += [child, *descendants(child)]
+    return found
+
+
+def stopped(pid):
+    """The stopped processes among a process and its descendants."""
+    return [each for each in (pid, *descendants(pid)) if state_of(each) == "T"]
+
+
+def is_pending(pid, number):
+    """Whether a stopped process has received this signal."""
+    text = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+    return any(int(mask, 16) >> (number - 1) & 1 for mask in re.findall(r"(?:Sig|Shd)Pnd:\s*(\w+)", text))
 
 
 class ProgramTest(unittest.TestCase):
@@ -132,11 +178,11 @@ class ProgramTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
-    def shearwake(self, *arguments, ranks=1, expect=0, prefix=(), timeout_s=PATIENCE_s):
+    def shearwake(self, *arguments, ranks=1, expect=0, prefix=()):
         """Runs a command to its end; `expect` is the exit code (None: any)."""
         done = subprocess.run([*prefix, *command(*arguments, ranks=ranks)], cwd=self.folder,
                               env=environment(), stdin=subprocess.DEVNULL, capture_output=True,
-                              encoding="utf-8", errors="replace", timeout=timeout_s, check=False)
+                              encoding="utf-8", errors="replace", timeout=PATIENCE_s, check=False)
         done.said = done.stdout + done.stderr
         if expect is not None:
             self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
@@ -148,24 +194,52 @@ class ProgramTest(unittest.TestCase):
         self.shearwake("run", "job.toml")
         self.shearwake("reduce", self.out)
 
-    def start(self, *arguments, ranks=1):
+    def start(self, *arguments, ranks=1, faults=None):
         """Starts a command in a separate process group without waiting for its end."""
         process = subprocess.Popen(command(*arguments, ranks=ranks), cwd=self.folder,
-                                   env=environment(), stdin=subprocess.DEVNULL,
+                                   env=faulty_environment(**faults) if faults else environment(), stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    encoding="utf-8", start_new_session=True)
         self.addCleanup(self._end, process)
         return process
 
-    @staticmethod
-    def _end(process):
+    def start_and_stop(self, *arguments, ranks=1, count=1, faults=SECOND_CASE):
+        """Starts a command whose programs stop themselves at a call, and waits until `count` of them have: what the test does then
+        happens during the run, irrespective of the speed of the machine."""
+        process = self.start(*arguments, ranks=ranks, faults=faults)
+        self.wait_for_stop(process, count)
+        return process
+
+    def wait_for_stop(self, process, count=1):
+        self.wait_for(lambda: process.poll() is not None or len(stopped(process.pid)) == count, "the programs to stop")
+        self.assertIsNone(process.poll(), "it ended before it stopped")
+
+    def signal_and_continue(self, process, number=None):
+        """Sends a signal to a process, and lets its stopped programs continue once they have received it."""
+        programs = stopped(process.pid)
+        if number is not None:
+            process.send_signal(number)
+            self.wait_for(lambda: all(is_pending(pid, number) for pid in programs), f"{signal.strsignal(number)} to arrive")
+        for pid in programs:
+            os.kill(pid, signal.SIGCONT)
+
+    def kill(self, process):
+        """Kills a command with all ranks."""
+        pids = [process.pid, *descendants(process.pid)]
+        for pid in pids:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
         with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+            os.killpg(process.pid, signal.SIGKILL)  # those whose parent has ended
         process.wait()
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
+
+    def _end(self, process):
+        self.kill(process)
         process.stdout.close()
 
-    def wait_for(self, condition, what, timeout_s=PATIENCE_s):
-        end = time.monotonic() + timeout_s
+    def wait_for(self, condition, what):
+        end = time.monotonic() + PATIENCE_s
         while not condition():
             self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
             time.sleep(0.005)

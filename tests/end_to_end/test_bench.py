@@ -9,7 +9,7 @@ from unittest import mock
 
 import pytest
 
-from program import PATIENCE_s, SWEEP, ProgramTest, case_files, without_reference
+from program import PATIENCE_s, SWEEP, ProgramTest, case_files, changed, without_reference
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
 BRIEF = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"), ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
@@ -114,10 +114,11 @@ class Bench(ProgramTest):
             self.assertEqual({case["time_origin"] for case in self.planned("job.toml", "-n", 2)["cases"]}, {"measured"})
 
     def test_a_signal_ends_the_probes_of_a_run(self):
-        self.write_job()
+        # Far more steps than are computed before the signal arrives.
+        self.write_job(changed(("frames = true", ""), ("duration_ms = 4.0", "duration_ms = 4000.0")))
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            process = self.start("run", "job.toml", "-S", "solver.engine=pstd")
+            process = self.start("run", "job.toml", "-S", "solver.engine=pstd", "--force")
             for line in process.stdout:
                 if "measuring the speed" in line:
                     break

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Cases that are interrupted and resumed from their checkpoints."""
-import contextlib
 import os
 import shutil
 import signal
@@ -13,7 +12,6 @@ import pytest
 import test_failures
 from program import (PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal,
                      plan_ids, table, without_reference)
-from test_resume import alive, descendants
 
 # Two cases of 400 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
 STEPPED = without_reference(
@@ -33,6 +31,11 @@ viscosity_Pa_s = 1.5
 [load]
 """, 1).replace("time_step_us = 5.0", "time_step_us = 20.0")
 SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
+
+
+def checkpoint(number):
+    """Programs stop themselves when this checkpoint is written and has not got its name yet."""
+    return {"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": number}
 
 
 class SavedCase(ProgramTest):
@@ -61,16 +64,9 @@ class SavedCase(ProgramTest):
         return sorted((self.out / "checkpoints").glob("*"))
 
     def kill_in_the_middle(self, ranks, saves=6):
-        """Kills the run after the given number of checkpoints of the first case."""
-        process = self.start(*SAVING, ranks, ranks=ranks)
-        self.wait_for(lambda: len(self.events("checkpointed")) >= saves, "the saves")
-        pids = [process.pid, *descendants(process.pid)]
-        for pid in pids:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        process.wait()
-        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
-        self.assertEqual(case_files(self.out), [], "it was too fast to be killed")
+        """Kills the run after the given number of checkpoints of the first case, while it writes the next one."""
+        self.kill(self.start_and_stop(*SAVING, ranks, ranks=ranks, faults=checkpoint(saves + 1)))
+        self.assertEqual(case_files(self.out), [])
 
     def resume(self, ranks=1):
         said = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).said
@@ -135,14 +131,12 @@ class Checkpoint(SavedCase):
 
     def test_a_signal_writes_a_checkpoint_and_the_same_command_resumes(self):
         for kind in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
-            saved = len(self.events("checkpointed"))
-            process = self.start("run", "job.toml", "--checkpoint-steps", 20)
-            self.wait_for(lambda: len(self.events("checkpointed")) > saved, "a save")  # noqa: B023
-            process.send_signal(kind)
+            process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20, faults=checkpoint(2))
+            self.signal_and_continue(process, kind)
             said = process.communicate(timeout=PATIENCE_s)[0]
             self.assertEqual(process.returncode, 75, said)
             self.says(said, "stopped early", "the next run resumes from checkpoints: case ", "next: shearwake run job.toml")
-            self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+            self.assertEqual(case_files(self.out), [])
             self.assertEqual(journal(self.out)[-2]["event"], "checkpointed")
         self.assertEqual(len(self.events("resumed")), 2)
         self.says(self.shearwake("run", "job.toml").said, "resumed from checkpoints: case ")
@@ -159,12 +153,11 @@ class Checkpoint(SavedCase):
 
     def test_a_signal_to_mpirun_writes_the_checkpoints_of_all_teams(self):
         # mpirun forwards SIGUSR1 and, unlike for SIGINT and SIGTERM, does not kill the ranks afterwards.
-        process = self.start(*SAVING, 1, ranks=2)
-        self.wait_for(lambda: len({line["id"] for line in self.events("checkpointed")}) == 2, "saves")
-        process.send_signal(signal.SIGUSR1)
+        process = self.start_and_stop(*SAVING, 1, ranks=2, count=2, faults=checkpoint(2))
+        self.signal_and_continue(process, signal.SIGUSR1)
         said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
-        self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+        self.assertEqual(case_files(self.out), [])
         self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 remaining")
         self.resume(ranks=2)
         self.assertEqual(len(self.events("resumed")), 2)
@@ -215,8 +208,7 @@ class Checkpoint(SavedCase):
     def test_without_the_frames_recorded_so_far_the_case_starts_from_scratch(self):
         for damage in ("removed", "truncated"):
             with self.subTest(damage):
-                before = len(self.events("checkpointed"))
-                self.kill_in_the_middle(ranks=1, saves=before + 6)
+                self.kill_in_the_middle(ranks=1)
                 part = next(self.out.rglob("cases/*.part"))
                 if damage == "removed":
                     part.unlink()

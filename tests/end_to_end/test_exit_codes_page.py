@@ -4,7 +4,7 @@ import re
 import subprocess
 import unittest
 
-from program import ROOT, ProgramTest
+from program import PATIENCE_s, ROOT, ProgramTest
 
 
 class ExitCodesPage(ProgramTest):
@@ -24,7 +24,7 @@ class ExitCodesPage(ProgramTest):
                 if stop:
                     (self.folder / "out" / "quickstart" / "STOP").touch()
                 subprocess.run(["sh", "-c", script], cwd=self.folder, env={"PATH": f"{self.folder}:/usr/bin:/bin"}, check=False,
-                               timeout=60)
+                               timeout=PATIENCE_s)
                 self.assertEqual((self.folder / "runs").read_text().count("run"), runs)
 
 

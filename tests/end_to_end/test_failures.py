@@ -12,7 +12,7 @@ from unittest import mock
 import h5py
 import pytest
 
-from program import (PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, environment, plan, plan_ids, processor_s,
+from program import (PATIENCE_s, PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, environment, plan, plan_ids,
                      started, table, without_reference)
 
 X = 'x = "load.modulation.am_frequency_Hz"'
@@ -91,7 +91,7 @@ class JoinedWorlds(ProgramTest):
             os.kill(ranks[0], signal.SIGTERM)
             try:
                 # 15 s, and the longest time between two collective calls before.
-                said = run.communicate(timeout=60)[1]
+                said = run.communicate(timeout=PATIENCE_s)[1]
             finally:
                 for rank in ranks:
                     with contextlib.suppress(ProcessLookupError):
@@ -135,13 +135,11 @@ class FailingCase(ProgramTest):
 
     def test_a_case_larger_than_the_memory_is_rejected_before_it_allocates(self):
         self.write_job(ABSURD)
-        began_s = processor_s()
         limit = ["prlimit", "--as=3000000000"]  # simulates a small machine
         said = self.shearwake("run", "job.toml", prefix=limit, expect=6).said
         self.assertRegex(said, r"the largest case needs \d+ MB per rank, and a rank may use \d+ MB.*--force")
         self.assertFalse(self.out.exists(), "a refused job leaves nothing")
         said = self.shearwake("run", "job.toml", "--force", prefix=limit, expect=4).said
-        self.assertLess(processor_s() - began_s, 20.0)
         good, bad = plan_ids(self.out)
         self.says(said, f"case {bad} failed", "out of memory", "GB", "domain.spacing_mm")
         self.assertEqual([path.stem for path in case_files(self.out)], [good])

@@ -9,7 +9,7 @@ import h5py
 import numpy
 import pytest
 
-from program import PROGRAM, ROOT, environment
+from program import PATIENCE_s, PROGRAM, ROOT, environment
 from test_kwave_program import DATA, KWaveTest, put
 
 
@@ -185,7 +185,7 @@ class Errors(KWaveTest):
             (self.folder / "in.h5").write_bytes(data)
             (self.folder / "out.h5").unlink(missing_ok=True)
             done = subprocess.run([PROGRAM, "kwave", "-i", "in.h5", "-o", "out.h5", "--benchmark", "2"], cwd=self.folder,
-                                  env=environment(), capture_output=True, encoding="utf-8", errors="replace", check=False, timeout=120)
+                                  env=environment(), capture_output=True, encoding="utf-8", errors="replace", check=False, timeout=PATIENCE_s)
             self.assertIn(done.returncode, (0, 1), f"file {number}: {done.stderr}")
             self.assertEqual((self.folder / "out.h5").exists(), done.returncode == 0)
             self.assertFalse((self.folder / "out.h5.part").exists())

@@ -4,7 +4,6 @@ import functools
 import shutil
 import signal
 import subprocess
-import time
 
 import h5py
 import numpy
@@ -163,11 +162,8 @@ class Program(KWaveTest):
                 self.assertEqual((out["t_index"][0, 0, 0], out["p"].shape), (40 * (leg + 1), (1, 140, 9)))
         self.assertIn("must be a checkpoint of the same input file and options",
                       self.run_file(file, "-p", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40", expect=1))
-        killed = subprocess.Popen([PROGRAM, "kwave", "-i", file, "-o", "out.h5", *records, "--checkpoint_file", "c.h5",
-                                   "--checkpoint_interval", "99"], cwd=self.folder, env=environment(), stdout=subprocess.DEVNULL)
-        time.sleep(0.1)
-        killed.kill()
-        killed.wait()
+        self.kill(self.start_and_stop("kwave", "-i", file, "-o", "out.h5", *records, "--checkpoint_file", "c.h5",
+                                      "--checkpoint_interval", "99", faults={"PATH": "/out.h5", "STOP_AT": 20}))
         self.run_file(file, *records, "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")
         self.assertFalse((self.folder / "c.h5").exists())
         with h5py.File(self.folder / "complete.h5") as complete, h5py.File(self.folder / "out.h5") as out:
@@ -186,7 +182,7 @@ class Program(KWaveTest):
         while " %" not in running.stdout.readline():
             pass
         running.send_signal(signal.SIGTERM)
-        self.assertIn("repeat the command to resume", running.communicate(timeout=60)[0])
+        self.assertIn("repeat the command to resume", running.communicate(timeout=PATIENCE_s)[0])
         self.assertEqual(running.returncode, 0)
         self.assertTrue((self.folder / "c.h5").exists())
 

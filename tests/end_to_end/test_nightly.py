@@ -13,8 +13,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
-                     without_reference)
+from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SECOND_CASE, SWEEP, ProgramTest, changed, environment,
+                     faulty_environment, without_reference)
 
 from shearwake.nightly import __main__ as nightly, night, table
 from shearwake.nightly.history import UNFINISHED, History
@@ -105,11 +105,10 @@ class Nightly(ProgramTest):
 
     def start_night(self, job):
         process = subprocess.Popen(self.command("nightly", job, "--no-bench", "--ranks", "1"), cwd=self.folder,
-                                   env=self.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   env={**faulty_environment(**SECOND_CASE), **self.environment()}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, start_new_session=True)
         self.addCleanup(self._end, process)
-        cases = self.nights / "runs" / "long" / "cases"
-        self.wait_for(lambda: any(cases.glob("*.h5")), "a first case")
+        self.wait_for_stop(process)
         return process
 
     def test_a_night_without_a_baseline_suggests_how_to_make_one(self):

@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake optimise: the optimum is reproduced by its case, the bound by NumPy alone, and the study is resumed."""
-import contextlib
 import csv
 import json
-import os
 import re
-import signal
 import subprocess
 import sys
 import unittest
@@ -14,9 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shearwake
-from program import PATIENCE_s, ROOT, ProgramTest, changed
+from program import ROOT, ProgramTest, changed
 from scipy.interpolate import RegularGridInterpolator
-from test_resume import alive, descendants
 
 STEADY = """
 schema = 1
@@ -266,15 +262,9 @@ class Optimise(ProgramTest):
     def test_a_killed_study_is_resumed_with_the_same_result(self):
         self.job(*TRANSIENT)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
-        process = self.start("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2)
-        self.wait_for(lambda: list((self.folder / "killed").rglob("*.h5")), "the first field")
-        pids = [process.pid, *descendants(process.pid)]
-        for pid in pids:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        process.wait(PATIENCE_s)
-        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
-        self.assertFalse((self.folder / "killed/optimise/table.csv").exists(), "it was too fast to be killed")
+        self.kill(self.start_and_stop("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2,
+                                      faults={"PATH": "killed/*.h5", "CALL": "rename", "STOP_AT": 2}))
+        self.assertFalse((self.folder / "killed/optimise/table.csv").exists())
         self.shearwake("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2)
         self.assertEqual(self.rows("killed"), self.rows())
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Loaded before the C library (LD_PRELOAD), this file makes the system fail.
 //
-// Each process counts writes, flushes and renames of files whose path contains FAULT_PATH:
+// Each process counts writes, flushes and renames of files whose path contains FAULT_PATH, in which * matches any text:
 //   FAULT_CALL=name       counts only these calls
+//   FAULT_STOP_AT=n       the n-th stops the process before the call, until SIGCONT
+//   FAULT_HOUR_AT=n       from the n-th on, the clock that measures intervals is an hour ahead
 //   FAULT_KILL_AT=n       the n-th kills the process after half of its data is written
 //   FAULT_EIO_AT=n        the n-th fails with an I/O error
 //   FAULT_EIO_COUNT=m     the m - 1 calls after it fail as well
@@ -19,6 +21,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <fnmatch.h>
 #include <new>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -42,7 +45,10 @@ long number(const char* name) {
 
 int counts(const char* path) {
     const char* wanted = getenv("FAULT_PATH");
-    return wanted && path && strstr(path, wanted) != nullptr;
+    char pattern[4096];
+    if (!wanted || !path) return 0;
+    snprintf(pattern, sizeof pattern, "*%s*", wanted);
+    return fnmatch(pattern, path, 0) == 0;
 }
 
 int fd_counts(int fd) {
@@ -54,12 +60,16 @@ int fd_counts(int fd) {
     return counts(path);
 }
 
+long ahead_s = 0;
+
 /* 0: continue; 1: fail; 2: end the process. */
 int fate(int relevant, const char* call) {
     static long seen = 0;
     const char* only = getenv("FAULT_CALL");
     if (!relevant || (only && strcmp(only, call) != 0)) return 0;
     const long now = __sync_add_and_fetch(&seen, 1);
+    if (now == number("FAULT_STOP_AT")) kill(getpid(), SIGSTOP);
+    if (now == number("FAULT_HOUR_AT")) ahead_s = 3600;
     if (now == number("FAULT_KILL_AT")) return 2;
     const long first = number("FAULT_EIO_AT"), many = number("FAULT_EIO_COUNT");
     return first > 0 && now >= first && now < first + (many > 0 ? many : 1);
@@ -126,6 +136,7 @@ int clock_gettime(clockid_t clock, struct timespec* out) {
     const int status = real(clock, out);
     if (clock == CLOCK_REALTIME && __sync_add_and_fetch(&asked, 1) > 20)
         out->tv_sec += number("FAULT_CLOCK");
+    if (clock == CLOCK_MONOTONIC) out->tv_sec += ahead_s;
     return status;
 }
 

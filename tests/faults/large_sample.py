@@ -4,8 +4,8 @@
 
 Usage: PYTHONPATH=analysis:tests/end_to_end large_sample.py [--samples N] [--kills K]     SHEARWAKE: path of the program (default: build/shearwake)
 
-Compares the time of the run with that of `plan`, kills another run K times, and compares the tables. The time is only
-meaningful on an idle machine. Exit code 1 if the time differs by more than 30 % or a table differs.
+Prints the time of the run and the estimate of `plan`, which can be compared on an idle machine. Kills another run K times; exit
+code 1 if its table differs.
 """
 import argparse
 import json
@@ -31,22 +31,18 @@ def sample_job(samples):
 
 
 class LargeSample(FaultTest):
-    def test_the_time_is_predicted_and_kills_do_not_change_the_tables(self):
+    def test_kills_do_not_change_the_tables(self):
         self.write_job(sample_job(WANTED.samples))
         self.shearwake("plan", "job.toml", "--json", ranks=2)  # measures the machine
         predicted_s = json.loads(self.shearwake("plan", "job.toml", "--json", ranks=2).stdout)["wall_s"]
         print(f"{WANTED.samples} samples: plan predicts {predicted_s:.1f} s", flush=True)
         began = time.monotonic()
-        out = self.folder / "whole-1"
-        self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", 1, "--quiet", ranks=2,
-                       timeout_s=20 * predicted_s + 600)
+        reference = self.undisturbed(1)
         taken_s = time.monotonic() - began
         print(f"the run took {taken_s:.1f} s, {100 * (taken_s / predicted_s - 1):+.0f} %", flush=True)
-        reference = self.undisturbed(1)
         kills = self.survive(seed=1, ranks_per_case=1, kills=WANTED.kills, reference=reference,
                              longest_s=max(3.0, 0.5 * predicted_s / WANTED.kills))
         print(f"{len(kills)} kills ({', '.join(kills)}): the tables are the same", flush=True)
-        self.assertLess(abs(taken_s / predicted_s - 1.0), 0.3)
 
 
 if __name__ == "__main__":

@@ -14,33 +14,31 @@ import h5py
 import numpy
 import pytest
 
-from faults import FaultTest, both_engines, command, environment, journal, table_bytes
-from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids, seal, started, table, \
+from faults import FaultTest, both_engines, command, journal, table_bytes
+from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, faulty_environment, plan_ids, seal, started, table, \
     without_reference
 
-FEW = LONG.replace("1000, 12]", "1000, 30]")
-SOME = LONG.replace("1000, 12]", "1000, 75]")
-MANY = LONG.replace("1000, 12]", "1000, 800]")
+MANY = LONG.replace("1000, 12]", "1000, 30]")
 
 
 class Stops(FaultTest):
     @pytest.mark.long
     def test_a_stop_file_stops_runs_until_it_is_removed(self):
-        self.write_job(SOME)
-        process = self.start("run", "job.toml", ranks=2)
-        self.wait_for(lambda: case_files(self.out), "the first case")
+        self.write_job(LONG)
+        process = self.start_and_stop("run", "job.toml", ranks=2)
         (self.out / "STOP").touch()
+        self.signal_and_continue(process)
         said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
-        self.assertLess(there, 75, "it was too fast to be stopped")
+        self.assertLess(there, 12)
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
         self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
         self.says(self.shearwake("status", self.out).said, "STOP stops all runs", "remove it")
         (self.out / "STOP").unlink()
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
-        self.assertEqual(len(started(self.out)), 75)
+        self.assertEqual(len(started(self.out)), 12)
 
     def test_a_stop_request_ends_the_choice_of_time_steps(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
@@ -56,25 +54,19 @@ class Stops(FaultTest):
         self.assertEqual([line["event"] for line in journal(self.out)][1:3], ["run_prepares", "run_started"])
 
     def test_a_run_stops_at_its_time_limit(self):
-        self.write_job(MANY)
+        self.write_job(LONG)
         self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
                   "must be seconds or days-hours:minutes:seconds", "1:30:00")
-        for limit in ("0:04", "0:16", "1:04"):  # a busy machine needs longer for the first case
-            said = self.shearwake("run", "job.toml", "--walltime", limit, expect=75).said
-            self.says(said, "stopped early", "800 cases")
-            first = len(case_files(self.out))
-            if first:
-                break
-        self.assertGreater(first, 0, said)
-        for limit_s in (2, 8, 32):
-            env = {**environment(), "SLURM_JOB_END_TIME": str(int(time.time()) + limit_s)}
-            done = subprocess.run(command("run", "job.toml"), cwd=self.folder, env=env, check=False,
-                                  capture_output=True, encoding="utf-8")
+        # An hour passes when the second case of each run has been computed.
+        for words, variables, complete in ((("--walltime", "1:00:00"), {}, 2),
+                                           ((), {"SLURM_JOB_END_TIME": str(int(time.time()) + 3600)}, 4)):
+            env = {**faulty_environment(PATH="/cases/*.h5", CALL="rename", HOUR_AT=2), **variables}
+            done = subprocess.run(command("run", "job.toml", *words), cwd=self.folder, env=env, check=False,
+                                  capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
             self.assertEqual(done.returncode, 75, done.stdout + done.stderr)
-            if len(case_files(self.out)) > first:
-                break
-        self.assertGreater(len(case_files(self.out)), first)
-        self.assertEqual(len(started(self.out)), len(case_files(self.out)))
+            self.says(done.stdout + done.stderr, "stopped early", "12 cases")
+            self.assertEqual(len(case_files(self.out)), complete)
+            self.assertEqual(len(started(self.out)), complete)
 
     def test_the_journal_records_measured_and_estimated_times(self):
         self.write_job(LONG)
@@ -101,10 +93,8 @@ class LargeCase(FaultTest):
         process = self.start("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks)
         self.wait_for(lambda: (self.out / "plan.json").exists() and started(self.out), "the case")
         time.sleep(after_s)
-        asked = time.monotonic()
         process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
         said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertLess(time.monotonic() - asked, 30.0)  # batch systems grant at least as much
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "0 computed now", "stopped early")
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
@@ -123,10 +113,8 @@ class Failing(FaultTest):
         self.write_job(both_engines(1))
 
     def run_with(self, ranks=1, words=(), **faults):
-        env = {**environment(), "LD_PRELOAD": str(self.library),
-               **{f"FAULT_{name}": str(value) for name, value in faults.items()}}
-        done = subprocess.run(command("run", "job.toml", *words, ranks=ranks), cwd=self.folder, env=env,
-                              check=False, capture_output=True, encoding="utf-8", errors="replace",
+        done = subprocess.run(command("run", "job.toml", *words, ranks=ranks), cwd=self.folder,
+                              env=faulty_environment(**faults), check=False, capture_output=True, encoding="utf-8", errors="replace",
                               timeout=PATIENCE_s)
         done.said = done.stdout + done.stderr
         return done
@@ -187,14 +175,11 @@ class Failing(FaultTest):
         self.assert_goes_on(reference)
 
     def test_a_requested_stop_after_a_file_error_exits_with_75(self):
-        self.write_job(FEW)
-        env = {**environment(), "LD_PRELOAD": str(self.library), "FAULT_PATH": "/out/small/cases/",
-               "FAULT_EIO_AT": "3", "FAULT_ERRNO": str(errno.ENOSPC)}
-        process = subprocess.Popen(command("run", "job.toml"), cwd=self.folder, env=env,
-                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8")
-        self.addCleanup(self._end, process)
-        self.wait_for(lambda: list((self.out / "failed").glob("*.txt")), "the first failure")
-        process.send_signal(signal.SIGTERM)
+        self.write_job(LONG)
+        process = self.start_and_stop("run", "job.toml", faults={
+            "PATH": "/cases/", "EIO_AT": 3, "ERRNO": errno.ENOSPC, "STOP_AT": 20})
+        self.assertEqual(len(list((self.out / "failed").glob("*.txt"))), 1)
+        self.signal_and_continue(process, signal.SIGTERM)
         said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
@@ -268,10 +253,10 @@ class Failing(FaultTest):
 
     @pytest.mark.long
     def test_removal_of_the_folder_during_a_run_is_reported(self):
-        self.write_job(MANY)
-        process = self.start("run", "job.toml", ranks=2)
-        self.wait_for(lambda: case_files(self.out), "the first case")
+        self.write_job(LONG)
+        process = self.start_and_stop("run", "job.toml", ranks=2)
         shutil.move(self.out, self.folder / "elsewhere")
+        self.signal_and_continue(process)
         said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 6, said)
         self.says(said, "the output folder", "was removed during the run")
@@ -289,14 +274,11 @@ class Failing(FaultTest):
         for removed in (("plan.json", "cases/*"), ("cases",)):
             with self.subTest(removed=removed):
                 shutil.rmtree(self.out, ignore_errors=True)
-                process = self.start("run", "job.toml")
-                self.wait_for(lambda: case_files(self.out), "the first case")
-                process.send_signal(signal.SIGSTOP)
-                self.assertLess(len(case_files(self.out)), 10, "it was too fast to be held")
+                process = self.start_and_stop("run", "job.toml")
                 for path in [path for name in removed for path in self.out.glob(name)]:
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
                 (self.out / "cases").mkdir(exist_ok=True)
-                process.send_signal(signal.SIGCONT)
+                self.signal_and_continue(process)
                 said = process.communicate(timeout=PATIENCE_s)[0]
                 self.assertEqual(process.returncode, 6, said)
                 self.says(said, "during the run", "rerun the command")
@@ -317,18 +299,15 @@ class Failing(FaultTest):
 
 class Folders(FaultTest):
     def test_a_shard_that_is_running_is_rejected_and_other_shards_are_not(self):
-        self.write_job(FEW)
-        first = self.start("run", "job.toml", "--shard", "1/3")
-        self.wait_for(lambda: case_files(self.out), "the first case")
-        first.send_signal(signal.SIGSTOP)
-        self.assertLess(len(case_files(self.out)), 10, "it was too fast to be held")
+        self.write_job(MANY)
+        first = self.start_and_stop("run", "job.toml", "--shard", "1/3")
         for words in (["--shard", "1/3"], []):
             said = self.shearwake("run", "job.toml", *words, expect=2).said
             self.says(said, "is being computed by another run", "--shard")
         # Parts that overlap share the work case by case.
         second = self.start("run", "job.toml", "--shard", "1/6")
         self.says(self.shearwake("status", self.out).said, "a run is active")
-        first.send_signal(signal.SIGCONT)
+        self.signal_and_continue(first)
         for process in (first, second):
             said = process.communicate(timeout=PATIENCE_s)[0]
             self.assertIn(process.returncode, (0, 75), said)
@@ -352,9 +331,9 @@ class Folders(FaultTest):
         self.write_job(both_engines(1))
         before = os.umask(0o077)
         self.addCleanup(os.umask, before)
-        process = self.start("run", "job.toml", "--checkpoint-steps", 20)
-        self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a state")
-        process.send_signal(signal.SIGTERM)
+        process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20,
+                                      faults={"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 2})
+        self.signal_and_continue(process, signal.SIGTERM)
         said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")

@@ -3,7 +3,6 @@
 // crashes on some inputs: a forked child reads them first, and this process reads only inputs on
 // which the child does not crash, with the sanitizers.
 #include "base/error.hpp"
-#include "fuzz/processor_time.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/checksum/checksum.hpp"
 #include "storage/hdf5/guard.hpp"
@@ -11,7 +10,6 @@
 #include "support/scratch_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const shearwake::fuzz::ProcessorTimeLimit limit;
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
     const shearwake::fuzz::ScratchFile file(data, size, ".h5");

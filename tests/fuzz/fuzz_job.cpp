@@ -2,7 +2,6 @@
 // For arbitrary bytes, the reader of job files must return a job or throw BadJob. The demand of a
 // job for memory and disk must then be finite, as `check` needs it.
 #include "config/job.hpp"
-#include "fuzz/processor_time.hpp"
 #include "schedule/cost/case_costs.hpp"
 
 #include <cmath>
@@ -13,7 +12,6 @@
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const shearwake::fuzz::ProcessorTimeLimit limit;
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
         const shearwake::config::Job job = shearwake::config::read_job(text, "fuzz.toml");

@@ -2,13 +2,11 @@
 // For arbitrary bytes, as CSV and as HDF5, the readers of motions and stresses must return a result
 // or throw Error.
 #include "base/error.hpp"
-#include "fuzz/processor_time.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/input/input_files.hpp"
 #include "support/scratch_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const shearwake::fuzz::ProcessorTimeLimit limit;
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
     constexpr std::string_view hdf5 = "\x89HDF";

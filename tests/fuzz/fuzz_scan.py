@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Changes files of scans at random and reads them: each gives a scan or a reason, in limited time and memory.
+"""Changes files of scans at random and reads them: each gives a scan or a reason, in limited memory.
 
 Usage: PYTHONPATH=analysis tests/fuzz/fuzz_scan.py [SECONDS] [SEED]
 An input that breaks the reader is stored in a file, whose name is printed, and the exit code is 1.
@@ -20,7 +20,6 @@ from shearwake.laboratory.scan import BadScan, Scan
 from shearwake.laboratory.scan_files import read_scan, write_scan
 
 MOST_B = 3 << 30
-MOST_s = 5.0  # of processor time per input
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat", "five": ".mat"}
 TOKENS = (b"-1", b"58", b"NaN", b"1e999", b"1250000000", b"99999999999", b"\x00" * 8, b"\xff" * 8, b"    -1\n", b"m/s", b"MATLAB 5.0")
 
@@ -60,15 +59,8 @@ def changed(content, rng):
     return bytes(data)
 
 
-def processor_s():
-    """Processor time of this process and of those that have read files for it."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
-
-
 def reason_of_failure(path):
     """Why an input breaks the reader; empty if it does not."""
-    began = processor_s()
     try:
         scan = read_scan(path)
         if scan.velocity_m_s.shape != (len(scan.x_m), len(scan.time_s)):
@@ -78,8 +70,7 @@ def reason_of_failure(path):
             return f"the reason is not one line: {error!r}"
     except Exception:  # noqa: BLE001 - any other exception is an error of the reader
         return traceback.format_exc()
-    took = processor_s() - began
-    return f"{took:.1f} s of processor time" if took > MOST_s else ""
+    return ""
 
 
 def main(seconds=600.0, seed=0):

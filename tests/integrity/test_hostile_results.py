@@ -11,11 +11,10 @@ import h5py
 import pytest
 
 from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, sampled, times
-from program import ROOT, ProgramTest, case_files, command, journal, seal
-from test_checkpoint import STEPPED
+from program import ROOT, ProgramTest, case_files, command, seal
+from test_checkpoint import STEPPED, checkpoint
 from test_mutated_files import ONE_CASE, mutated
 
-MOST_s = 10.0
 READ = f"""
 import sys
 import warnings
@@ -37,7 +36,7 @@ except (OSError, ValueError, KeyError, shearwake.ShearwakeError) as error:
 
 class HostileResults(ProgramTest):
     def read(self, call, about):
-        said, _ = accepted_or_refused(self, call, (0, 2, 3, 4, 5, 6), MOST_s, about)
+        said, _ = accepted_or_refused(self, call, (0, 2, 3, 4, 5, 6), about)
         self.assertNotIn("\x1b", said)
         self.assertNotIn("12345.6", said)
         return said
@@ -92,7 +91,7 @@ class HostileResults(ProgramTest):
     def test_what_is_not_a_file_in_place_of_texts(self):
         self.compute(ONE_CASE)
         case = case_files(self.out)[0]
-        accepted_or_refused(self, [sys.executable, "-c", READ, str(case), str(self.out)], (0,), MOST_s, "undamaged results")
+        accepted_or_refused(self, [sys.executable, "-c", READ, str(case), str(self.out)], (0,), "undamaged results")
         odd = (("pipe", os.mkfifo), ("hole", self.make_hole), ("folder", os.mkdir), ("device", lambda path: path.symlink_to("/dev/zero")))
         texts = [self.out / "plan.json", self.out / "job.toml", *self.out.glob("journal*.jsonl"), *self.out.glob("index*.jsonl"),
                  *(self.out / "tables").iterdir()]
@@ -134,9 +133,8 @@ class HostileResults(ProgramTest):
 
     def test_checkpoints(self):
         self.write_job(STEPPED)
-        process = self.start("run", "job.toml", "--checkpoint-steps", 20)
-        self.wait_for(lambda: any(line["event"] == "checkpointed" for line in journal(self.out)), "a checkpoint")
-        process.send_signal(signal.SIGTERM)
+        process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20, faults=checkpoint(2))
+        self.signal_and_continue(process, signal.SIGTERM)
         process.wait()
         path = max((self.out / "checkpoints").iterdir(), key=os.path.getmtime)
         with h5py.File(path) as file:

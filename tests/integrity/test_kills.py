@@ -1,32 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Kills in every phase of a run: the following runs give the same table and bitwise the same datasets."""
-import contextlib
-import os
 import random
 import signal
 import subprocess
-import tempfile
-import time
 import unittest
-from pathlib import Path
 
 import h5py
 import pytest
 
 from attacks import times
-from faults import both_engines, failing_library, table_bytes
-from program import PATIENCE_s, ProgramTest, case_files, command, environment, journal
+from faults import both_engines, table_bytes
+from program import PATIENCE_s, ProgramTest, case_files, command, faulty_environment, journal
 
-# Phases that are identified by a write, flush or rename of a file: part of its path, the call (None: any), and the
-# largest number of the call at which to kill.
-MARKED = {
+# Phases, identified by a write, flush or rename of a file: part of its path, the call (None: any), and the largest number
+# of the call at which to kill. Lines of the journal accompany the whole run, from its start to its end.
+PHASES = {
     "plan": ("/plan.json", None, 3),
+    "journal": ("/journal", "write", 30),
     "checkpoint": ("/checkpoints/", None, 60),
     "write": ("/cases/", None, 60),
     "rename": (".h5", "rename", 8),
     "index": ("/index", "write", 2),
 }
-WATCHED = ["start", "claim", "compute", "end"]
 
 
 def numbers(out):
@@ -40,40 +35,16 @@ def numbers(out):
 
 
 class EveryPhase(ProgramTest):
-    @classmethod
-    def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="shearwake-kill-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.library = failing_library(Path(folder.name))
-
     def words(self, out):
         return ("run", "job.toml", "--out", out, "--checkpoint-steps", 40)
 
-    def begin(self, out, **faults):
-        env = {**environment(), **({"LD_PRELOAD": str(self.library)} if faults else {}),
-               **{f"FAULT_{name}": str(value) for name, value in faults.items()}}
-        return subprocess.Popen(command(*self.words(out)), cwd=self.folder, env=env, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    def killed_by_call(self, out, phase, chance):
-        path, call, most = MARKED[phase]
-        faults = {"PATH": path, "KILL_AT": chance.randint(1, most), **({"CALL": call} if call else {})}
-        return self.begin(out, **faults).wait(PATIENCE_s) == -signal.SIGKILL
-
-    def killed_when_seen(self, out, phase, chance, wait_s):
-        """Kills the run shortly after the phase has begun."""
-        begun = len([e for e in journal(out) if e["event"] == "started"])
-        process = self.begin(out)
-        seen = {"start": lambda: True,
-                "claim": lambda: (out / "locks" / "cases").exists(),
-                "compute": lambda: len([e for e in journal(out) if e["event"] == "started"]) > begun,
-                "end": lambda: len(case_files(out)) == self.cases}[phase]
-        while process.poll() is None and not seen():
-            time.sleep(0.0005)
-        time.sleep(chance.uniform(0.0, wait_s[phase]))
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(process.pid, signal.SIGKILL)
-        return process.wait(PATIENCE_s) == -signal.SIGKILL
+    def is_killed(self, out, phase, chance):
+        """Runs the job; whether it has reached the call at which it is killed."""
+        path, call, most = PHASES[phase]
+        env = faulty_environment(PATH=path, KILL_AT=chance.randint(1, most), **({"CALL": call} if call else {}))
+        process = subprocess.run(command(*self.words(out)), cwd=self.folder, env=env, stdin=subprocess.DEVNULL,
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE_s, check=False)
+        return process.returncode == -signal.SIGKILL
 
     @pytest.mark.long
     def test_kills_in_every_phase_leave_every_number_as_it_is(self):
@@ -81,19 +52,15 @@ class EveryPhase(ProgramTest):
         whole = self.folder / "whole"
         self.shearwake(*self.words(whole))
         self.shearwake("reduce", whole)
-        reference, self.cases = numbers(whole), len(case_files(whole))
-        chance = random.Random(4)
-        wait_s = {"start": 0.3, "claim": 0.01, "compute": 0.1, "end": 0.01}
-        for phase in [*MARKED, *WATCHED]:
+        reference, chance = numbers(whole), random.Random(4)
+        for phase in PHASES:
             killed, tries = 0, 0
             while killed < times(1, 20):
                 tries += 1
                 self.assertLess(tries, times(12, 100), f"no run could be killed in the phase {phase}")
                 out = self.folder / "out" / f"{phase}-{tries}"
-                done = (self.killed_by_call(out, phase, chance) if phase in MARKED
-                        else self.killed_when_seen(out, phase, chance, wait_s))
-                if not done:
-                    continue  # it had ended before
+                if not self.is_killed(out, phase, chance):
+                    continue  # it has ended before
                 killed += 1
                 self.shearwake(*self.words(out))
                 self.shearwake("verify", out)
@@ -113,11 +80,8 @@ class PartialFiles(ProgramTest):
 
     def interrupted(self):
         """The folder of a run that was killed after some checkpoints, with the unfinished file."""
-        process = self.start("run", "job.toml", "--checkpoint-steps", 20)
-        self.wait_for(lambda: len([e for e in journal(self.out) if e["event"] == "checkpointed"]) >= 6,
-                      "checkpoints")
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        self.kill(self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20,
+                                      faults={"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 7}))
         part, = (self.out / "cases").glob("*.part")
         return part
 

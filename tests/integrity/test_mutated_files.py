@@ -15,7 +15,6 @@ from attacks import ELSEWHERE, accepted_or_refused, attacks_on_hdf5, grey_header
 from program import ROOT, SWEEP, ProgramTest, case_files, changed, command, seal, without_reference
 
 CORPUS = ROOT / "tests" / "fuzz" / "corpus"
-MOST_s = 10.0
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
 MAP = ('base = "rigid"\n', 'base = "rigid"\nmap = "input.h5"\n')
 LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
@@ -55,7 +54,7 @@ def mutated(content, rng):
 
 class MutatedFiles(ProgramTest):
     def accepted_or_refused(self, call, about, codes=(0, 2, 3, 5, 6)):
-        return accepted_or_refused(self, call, codes, MOST_s, about)[1]
+        return accepted_or_refused(self, call, codes, about)[1]
 
     def attack(self, name, content, call, finish=lambda path: None, codes=(0, 2, 3, 5, 6)):
         rng = random.Random(name)
@@ -160,7 +159,7 @@ class HostileFiles(ProgramTest):
                     change(file, dataset, shape)
                 for call in calls:
                     with self.subTest(dataset=dataset, kind=kind, call=call[-2:]):
-                        said, code = accepted_or_refused(self, call, (0, 1, 2, 3, 6), MOST_s, kind)  # 1: of k-Wave
+                        said, code = accepted_or_refused(self, call, (0, 1, 2, 3, 6), kind)  # 1: of k-Wave
                         self.assertNotIn("\x1b", said)
                         self.assertNotIn("12345", said)
                         if kind in ELSEWHERE:
@@ -218,7 +217,7 @@ class LargeFiles(ProgramTest):
     """Long lines, many columns and rows, and holes: an error that names the file, in limited time and memory."""
 
     def refused(self, call, name, about, codes=(2, 3, 6)):
-        said, _ = accepted_or_refused(self, call, codes, MOST_s, about)
+        said, _ = accepted_or_refused(self, call, codes, about)
         self.assertIn(name, said, about)
         return said
 

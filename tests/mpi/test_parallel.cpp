@@ -67,9 +67,9 @@ TEST_CASE("ranks add to shared counters while rank 0 calls no function of MPI", 
             counters.fetch_add(0, 1);
             std::ofstream(file_of(world.rank())) << "added";
         }
-        // A minute, which only a rank that waits for rank 0 needs.
+        // Half an hour, which only a rank that waits for rank 0 needs.
         for (int rank = 1; world.is_root() && rank < world.size(); ++rank) {
-            for (int n = 0; n < 6000 && !std::filesystem::exists(file_of(rank)); ++n)
+            for (int n = 0; n < 180000 && !std::filesystem::exists(file_of(rank)); ++n)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             have_all_added = have_all_added && std::filesystem::exists(file_of(rank));
         }

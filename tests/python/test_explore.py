@@ -103,7 +103,7 @@ class Explore(InFolder):
             self.assertEqual(page.host, "127.0.0.1:8765")
             for host, expected in (("localhost:8765", 200), ("[::1]:8765", 200), (f"127.0.0.1:{port}", 200), ("localhost:8766", 403),
                                    ("evil.example:8765", 403)):
-                connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+                connection = http.client.HTTPConnection("127.0.0.1", port, timeout=program.PATIENCE_s)
                 connection.request("GET", f"/?token={page.token}", headers={"Host": host})
                 self.assertEqual(connection.getresponse().status, expected, host)
                 connection.close()

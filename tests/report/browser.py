@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-TIMEOUT_s = 480.0  # of one response; a busy machine may take minutes to start a browser
+from program import PATIENCE_s
 
 
 def find():
@@ -59,7 +59,7 @@ class Browser:
     def __exit__(self, *_):
         try:
             self.send("Browser.close")
-            self.process.wait(10)
+            self.process.wait(PATIENCE_s)
         except (OSError, RuntimeError, subprocess.TimeoutExpired):
             self.process.kill()
             self.process.wait()
@@ -87,7 +87,7 @@ class Browser:
         data = json.dumps(command).encode() + b"\0"
         while data:
             data = data[os.write(self.out, data):]
-        until = time.monotonic() + TIMEOUT_s
+        until = time.monotonic() + PATIENCE_s
         while True:
             answer = self.message(until)
             if answer.get("id") == self.number:
@@ -97,7 +97,7 @@ class Browser:
             self.events.append(answer)
 
     def wait_for(self, name):
-        until = time.monotonic() + TIMEOUT_s
+        until = time.monotonic() + PATIENCE_s
         while not any(event.get("method") == name for event in self.events):
             self.events.append(self.message(until))
 

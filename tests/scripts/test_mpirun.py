@@ -6,11 +6,10 @@ import subprocess
 import unittest
 from unittest import mock
 
-from program import PATIENCE_s, ROOT, ProgramTest, environment, launch
-from test_resume import descendants
+from program import PATIENCE_s, ROOT, ProgramTest, descendants, environment, launch
 
 # Removes its file when it receives the signal.
-RANK = ("sh", "-c", "trap 'rm -f $file; exit 0' USR1; file=$(mktemp rank-XXXXXX); while :; do sleep 0.05; done")
+RANK = ("sh", "-c", "trap 'rm -f rank-$$; exit 0' USR1; touch rank-$$; while :; do sleep 0.05; done")
 
 
 def start_of_python(*words):

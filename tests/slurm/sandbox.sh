@@ -70,7 +70,7 @@ start)
     slurmctld
     sleep 1
     for n in $(seq "$nodes"); do slurmd -N "n$n"; done
-    for _ in $(seq 60); do
+    for _ in $(seq 600); do
         [ "$(sinfo -h -o %T | sort -u)" = idle ] && exit 0
         sleep 0.5
     done

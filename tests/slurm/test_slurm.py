@@ -84,8 +84,8 @@ class Slurm(unittest.TestCase):
         computes, reduces = re.search(r"submitted: job (\d+) computes, job (\d+) reduces", said).groups()
         return computes, reduces
 
-    def wait_for(self, condition, what, timeout_s=PATIENCE_s):
-        end = time.monotonic() + timeout_s
+    def wait_for(self, condition, what):
+        end = time.monotonic() + PATIENCE_s
         while not condition():
             self.assertLess(time.monotonic(), end, f"waited in vain for {what}\n{self.messages()}")
             time.sleep(0.1)
