@@ -162,7 +162,42 @@ def is_pending(pid, number):
     return any(int(mask, 16) >> (number - 1) & 1 for mask in re.findall(r"(?:Sig|Shd)Pnd:\s*(\w+)", text))
 
 
-class ProgramTest(unittest.TestCase):
+class Interrupting(unittest.TestCase):
+    """Waits for processes and interrupts them."""
+
+    def wait_for(self, condition, what):
+        end = time.monotonic() + PATIENCE_s
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
+            time.sleep(0.005)
+
+    def wait_for_stop(self, process, count=1):
+        self.wait_for(lambda: process.poll() is not None or len(stopped(process.pid)) == count, "the programs to stop")
+        self.assertIsNone(process.poll(), "it ended before it stopped")
+
+    def signal_and_continue(self, process, number=None, forwarded=None):
+        """Sends a signal to a process, and lets its stopped programs continue once they have received it, or the signal that the
+        process forwards instead."""
+        programs, expected = stopped(process.pid), forwarded or number
+        if number is not None:
+            process.send_signal(number)
+            self.wait_for(lambda: all(is_pending(pid, expected) for pid in programs), f"{signal.strsignal(expected)} to arrive")
+        for pid in programs:
+            os.kill(pid, signal.SIGCONT)
+
+    def kill(self, process):
+        """Kills a command with all ranks."""
+        pids = [process.pid, *descendants(process.pid)]
+        for pid in pids:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # those whose parent has ended
+        process.wait()
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
+
+
+class ProgramTest(Interrupting):
     """Runs each test in a separate temporary folder."""
 
     maxDiff = 4000
@@ -210,39 +245,9 @@ class ProgramTest(unittest.TestCase):
         self.wait_for_stop(process, count)
         return process
 
-    def wait_for_stop(self, process, count=1):
-        self.wait_for(lambda: process.poll() is not None or len(stopped(process.pid)) == count, "the programs to stop")
-        self.assertIsNone(process.poll(), "it ended before it stopped")
-
-    def signal_and_continue(self, process, number=None):
-        """Sends a signal to a process, and lets its stopped programs continue once they have received it."""
-        programs = stopped(process.pid)
-        if number is not None:
-            process.send_signal(number)
-            self.wait_for(lambda: all(is_pending(pid, number) for pid in programs), f"{signal.strsignal(number)} to arrive")
-        for pid in programs:
-            os.kill(pid, signal.SIGCONT)
-
-    def kill(self, process):
-        """Kills a command with all ranks."""
-        pids = [process.pid, *descendants(process.pid)]
-        for pid in pids:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)  # those whose parent has ended
-        process.wait()
-        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
-
     def _end(self, process):
         self.kill(process)
         process.stdout.close()
-
-    def wait_for(self, condition, what):
-        end = time.monotonic() + PATIENCE_s
-        while not condition():
-            self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
-            time.sleep(0.005)
 
     def says(self, text, *words):
         for word in words:

@@ -2,7 +2,6 @@
 """Computes small sweeps for the tests of the package."""
 import os
 import tempfile
-import unittest
 from pathlib import Path
 
 import matplotlib
@@ -15,7 +14,7 @@ os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM))
 AM, FWHM = "load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm"
 
 
-class InFolder(unittest.TestCase):
+class InFolder(program.Interrupting):
     """Runs the tests of a class in one temporary folder, which is the current folder."""
 
     @classmethod

@@ -2,11 +2,13 @@
 """The server of `shearwake explore` refuses strangers, survives hostile requests, and runs sweeps."""
 import asyncio
 import contextlib
+import fcntl
 import http.client
 import json
 import os
 import signal
 import socket
+import termios
 import time
 import unittest
 from pathlib import Path
@@ -275,10 +277,12 @@ class Explore(InFolder):
         async def talk(ws):
             engines = [pid for pid, command in self.page.children().items() if command.endswith(" serve")]
             self.assertEqual(len(engines), 1)
+            os.kill(engines[0], signal.SIGSTOP)
             await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": LARGE}))
-            await asyncio.sleep(0.05)
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(engines[0], signal.SIGKILL)
+            with open(f"/proc/{engines[0]}/fd/0", "rb") as requests:
+                while fcntl.ioctl(requests, termios.FIONREAD, bytes(4)) == bytes(4):  # it has not been sent to the engine
+                    await asyncio.sleep(0.01)
+            os.kill(engines[0], signal.SIGKILL)
             message, _ = await self.answer(ws, 1)
             self.assertEqual((message["type"], message["code"]), ("error", "ended"))
             await ws.send_str(json.dumps({"type": "compute", "id": 2, "job": one()}))

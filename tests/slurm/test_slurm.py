@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, journal,
+from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, is_pending, journal,
                      plan, started)
 
 HERE = Path(__file__).resolve().parent
@@ -106,6 +106,16 @@ class Slurm(unittest.TestCase):
         self.assertEqual(list(out.rglob("*.part")), [])
         self.assertEqual(len(started(out)), cases, "a case was computed twice")
 
+    def stopped_ranks(self, out):
+        """Stops the ranks of a run on two ranks after its first case, so that a signal arrives during the run."""
+        self.wait_for(lambda: case_files(out), "the first case")
+        ranks = self.ranks_of(out)
+        self.assertEqual(len(ranks), 2)
+        for pid in ranks:
+            os.kill(pid, signal.SIGSTOP)
+        self.assertLess(len(case_files(out)), 24, "it was too fast to be stopped")
+        return ranks
+
     def ranks_of(self, out):
         found = []
         for entry in Path("/proc").iterdir():
@@ -120,18 +130,15 @@ class Slurm(unittest.TestCase):
 
     @pytest.mark.long
     def test_array_time_limit_and_cancellation(self):
-        """A single test, since waiting for the time limit takes half a minute, during which the other jobs run."""
+        """A single test, since Slurm takes seconds to start."""
         limited, array, cancelled = (self.folder / name for name in ("limited", "array", "cancelled"))
-        # The time limit is a minute. Slurm checks every half minute whether to send the signal, and sends it up
-        # to half a minute early.
-        warned, its_table = self.submit(limited, "--ranks", 2, "--time", "1", "--warning", 29)
-        self.wait_for(lambda: case_files(limited), "the first case of the limited job")
-        # The run is suspended, so that the signal arrives during the run irrespective of the speed of the machine.
-        held = self.ranks_of(limited)
-        self.assertEqual(len(held), 2)
-        for pid in held:
-            os.kill(pid, signal.SIGSTOP)
-        self.assertLess(len(case_files(limited)), 24, "it was too fast to be held")
+        # Slurm checks every half minute whether to send the signal, and sends it up to half a minute early: at least 59 s
+        # are left.
+        warned, its_table = self.submit(limited, "--ranks", 2, "--time", "2", "--warning", 59)
+        ranks = self.stopped_ranks(limited)
+        self.wait_for(lambda: all(is_pending(pid, signal.SIGUSR1) for pid in ranks), "the warning")
+        for pid in ranks:
+            os.kill(pid, signal.SIGCONT)
 
         shards, table = self.submit(array, "--shards", 3, "--time", "10")
         self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the array and its table")
@@ -141,21 +148,19 @@ class Slurm(unittest.TestCase):
                          {f"journal.{i}-of-3.jsonl" for i in (1, 2, 3)})
 
         job, _ = self.submit(cancelled, "--ranks", 2, "--time", "10")
-        self.wait_for(lambda: case_files(cancelled), "the first case of the job to be cancelled")
-        self.command(["scancel", job])
+        self.stopped_ranks(cancelled)
+        self.command(["scancel", job])  # which lets them continue
         self.wait_for(lambda: self.state(job) == ["CANCELLED"] and not self.ranks_of(cancelled), "its end")
-        self.assertLess(len(case_files(cancelled)), 24, "it was too fast to be cancelled")
+        self.assertLess(len(case_files(cancelled)), 24)
         _, table = self.submit(cancelled, "--ranks", 2, "--time", "10")
         self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table after a cancelled job")
         self.assertEqual(table_bytes(cancelled), self.reference)
         self.assertLessEqual(len(started(cancelled)), 24 + 2)
 
-        log = limited / "slurm" / f"small-{warned}.log"
-        self.wait_for(lambda: "SIGUSR1 to the ranks" in log.read_text(encoding="utf-8"), "the warning")
-        for pid in held:
-            os.kill(pid, signal.SIGCONT)
         self.wait_for(lambda: self.state(its_table) == ["COMPLETED"], "the table of the limited job")
-        self.assertIn("exit code 75", log.read_text(encoding="utf-8"))
+        log = (limited / "slurm" / f"small-{warned}.log").read_text(encoding="utf-8")
+        for words in ("SIGUSR1 to the ranks", "exit code 75"):
+            self.assertIn(words, log)
         self.assertIn("stopped", [line.get("how") for line in journal(limited)])
         self.assert_same(limited)
 
