@@ -1,10 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Fuzzes the readers of jobs, case files, maps, motions and studies with libFuzzer and the sanitizers of clang, and that of
-# scans with changed files, for ten
-# minutes each or the given number of seconds. An input may take 500 MB, including the sanitizers; libFuzzer ends one that
-# hangs, and the time of the slowest one is printed. New inputs are added to the corpus folder in build-fuzz/. An input that
-# breaks a reader is stored in a file, and the script ends with an exit code.
+# scans with changed files, for ten minutes each or the given number of seconds. An input may take 500 MB, including the
+# sanitizers; libFuzzer ends one that hangs, and the time of the slowest one is printed. New inputs are added to the corpus
+# folder in build-fuzz/. An input that breaks a reader is stored in a file, and the script ends with an exit code.
 # Usage: tests/fuzz/long_form.sh [SECONDS]        Needs clang (apt-get install clang)
 set -eu
 cd "$(dirname "$0")/../.."

@@ -15,8 +15,8 @@ import numpy
 from program import PATIENCE_s, ROOT, command, environment
 
 MOST_B = 300e6
-# Of the work of a reference run. The tests take up to 4 times as long as it does; the rest is for processors with other
-# strengths, and for busy ones, whose caches are shared.
+# Processor time relative to that of a reference run. The commands of the tests need up to 4 times as much; the rest is for
+# caches that other programs use, and for the seconds of processor time that `plan` grants itself on fast processors.
 MOST_WORK = 50
 
 
@@ -46,7 +46,7 @@ def reference_s():
 
 
 def accepted_or_refused(test, call, codes, about):
-    """Runs a command. It must end with one of the exit codes, without an internal error, and within MOST_WORK and MOST_B of memory.
+    """Runs a command. It must end with one of the exit codes, without an internal error, and with at most MOST_WORK and MOST_B of memory.
     Returns the output and the exit code."""
     said, code, used_s, used_B = ended(call, test.folder)
     about += f", exit code {code}: {said}"
