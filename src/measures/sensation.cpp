@@ -4,8 +4,7 @@
 #include "base/units.hpp"
 #include "measures/kernels/row_sums.hpp"
 #include "measures/window.hpp"
-#include "problem/case/sensation_window.hpp"
-#include "problem/load/footprint.hpp"
+#include "problem/load/load.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>
@@ -31,48 +30,88 @@ constexpr std::array hand_m_s2 = {0.095, 0.1,   0.095, 0.108, 0.15,  0.16,  0.10
                                   0.049, 0.028, 0.023, 0.022, 0.021, 0.029, 0.032, 0.061};
 static_assert(centres_Hz.size() == hand_m_s2.size());
 
-/// Lines per 1/T of a Hann window.
-constexpr double hann_lines = 2.0;
-/// Half the width of the spectrum of a tone in a Hann window [1/T].
-constexpr double hann_reach = 2.0;
+/// Whether a gain that rises or falls once does not change in this time.
+bool rests(const Gain& gain, double from_s, double to_s) {
+    return std::visit(
+        overloaded{[&](const RampGain& g) {
+                       return g.start_s + g.duration_s <= from_s || g.start_s >= to_s;
+                   },
+                   [&](const WindowGain& g) {
+                       return (g.from_s + g.edge_s <= from_s && g.to_s - g.edge_s >= to_s) ||
+                              g.to_s <= from_s || g.from_s >= to_s;
+                   },
+                   [&](const SampledGain& g) { return g.period_s() - g.interval_s <= from_s; },
+                   [](const auto&) { return false; }},
+        gain);
+}
 
-/// Sets the window, or the reason why there is none. A Hann window judges fewer bands.
-void set_window(const Case& c, SensationLines& lines) {
+/// The load without what does not change between two times: gains that rise or fall once, and paths
+/// at whose end the focus rests already.
+Load changing_load(Load load, double from_s, double to_s) {
+    std::erase_if(load.modulation.envelope.gains,
+                  [&](const Gain& gain) { return acts_once(gain) && rests(gain, from_s, to_s); });
+    for (Mover& mover : load.modulation.trajectory.parts)
+        if (const auto* travel = std::get_if<Travel>(&mover);
+            travel && travel->at_end == AtEnd::hold && cycle_s(*travel) <= from_s)
+            mover = Hold{};
+    return load;
+}
+
+/// Why there is no whole period of a load between two times that are `settled_s` apart, with the
+/// time that the slowest part of the load needs.
+std::string period_reason(const Load& load, const LoadPeriod& period, double settled_s) {
+    if (!aperiodicity_reason(load).empty())
+        return "the load does not repeat between measure.settled_after_ms and measure.at_ms: " +
+               std::string(std::ranges::any_of(load.modulation.envelope.gains, acts_once)
+                               ? "it rises or falls once; choose times after that"
+                               : "its path ends; set path.at_end = \"repeat\" or "
+                                 "\"back-and-forth\"");
+    const std::vector<double> frequencies_Hz = frequencies_of(load);
+    if (frequencies_Hz.empty())
+        return "the load does not change between measure.settled_after_ms and measure.at_ms";
+    if (frequencies_Hz.size() > 1)
+        return "the load " + period.reason.substr(0, period.reason.find(';')) +
+               "; use commensurate frequencies, or a longer run";
+    const bool is_gain = std::ranges::any_of(load.modulation.envelope.gains, [&](const Gain& g) {
+        return repetition_Hz(g) == frequencies_Hz.front();
+    });
+    return fmt::format("{} at {:.4g} Hz needs {:.4g} ms between measure.settled_after_ms and "
+                       "measure.at_ms, which are {:.4g} ms apart",
+                       is_gain ? "AM" : "the motion of the focus", frequencies_Hz.front(),
+                       1e-3 * std::ceil(1e6 / frequencies_Hz.front() * (1.0 - rounding)),
+                       1e3 * settled_s);
+}
+
+/// Sets the window and the period of the load [s], or the reason why there is none.
+double set_window(const Case& c, SensationLines& lines) {
     const TimeAxis& time = c.time;
-    const SensationWindow window = sensation_window(c);
+    const double settled_after_s = c.measure.settled_after_s,
+                 // The second difference at the last frame would need the one after it.
+        to_s = std::min(c.measure.at_s, time.duration_s() - time.interval_s),
+                 settled_s = to_s - settled_after_s + time.interval_s;
     lines.reason =
         no_focus_reason(c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
-    if (lines.reason.empty()) lines.reason = window.reason;
-    if (!lines.reason.empty()) return;
-    lines.window_s = window.duration_s;
-    const double from_s = std::max(0.0, window.end_s - lines.window_s);
-    if (window.has_whole_periods) {
-        lines.weights = window_weights(time, from_s, window.end_s);
-    } else {
-        lines.weights.assign(static_cast<std::size_t>(time.frames), 0.0);
-        lines.slopes = lines.weights;
-        // By Parseval's theorem, lines 1/T apart have 3/2 of the power of a tone.
-        lines.power = 1.0 / (1.5 * hann_lines);
-        const double turn = std::numbers::pi / lines.window_s;
-        for (std::ptrdiff_t n = 0; n < time.frames; ++n) {
-            const double t_s = time.frame_s(n);
-            if (!(t_s > from_s && t_s < window.end_s)) continue;
-            const auto at = static_cast<std::size_t>(n);
-            lines.weights[at] = std::pow(std::sin(turn * (t_s - from_s)), 2);
-            lines.slopes[at] = turn * std::sin(2.0 * turn * (t_s - from_s));
-        }
-        std::erase_if(lines.bands, [&](const SensationBand& band) {
-            return band.centre_Hz * lines.window_s < fewest_periods_in_window * (1.0 - rounding);
-        });
-        if (lines.bands.empty())
-            lines.reason = fmt::format("the window of {:.3g} ms is shorter than three periods of "
-                                       "the highest band",
-                                       1e3 * lines.window_s);
+    if (!(settled_s > 4.0 * time.interval_s) && lines.reason.empty())
+        lines.reason = "fewer than four frames lie between measure.settled_after_ms and "
+                       "measure.at_ms";
+    if (!lines.reason.empty()) return 0.0;
+    for (const Gain& gain : c.scene().load.modulation.envelope.gains)
+        if (acts_once(gain) && rests(gain, settled_after_s, to_s) &&
+            !(shearwake::gain({{gain}}, 0.5 * (settled_after_s + to_s)) > 0.0))
+            lines.reason = "the load is off between measure.settled_after_ms and measure.at_ms";
+    if (!lines.reason.empty()) return 0.0;
+    const Load load = changing_load(c.scene().load, settled_after_s, to_s);
+    const LoadPeriod period = least_period(load, settled_s);
+    if (!period.reason.empty()) {
+        lines.reason = period_reason(load, period, c.measure.at_s - settled_after_s);
+        return 0.0;
     }
+    lines.window_s = std::floor(settled_s / period.period_s * (1.0 + rounding)) * period.period_s;
+    lines.weights = window_weights(time, std::max(0.0, to_s - lines.window_s), to_s);
     const double sum = std::reduce(lines.weights.begin(), lines.weights.end());
-    for (std::vector<double>* values : {&lines.weights, &lines.slopes})
-        for (double& value : *values)
-            value /= sum;
+    for (double& weight : lines.weights)
+        weight /= sum;
+    return period.period_s;
 }
 
 } // namespace
@@ -106,31 +145,27 @@ SensationLines sensation_lines(const Case& c) {
         lines.reason = "measure.depths_mm does not contain 0, the surface";
         return lines;
     }
-    lines.threshold = sensation_bands(c.sensation ? c.sensation->threshold : std::vector<Vec2>{});
-    lines.bands = lines.threshold;
+    lines.bands = sensation_bands(c.sensation ? c.sensation->threshold : std::vector<Vec2>{});
     const double nyquist_Hz = 0.5 / lines.interval_s;
     if (lines.bands.back().high_Hz > nyquist_Hz) {
         lines.reason = fmt::format("frames every {:g} us cannot represent {:g} Hz",
                                    1e6 * lines.interval_s, lines.bands.back().high_Hz);
         return lines;
     }
+    double period_s = c.time.duration_s();
     if (lines.repeats) {
-        lines.window_s = c.time.duration_s();
+        lines.window_s = period_s;
         lines.weights.assign(static_cast<std::size_t>(c.time.frames),
                              1.0 / static_cast<double>(c.time.frames));
     } else {
-        set_window(c, lines);
+        period_s = set_window(c, lines);
         if (!lines.reason.empty()) return lines;
     }
-    const bool is_hann = !lines.slopes.empty();
-    const double step_Hz = 1.0 / ((is_hann ? hann_lines : 1.0) * lines.window_s),
-                 reach_Hz = is_hann ? hann_reach / lines.window_s : 0.0;
-    const double low_Hz = lines.bands.front().low_Hz - reach_Hz,
-                 high_Hz = lines.bands.back().high_Hz + reach_Hz;
-    for (double n = std::max(1.0, std::ceil(low_Hz / step_Hz * (1.0 - rounding)));
-         n * step_Hz <= high_Hz * (1.0 + rounding) && n * step_Hz < nyquist_Hz * (1.0 - rounding);
+    const double low_Hz = lines.bands.front().low_Hz, high_Hz = lines.bands.back().high_Hz;
+    for (double n = std::max(1.0, std::ceil(low_Hz * period_s * (1.0 - rounding)));
+         n <= high_Hz * period_s * (1.0 + rounding) && n < nyquist_Hz * period_s * (1.0 - rounding);
          ++n)
-        lines.frequencies_Hz.push_back(n * step_Hz);
+        lines.frequencies_Hz.push_back(n / period_s);
     if (lines.frequencies_Hz.empty())
         lines.reason = fmt::format("the load has no line between {:g} and {:g} Hz",
                                    lines.bands.front().low_Hz, lines.bands.back().high_Hz);
@@ -138,9 +173,9 @@ SensationLines sensation_lines(const Case& c) {
 }
 
 double SensationLines::threshold_m_s2(double f_Hz) const {
-    const auto above = std::ranges::upper_bound(threshold, f_Hz, {}, &SensationBand::centre_Hz);
-    if (above == threshold.begin()) return threshold.front().threshold_m_s2;
-    if (above == threshold.end()) return threshold.back().threshold_m_s2;
+    const auto above = std::ranges::upper_bound(bands, f_Hz, {}, &SensationBand::centre_Hz);
+    if (above == bands.begin()) return bands.front().threshold_m_s2;
+    if (above == bands.end()) return bands.back().threshold_m_s2;
     const SensationBand& below = *std::prev(above);
     return below.threshold_m_s2 * std::pow(above->threshold_m_s2 / below.threshold_m_s2,
                                            std::log(f_Hz / below.centre_Hz) /
@@ -159,21 +194,17 @@ std::size_t SensationLines::band_of(double f_Hz) const {
 std::vector<std::complex<double>> SensationLines::factors(std::ptrdiff_t number) const {
     const auto frames = static_cast<std::ptrdiff_t>(weights.size());
     std::vector<std::complex<double>> all;
-    all.reserve(sums());
+    all.reserve(frequencies_Hz.size());
     for (const double f_Hz : frequencies_Hz) {
         const double turn = two_pi * f_Hz * interval_s;
         const double response = 2.0 - 2.0 * std::cos(turn);
-        const auto add = [&](const std::vector<double>& window) {
-            const auto at = [&](std::ptrdiff_t n) {
-                if (!repeats && (n < 0 || n >= frames)) return std::complex<double>{};
-                return std::polar(1.0, -turn * static_cast<double>(n + 1)) *
-                       window[static_cast<std::size_t>((n + frames) % frames)];
-            };
-            all.push_back(std::pow(two_pi * f_Hz, 2) / response *
-                          (2.0 * at(number) - at(number - 1) - at(number + 1)));
+        const auto at = [&](std::ptrdiff_t n) {
+            if (!repeats && (n < 0 || n >= frames)) return std::complex<double>{};
+            return std::polar(1.0, -turn * static_cast<double>(n + 1)) *
+                   weights[static_cast<std::size_t>((n + frames) % frames)];
         };
-        add(weights);
-        if (!slopes.empty()) add(slopes);
+        all.push_back(std::pow(two_pi * f_Hz, 2) / response *
+                      (2.0 * at(number) - at(number - 1) - at(number + 1)));
     }
     return all;
 }
@@ -189,12 +220,12 @@ SensationSums::SensationSums(const Case& c, std::ptrdiff_t x_start, std::ptrdiff
     columns_ = std::max<std::ptrdiff_t>(0, region_.y1 - region_.y0);
     filled_ = (columns_ + lane_count - 1) / lane_count * lane_count;
     frames_.resize(static_cast<std::size_t>(count_ * filled_ / lane_count) * line_frames);
-    factors_.assign(lines_.sums() * 2 * line_frames, 0.0);
+    factors_.assign(lines_.frequencies_Hz.size() * 2 * line_frames, 0.0);
     sums_.resize(static_cast<std::size_t>(count_ * row_length() / lane_count));
 }
 
 std::ptrdiff_t SensationSums::row_length() const {
-    return 2 * filled_ * static_cast<std::ptrdiff_t>(lines_.sums());
+    return 2 * filled_ * static_cast<std::ptrdiff_t>(lines_.frequencies_Hz.size());
 }
 
 void SensationSums::add(std::ptrdiff_t number, View2<const double> u_z_m) {
@@ -223,10 +254,11 @@ void SensationSums::flush() {
                   factors_.begin() + static_cast<std::ptrdiff_t>(k + line_frames), 0.0);
     const RowSumKernels& kernels = simd::kernels<RowSumKernels>();
     for (std::ptrdiff_t i = 0; i < count_; ++i)
-        kernels.add_lines(
-            scalars(frames_.data()) + i * static_cast<std::ptrdiff_t>(line_frames) * filled_,
-            waiting_, filled_, factors_.data(), 2 * static_cast<std::ptrdiff_t>(lines_.sums()),
-            sums() + i * row_length());
+        kernels.add_lines(scalars(frames_.data()) +
+                              i * static_cast<std::ptrdiff_t>(line_frames) * filled_,
+                          waiting_, filled_, factors_.data(),
+                          2 * static_cast<std::ptrdiff_t>(lines_.frequencies_Hz.size()),
+                          sums() + i * row_length());
     waiting_ = 0;
 }
 
@@ -241,24 +273,13 @@ SensationMap SensationSums::levels() {
     for (std::ptrdiff_t i = 0; i < count_; ++i) {
         std::ranges::fill(ratios, 0.0);
         const double* part = sums() + i * row_length();
-        const auto at = [&](std::ptrdiff_t sum, std::ptrdiff_t j) {
-            return std::complex<double>(part[2 * sum * filled_ + j],
-                                        part[(2 * sum + 1) * filled_ + j]);
-        };
-        const auto add_line = [&](double f_Hz, std::ptrdiff_t j, double square) {
-            const std::size_t band = lines_.band_of(f_Hz);
-            if (band < lines_.bands.size()) // rms: 2 |A_k|^2 per line
-                ratios[band * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(j)] +=
-                    2.0 * lines_.power * square / std::pow(lines_.threshold_m_s2(f_Hz), 2);
-        };
         for (const double line_Hz : lines_.frequencies_Hz) {
-            for (std::ptrdiff_t j = 0; j < columns_; ++j) {
-                const std::complex<double> amplitude = at(0, j);
-                const double offset_Hz =
-                    lines_.slopes.empty() ? 0.0 : (at(1, j) / amplitude).imag() / two_pi;
-                add_line(line_Hz - offset_Hz, j, std::norm(amplitude));
-            }
-            part += row_length() / std::ssize(lines_.frequencies_Hz);
+            const std::size_t band = lines_.band_of(line_Hz);
+            const double scale = 2.0 / std::pow(lines_.threshold_m_s2(line_Hz), 2); // 2 |A|^2: rms
+            for (std::ptrdiff_t j = 0; j < columns_ && band < lines_.bands.size(); ++j)
+                ratios[band * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(j)] +=
+                    scale * std::norm(std::complex<double>(part[j], part[filled_ + j]));
+            part += 2 * filled_;
         }
         for (std::size_t j = 0; j < static_cast<std::size_t>(columns_); ++j) {
             double most = no_motion, sum = 0.0, band_Hz = not_a_number;
@@ -286,7 +307,7 @@ double sensation_memory_B(const Case& c, int ranks) {
     const auto rows = static_cast<double>(region.x1 - region.x0),
                columns = static_cast<double>(region.y1 - region.y0);
     const double of_slab =
-        2.0 * static_cast<double>(lines.sums()) + static_cast<double>(line_frames);
+        2.0 * static_cast<double>(lines.frequencies_Hz.size()) + static_cast<double>(line_frames);
     constexpr double maps = 6.0; // three of the rank and three on rank 0
     return std::min(rows, std::ceil(rows / ranks) + 1.0) * (columns + lane_count) * of_slab *
                sizeof(double) +

@@ -41,28 +41,19 @@ std::vector<SensationBand> sensation_bands(std::span<const Vec2> table = {});
 /// and Reed 2006, JASA 120).
 constexpr double jnd_dB = 2.3, least_jnd_dB = 1.65, largest_jnd_dB = 2.98;
 
-/// The spectral lines from which levels are computed: in the periodic regime those of the period,
-/// otherwise those of a window (sensation_window.hpp). Whole periods of the load have exact lines.
-/// A Hann window has lines half as far apart as its length resolves, and judges only bands of whose
-/// centre it contains at least three periods. A tone has several lines in it. Each counts at the
-/// frequency of the tone, f - Im(D/A) / 2 pi, where A is its amplitude and D that with the slope of
-/// the window (reassignment; Auger and Flandrin 1995, IEEE Transactions on Signal Processing 43).
+/// The spectral lines from which levels are computed: multiples of 1/period of a load that repeats.
+/// In the periodic regime they are those of the run, otherwise of the largest whole number of
+/// periods between `measure.settled_after` and `measure.at`, in which the lines of a settled motion
+/// are exact.
 struct SensationLines {
-    std::vector<SensationBand> threshold; // all bands
-    std::vector<SensationBand> bands;     // those that are judged
+    std::vector<SensationBand> bands;
     std::vector<double> frequencies_Hz;
     double window_s = 0.0; // duration of the window
-    double power = 1.0;    // by which sums of squared amplitudes are multiplied
     std::string reason;    // why no level is computed; empty: one is
-    /// The factors of u in frame `number` in the complex amplitudes of the acceleration [1/s^2],
-    /// with a Hann window each followed by that with the slope of the window [1/s^3]. The
-    /// acceleration is the second difference in time, which a constant and a drift do not change,
-    /// divided by its response at the frequency of the line.
+    /// The factors of u in frame `number` in the complex amplitudes of the acceleration [1/s^2].
+    /// The acceleration is the second difference in time, which a constant and a drift do not
+    /// change, divided by its response at the frequency of the line.
     std::vector<std::complex<double>> factors(std::ptrdiff_t number) const;
-    /// Their number.
-    std::size_t sums() const { return frequencies_Hz.size() * (slopes.empty() ? 1 : 2); }
-    /// Tones that are closer are not separated; 0 if the load has only the lines.
-    double separation_Hz() const { return slopes.empty() ? 0.0 : 4.0 / window_s; }
     /// The threshold at a frequency: a straight line between the centres of the bands over log f
     /// and log a, constant before the first and after the last centre.
     double threshold_m_s2(double f_Hz) const;
@@ -70,7 +61,6 @@ struct SensationLines {
     std::size_t band_of(double f_Hz) const;
 
     std::vector<double> weights; // of the frames in the second difference, with sum 1
-    std::vector<double> slopes;  // of a Hann window, in the same unit per second; otherwise empty
     double interval_s = 0.0;
     bool repeats = false; // the frame after the last one is the first one
 };

@@ -223,11 +223,9 @@ private:
         });
         std::string note;
         if (!lines_.repeats && reason_.empty())
-            note = fmt::format("from a window of {:.4g} ms", 1e3 * lines_.window_s);
-        if (lines_.separation_Hz() > 0.0)
-            note += fmt::format(", which judges bands from {:g} Hz on and does not separate tones "
-                                "that are less than {:.3g} Hz apart",
-                                lines_.bands.front().centre_Hz, lines_.separation_Hz());
+            note = fmt::format("from the {:.4g} ms before measure.at_ms: the level of the steady "
+                               "state if the motion has settled",
+                               1e3 * lines_.window_s);
         for (const SensationBand& band : lines_.bands)
             if (band.is_extrapolated && band.centre_Hz == band_Hz)
                 note += fmt::format("{}the threshold at {:g} Hz is extrapolated",

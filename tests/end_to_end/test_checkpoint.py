@@ -272,7 +272,7 @@ class CheckpointWithLevels(SavedCase):
     JOB = (STEPPED.replace("time_step_us = 5.0", "time_step_us = 20.0").replace("duration_ms = 2.0", "duration_ms = 10.0")
            .replace("\nat_ms = 1.0", "\nat_ms = 9.6\nsensation = true")
            .replace("to_mm = [14.0, 0.0]", 'to_mm = [14.0, 0.0], at_end = "back-and-forth"')
-           .replace("speed_m_s = 7.0", "speed_m_s = 20.0"))  # a Hann window of three passes
+           .replace("speed_m_s = 7.0", "speed_m_s = 20.0"))  # two or four passes per period of the load
 
     @pytest.mark.long
     def test_levels_of_sensation_are_resumed_on_another_number_of_ranks(self):

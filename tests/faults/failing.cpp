@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Loaded before the C library (LD_PRELOAD), this file makes the system fail.
 //
-// Each process counts writes, flushes and renames of files whose path contains FAULT_PATH, in which * matches any text:
+// Each process counts writes, flushes and renames of files whose path contains FAULT_PATH, in which
+// * matches any text:
 //   FAULT_CALL=name       counts only these calls
 //   FAULT_STOP_AT=n       the n-th stops the process before the call, until SIGCONT
 //   FAULT_HOUR_AT=n       from the n-th on, the clock that measures intervals is an hour ahead

@@ -210,7 +210,7 @@ class ExplorePage(InFolder):
         # The path of 12 ms is too short for a level: the map shows the displacement, and the reason is a hint.
         low, hint = page.run("(e => [e.textContent, e.title])(document.getElementById('scale-low'))")
         self.assertRegex(low, "^no level of sensation, instead: out of the skin")
-        self.assertRegex(hint, r"^the motion of the focus at \S+ Hz needs")
+        self.assertRegex(hint, r"^the load has the frequencies \S+ and 400 Hz, which have no common period")
         self.use(page, "s.kind = 'AM'; s.am = 200")
         most, peak = page.run("(r => [Math.max(...r.level), r.column('felt_peak_dB').value])(explorer.result)")
         self.assertAlmostEqual(most, peak, places=3)  # single precision

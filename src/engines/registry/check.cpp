@@ -4,8 +4,8 @@
 #include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
+#include "measures/sensation.hpp"
 #include "problem/case/edges.hpp"
-#include "problem/case/sensation_window.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/material_field.hpp"
 
@@ -242,10 +242,14 @@ void check_measured_times(const Case& c, Notes& notes) {
                   "{:.4g} ms: the period columns will be empty; reduce measure.settled_after_ms, "
                   "or increase time.duration_ms and measure.at_ms",
                   1e3 / *frequency_Hz, milli(c.measure.settled_after_s), milli(c.measure.at_s));
+}
+
+void check_sensation(const Case& c, Notes& notes) {
     if (!computes_sensation(c)) return;
-    if (const SensationWindow window = sensation_window(c); !window.reason.empty())
-        notes.add(Severity::warning, "measure.sensation", "the columns felt_* will be empty: {}",
-                  window.reason);
+    if (const std::string reason = measures::sensation_lines(c).reason; !reason.empty())
+        notes.add(Severity::warning,
+                  c.measure.sensation == Sensation::on ? "measure.sensation" : "time.regime",
+                  "the columns felt_* will be empty: {}", reason);
 }
 
 void check_focal_disc(const Case& c, Notes& notes) {
@@ -356,6 +360,7 @@ std::vector<Remark> check(const Case& c) {
     check_sponge(c, engine->edges(c), notes);
     add(engine->limits(c));
     check_measured_times(c, notes);
+    check_sensation(c, notes);
     check_focal_disc(c, notes);
     check_pins(c, notes);
     add(check_plausibility(c));

@@ -218,7 +218,7 @@ class Explorer {
       this.parts["scale-low"].textContent = is_level ? `below the threshold −${scale} dB`
         : `${wants_level ? "no level of sensation, instead: " : ""}out of the skin −${size}`;
       this.parts["scale-low"].title = wants_level ? felt.note : "";
-      this.parts["scale-high"].textContent = is_level ? `${scale} dB above it${judged(this.result)}` : `${size} into the skin`;
+      this.parts["scale-high"].textContent = is_level ? `${scale} dB above it` : `${size} into the skin`;
     }
     this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,
       receptors: this.parts["show-receptors"].checked});

@@ -2,21 +2,18 @@
 // Settings that are kept next to the current one, each with its surface at the same time and on the same scale.
 const MOST_PINS = 4;
 
-// The bands that a level judges in a short run.
-const judged = result => / from \S+ Hz on/.exec(result.column("felt_peak_dB").note) ?? "";
-
 // The worded results: a label, the columns of which the first with a value is shown, and how it is written.
 const RESULTS = [["Energy at the focus", ["eta_period_1", "eta_at_1"], value => `${(100 * value).toPrecision(3)} %`],
   ["Strength at the focus (RMS)", ["focal_rms_um", "peak_um"], value => `${value.toPrecision(3)} µm`],
   ["Spread (vibrating area)", ["participation_period_mm2", "participation_at_mm2"], value => `${value.toPrecision(3)} mm²`],
-  ["Level of sensation on the shape", ["felt_path_dB"], (value, result) =>
-    `${Math.abs(value).toPrecision(3)} dB ${value < 0 ? "below" : "above"} threshold${judged(result)}`]];
+  ["Level of sensation on the shape", ["felt_path_dB"], value =>
+    `${Math.abs(value).toPrecision(3)} dB ${value < 0 ? "below" : "above"} threshold`]];
 
 // Label, column, value and text of the results that a setting has.
 function resultsOf(result) {
   const mark = result.header.warnings.some(w => w.severity === "error") ? " (not valid)" : "";
   return RESULTS.map(([label, names, text]) => [label, names.find(name => isNumber(result.column(name).value)), text])
-    .filter(([, name]) => name).map(([label, name, text]) => ({label, name, value: result.column(name).value, text: text(result.column(name).value, result) + mark}));
+    .filter(([, name]) => name).map(([label, name, text]) => ({label, name, value: result.column(name).value, text: text(result.column(name).value) + mark}));
 }
 
 const digits = value => value === null || value === undefined ? "–" : Number(value).toPrecision(4);
