@@ -13,6 +13,7 @@
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
@@ -264,6 +265,22 @@ bool has_error_columns(const std::filesystem::path& path) {
     return false;
 }
 
+/// A sentence below a table in which levels of loads at rest stand next to those of loads that
+/// move, since the model has ranked these wrongly; empty without such levels.
+std::string caution(const storage::PlanIndex& plan, const Table& table) {
+    const auto level = table.find("felt_path_dB");
+    bool rests = false, moves = false;
+    for (std::size_t row = 0; level && row < plan.cases.size(); ++row) {
+        const Cell kind = cell_of(plan.cases[row], "load.modulation.kind");
+        const auto* name = std::get_if<std::string>(&kind);
+        const auto* value = std::get_if<double>(&table.rows[row][*level]);
+        if (name && value && !std::isnan(*value)) (*name == "AM" ? rests : moves) = true;
+    }
+    return rests && moves ? "\nThe model fails where the level compares loads at rest with loads that "
+                            "move, or LM with AM: see docs/explanation/user-studies.md.\n"
+                          : "";
+}
+
 } // namespace
 
 Table table_of(const ReduceInput& input) {
@@ -318,7 +335,7 @@ ReducedTables reduce(const ReduceInput& input) {
     columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     storage::write_file(written.markdown,
                         "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
-                            markdown(table, columns));
+                            markdown(table, columns) + caution(plan, table));
 
     std::vector<std::string> main = plan.swept_keys;
     if (main.size() > 3) main.resize(3);

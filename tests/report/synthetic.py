@@ -60,14 +60,14 @@ def reduce(folder):
 
 
 def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot=True,
-               frames=False, drawn=None, facts=None, strength=1.0):
+               frames=False, drawn=None, facts=None, strength=1.0, physics=None):
     """A case file in the layout of src/pipeline/case_content.cpp, a few samples wide; `strength` scales its motion."""
     time = 1e-4 * np.arange(1, 41)
     wave = 1.0 + 0.5 * np.sin(2 * np.pi * 500 * time)
     with h5py.File(path, "w") as file:
         file.attrs.update(fixed({
             "title": "t", "Conventions": "CF-1.8", "case_id": identity, "settings": "{}",
-            "case": PHYSICS.format(kind=kind), "is_reference": "no", "reference_id": "", "job": "",
+            "case": physics or PHYSICS.format(kind=kind), "is_reference": "no", "reference_id": "", "job": "",
             "program": "shearwake 0.1.0", "git_id": "abc", "compiler": "g++", "host": "laptop",
             "build_type": "Release", "mpi_version": "m", "fftw_version": "f", "hdf5_version": "h",
             "ranks": 2, "wall_s": 0.5, "started": "2026-01-02T03:04:05Z",

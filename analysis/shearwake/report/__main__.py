@@ -28,10 +28,11 @@ from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig
 from .in_one_piece import in_one_piece
 from .in_two import in_two
 from .load import Selection, load
+from .page import topics
 from .page.page import page
 from .page.player import player
 from .progress import Progress
-from .summary import summary
+from .summary import caution, summary
 from .unchanged import Drawn
 from .words import OTHERS, counted, some_of
 
@@ -144,6 +145,8 @@ def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
                 figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
             if n >= all_cases and name not in OF_THEIR_OWN:
                 figure.caption += shown_caption(selection, figure, made)
+            if topics.topic_of(figure.name) == topics.SENSATION and (text := caution(selection)):
+                figure.caption += f" {text}"
             figure.warnings = warnings_of.of_figure(selection, figure.name, figure.cases)
             figures.append(figure)
     return figures, moving or "", problems

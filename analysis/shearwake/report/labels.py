@@ -7,6 +7,7 @@ from ..case import Case
 from . import words
 from .load import Selection, remembered
 
+KIND = "load.modulation.kind"
 BODY = re.compile(r"^(medium\.body\[(\d+)\])\.(c_s|c_p|density|viscosity)_")
 MATERIAL = ("c_s_m_s", "c_p_m_s", "density_kg_m3", "viscosity_Pa_s")
 
@@ -134,3 +135,23 @@ def _body_labels(selection: Selection) -> dict[tuple[str, Any], str]:
             found |= {(key, value): f"{'with' if True in kinds else 'without'} {title}" for value, kinds in present.items()
                       if not (several and True in kinds)}
     return found
+
+
+def is_nominal(selection: Selection, key: str, value: Any) -> bool:
+    """Whether a value is a name, not an amount."""
+    return not is_number(value) or (key, value) in labels(selection)
+
+
+def place_text(selection: Selection, settings: dict[str, Any], keys: list[str]) -> str:
+    """'AM frequency 400 Hz', or 'SM-STM at AM frequency 400 Hz' if a value is a name."""
+    shown = {k: settings[k] for k in keys if k and k in settings}
+    names = [value_text(selection, k, v) if k == KIND else setting_text(selection, k, v) for k, v in shown.items() if is_nominal(selection, k, v)]
+    amounts = [setting_text(selection, k, v) for k, v in shown.items() if not is_nominal(selection, k, v)]
+    return " at ".join(filter(None, [", ".join(names), ", ".join(amounts)]))
+
+
+def placed(selection: Selection, settings: dict[str, Any], keys: list[str], place: str) -> str:
+    """' at AM frequency 400 Hz', ' with SM-STM at AM frequency 400 Hz', ' with bone'; '' without a place."""
+    if not place or place.startswith(("with ", "without ")):
+        return f" {place}".rstrip()
+    return f" {'with' if any(is_nominal(selection, k, settings[k]) for k in keys if k and k in settings) else 'at'} {place}"

@@ -266,7 +266,7 @@ def by_reference(selection: Selection, found: list[Group], column: str) -> list[
     swept key often changes nothing in a reference."""
     sets: dict[tuple, list[Group]] = {}
     for group in found:
-        with_one = [(c, r) for c in group.cases if (r := selection.reference_of(c))]
+        with_one = [(c, r) for c in group.cases if (r := selection.added_reference_of(c))]
         pairs = [(str(x_position(selection, c)), f"{r.value(column, math.nan):.9g}") for c, r in with_one]
         values = {value for _, value in pairs}
         if pairs:
@@ -289,10 +289,21 @@ def all_references(selection: Selection) -> list[Case]:
     return list(found.values())
 
 
+def added_references(selection: Selection) -> list[Case]:
+    """The distinct complete references that are not cases of the sweep, which curves show as dashed lines."""
+    return [r for r in all_references(selection) if r.is_reference]
+
+
+def curve_value(selection: Selection, case: Case, column: str) -> float:
+    """The value of a case in a curve. A ratio of a case to itself is part of the dashed line at 1."""
+    is_one = selection.is_ratio(column) and selection.reference_of(case) is case
+    return math.nan if is_one else case.value(column, math.nan)
+
+
 def with_references(selection: Selection) -> list[Case]:
     """The complete cases, then their references, one of each set with the same field. A case of the sweep that is the
     reference of itself or of others occurs once."""
-    return [*ordinary(selection), *motions(r for r in all_references(selection) if r.is_reference)]
+    return [*ordinary(selection), *motions(added_references(selection))]
 
 
 def references_among(cases: list[Case]) -> str:
@@ -356,5 +367,5 @@ def separate_title(found: list[Case], members: list[Group], of_all: bool) -> str
 
 def receptor_classes(selection: Selection) -> list[str]:
     """The classes of receptors with columns in the table."""
-    end = "_spikes_1"
+    end = "_total_rate_Hz"
     return [column.name.removesuffix(end) for column in selection.sweep.columns if column.name.endswith(end)]

@@ -42,9 +42,14 @@ class Selection:
         found = self.by_id.get(case.reference_id)
         return found if found and found.is_complete else None
 
+    def added_reference_of(self, case: Case) -> Case | None:
+        """The reference of a case unless it is a case of the sweep itself, which figures draw anyway."""
+        found = self.reference_of(case)
+        return found if found and found.is_reference else None
+
     def ratio_of(self, column: str) -> str:
-        """The column with a measure over that of the reference."""
-        return next(c.name for c in self.sweep.columns if c.over_reference_of == column)
+        """The column with a measure over that of the reference; '' if there is none."""
+        return next((c.name for c in self.sweep.columns if c.over_reference_of == column), "")
 
     def is_ratio(self, column: str) -> bool:
         return any(c.name == column and c.over_reference_of for c in self.sweep.columns)

@@ -9,7 +9,7 @@ from typing import Any
 from ..case import Case
 from . import layout, warnings_of
 from .load import Selection
-from .words import key_name, listed, number
+from .words import key_name, listed
 
 
 def known(selection: Selection, column: str) -> list[Case]:
@@ -35,7 +35,7 @@ def choices(selection: Selection) -> Selection:
 
 def valid(selection: Selection, column: str) -> list[Case]:
     """The complete cases with a valid value in this column, without references."""
-    return [c for c in known(selection, column) if warnings_of.is_valid_value(selection, c, column)]
+    return [c for c in known(selection, column) if warnings_of.is_valid_value(selection, c, column, warnings_of.figure_of(column))]
 
 
 def relative_error(selection: Selection, case: Case, column: str) -> tuple[Any, ...]:
@@ -59,17 +59,6 @@ def estimated_at(selection: Selection, case: Case, column: str) -> str:
     return "" if source in (case, None) else f" (error estimated at {layout.case_label(selection, source)})"
 
 
-def with_error(selection: Selection, case: Case, column: str, digits: int = 3) -> str:
-    """'0.4120 ± 0.0031', or the value alone if the error of this case has not been estimated."""
-    value = case.value(column, math.nan)
-    relative, source = relative_error(selection, case, column)
-    if source is not case:
-        return number(value, digits)
-    half = relative * abs(value)
-    places = min(6, max(0, 1 - math.floor(math.log10(half)))) if half > 0 else 6
-    return f"{value:.{places}f} ± {half:.{places}f}"
-
-
 def numerical_variants(selection: Selection, case: Case, column: str) -> list[Case]:
     """The valid cases that differ from a case only in numerical parameters, itself included."""
     own = {k: v for k, v in case.settings.items() if not is_numerical(k)}
@@ -90,3 +79,9 @@ def settings_that_differ(cases: list[Case]) -> Any:
     if keys == ["solver.engine"]:
         return f"the {count} engines"
     return f"the {count} settings of {listed(map(key_name, keys))}" if keys else f"the {count} cases"
+
+
+def sweeps_numbers_only(selection: Selection) -> bool:
+    """Whether all swept keys are numerical settings, of which none is the best."""
+    keys = layout.axes(selection)
+    return bool(keys) and all(is_numerical(key) for key in keys)

@@ -14,6 +14,7 @@ import numpy as np
 from ..case import Case
 from ..tables import Optima
 from . import layout
+from .answer import quantity
 from .load import Selection, mean_square
 from .warnings_of import is_valid
 from .words import number, value_text
@@ -80,9 +81,8 @@ def invalid(selection: Selection) -> set[str]:
 
 
 def relation(ratio: float) -> str:
-    if ratio >= 1.5:
-        return f"{number(ratio, 2)} times that of"
-    return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
+    times = number(ratio, 3)
+    return "the same as that of" if times == "1" else f"{times} times that of"
 
 
 def compared(selection: Selection, rows: list[dict[str, Any]], strength: float) -> dict[str, Case]:
@@ -106,22 +106,21 @@ def sentence(selection: Selection) -> str:
     wrong = invalid(selection)
     if "optimum" in wrong:
         return "No optimum is stated, because its readings are not valid."
-    best = row["eta_optimum_1"]
+    best, of = row["eta_optimum_1"], quantity(selection, optima(selection).maximised)
     where = f"{title_of(selection, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
         f"strength {number(row['strength_at_least_1'], 3)}")
     if least := optima(selection).uniformity:
         where += f", uniformity at least {number(least, 3)}"
-    others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
+    others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({of.text(row[f'eta_{name}_1'])}"
               + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
               for text, name, modulation in (("the load without modulation", "unmodulated", "unmodulated"),
                                              ("the best AM-STM", "am", "AM-STM"), ("the best SM-STM tried", "sm", "SM-STM"))
               if row[f"eta_{name}_1"] > 0 and modulation not in wrong]
-    gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(selection).rows]
-    name = words(optima(selection).maximised)
-    exceeds = (f"It exceeds the optimum by {number(gaps[0], 2)} %." if len(gaps) == 1 else
-               f"In all {len(gaps)} optima, the bound exceeds the optimum by {number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
-    return (f"The {name} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
-            f"its path is {number(row['eta_ceiling_1'], 3)}. {exceeds}")
+    gaps = [r["ceiling_over_optimum_1"] for r in optima(selection).rows]
+    more = (f"In all {len(gaps)} optima, the bound is {number(min(gaps), 3)} to {number(max(gaps), 3)} times the optimum."
+            if len(gaps) > 1 else "")
+    return (f"{of.title} of the optimum ({where}) is {of.text(best)}{': ' if others else ''}{', '.join(others)}. The upper bound for its "
+            f"path is {of.text(row['eta_ceiling_1'])}, {number(row['ceiling_over_optimum_1'], 3)} times the optimum. {more}").rstrip()
 
 
 @dataclass

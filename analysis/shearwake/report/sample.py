@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 from ..tables import read_statistics
-from . import layout
+from . import labels, layout
+from .answer import NOTICEABLE_dB, Quantity, column, quantity
 from .load import Selection
-from .words import counted, number
+from .places import NAMED
+from .ranking import comparable
+from .words import counted, listed, number
 
-RESULT = ("eta_period_1", "eta_at_1")  # the column of the summary: the first that has values
+RESULT = ("eta_period_1", "eta_at_1")  # the columns of the summary if that which answers the question has no values
 
 
 def swept(selection: Selection) -> Any:
@@ -51,61 +55,112 @@ def by_place(selection: Selection, rows: Any, column: str) -> Any:
 
 
 def column_words(selection: Selection, column: str) -> str:
-    """A column of the table in words."""
-    known = {"eta_period_1": "the efficiency η", "eta_at_1": "the efficiency η at the instant",
-             "focal_rms_um": "the focal rms in µm", "peak_um": "the largest displacement in µm",
-             "ipr_abs_period_mm2": "the spread in mm²", "participation_period_mm2": "the area that vibrates in mm²"}
-    if column in known:
-        return known[column]
-    found = next((c for c in selection.sweep.columns if c.name == column), None)
-    if found and found.over_reference_of in known:
-        return f"the ratio of {known[found.over_reference_of]} to that of {layout.reference_name(layout.all_references(selection))}".replace(" in µm", "")
-    return found.meaning if found else column
+    """A column of the table in words, with its unit."""
+    of = quantity(selection, column)
+    return of.name + (f" in {of.unit}" if of.unit not in ("", "%") else "")
 
 
-def best(selection: Selection) -> Any:
-    """The column of the summary, the swept values with its highest median, and the statistics there; None without values."""
+def placed(selection: Selection, where: Any) -> str:
+    """' with SM-STM at AM frequency 200 Hz' for the swept values `where`; '' without swept keys."""
+    settings = {key: amount(value) for key, value in zip(swept(selection), where) if value != ""}
+    keys = [key for key in layout.axes(selection) if key in settings]
+    return labels.placed(selection, settings, keys, labels.place_text(selection, settings, keys))
+
+
+@dataclass
+class Median:
+    """The medians of a column at each place. `alike`: the places whose median does not differ from the highest one, for `reason`;
+    `groups` counts those that may be compared."""
+    quantity: Quantity
+    rows: dict[Any, dict[str, Any]]
+    highest: Any
+    alike: list[Any]
+    reason: str
+    difference: str  # why places are not ranked
+
+    @property
+    def is_highest(self) -> bool:
+        return len(self.rows) > 1 and not self.alike and not self.difference
+
+
+def median(selection: Selection) -> Median | None:
+    """The medians of the column that answers the question, or of the efficiency; None without values."""
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
-    column = next((c for c in RESULT if by_place(selection, rows, c)), None)
-    if column is None:
+    name = next((c for c in (column(selection), *RESULT) if by_place(selection, rows, c)), None)
+    if name is None:
         return None
-    return column, *max(by_place(selection, rows, column).items(), key=lambda item: item[1]["q50"]["value"])
+    found, of = by_place(selection, rows, name), quantity(selection, name)
+    highest = max(found, key=lambda where: found[where]["q50"]["value"])
+    best = found[highest]["q50"]
+    others = [w for w in found if w != highest]
+    overlap = [w for w in others if found[w]["q50"]["high_95"] >= best["low_95"]]
+    near = [w for w in others if of.is_level and best["value"] - found[w]["q50"]["value"] < NOTICEABLE_dB]
+    cases = {place(selection, c.settings): c for c in layout.ordinary(selection)}
+    apart = comparable(name, [cases[w] for w in found if w in cases])[1] if len(found) > 1 else ""
+    return Median(of, found, highest, overlap or near, "95 % confidence intervals overlap" if overlap else
+                  f"people notice {NOTICEABLE_dB} dB", apart)
 
 
 def likeliest(selection: Selection, rows: Any, threshold: str, value: float) -> Any:
     """The swept values at which a column exceeds a threshold with the largest probability, and the row of this probability; None
     without one."""
+    ranked = probabilities(selection, rows, threshold, value)
+    return max(ranked, key=lambda item: item[1]["value"]) if ranked else None
+
+
+def probabilities(selection: Selection, rows: Any, threshold: str, value: float) -> list[tuple[Any, dict[str, Any]]]:
     name = f"exceeds {value:.9g}"
-    ranked = [(s[name]["value"], w, s[name]) for w, s in by_place(selection, rows, threshold).items() if name in s]
-    return max(ranked, key=lambda item: item[0])[1:] if ranked else None
+    return [(where, s[name]) for where, s in by_place(selection, rows, threshold).items() if name in s]
 
 
 def exceedances(selection: Selection, rows: Any) -> list[str]:
-    """A sentence for each threshold of [uncertain] exceedance, for the swept values with the largest probability."""
+    """A sentence for each threshold of [uncertain] exceedance: the probability at each of a few places, or the largest one."""
     found = []
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
-        if likely := likeliest(selection, rows, threshold, value):
-            where, row = likely
-            name, at = column_words(selection, threshold), label(selection, where)
-            found.append(f"{name[:1].upper()}{name[1:]} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
-                         f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
-                         f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")
+        every = probabilities(selection, rows, threshold, value)
+        if not every:
+            continue
+        few = every if len(every) <= NAMED else [likeliest(selection, rows, threshold, value)]
+        parts: list[str] = []
+        notes = list(dict.fromkeys(row["note"] for _, row in few if row["note"]))
+        for where, row in few:
+            interval = f"{number(100 * row['low_95'], 2)} to {number(100 * row['high_95'], 2)}\u00a0%"
+            parts.append(f"in {'at most ' if len(few) < len(every) else ''}{number(100 * row['value'], 3)}\u00a0%{'' if parts else ' of the samples'}"
+                         f"{placed(selection, where)} ({interval if parts else f'95 % confidence interval of the probability {interval}'})")
+        of = quantity(selection, threshold)
+        found.append(f"{of.title} exceeds {of.difference(value)} {listed(parts)}{f'; {notes[0]}' if notes else ''}.")
     return found
 
 
-def sentence(selection: Selection) -> str:
-    """The result in sentences, for the top of the page: the probabilities that the job asks for, then the median."""
-    rows = read_statistics(selection.sweep.folder, selection.sweep.name)
-    highest = best(selection)
-    if highest is None:
-        return "No sample has a value yet, so there is nothing to summarise."
-    column, where, of_best = highest
-    at = label(selection, where) if len(by_place(selection, rows, column)) > 1 else ""
-    used, without = int(of_best["q50"]["samples"]), int(of_best["q50"]["without_value"])
-    doubts = [note for q in ("q50", "q05", "q95") if (note := of_best[q]["note"])][:1]
-    added = "; ".join([*([f"{at}, the highest median of the sweep"] if at else []), *doubts])
-    median = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
-              f"{counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}, {column_words(selection, column)} has the median "
-              f"{number(of_best['q50']['value'], 3)}; 90 % of the samples are between {number(of_best['q05']['value'], 3)} and "
-              f"{number(of_best['q95']['value'], 3)}{f' ({added})' if added else ''}.")
-    return " ".join([*exceedances(selection, rows), median])
+def medians(selection: Selection, found: Median) -> list[str]:
+    """Where the median is highest, or why no place is called so."""
+    of = found.quantity
+    if len(found.rows) < 2:
+        return []
+
+    def named(where: Any) -> str:
+        return f"{placed(selection, where).strip().removeprefix('with ').removeprefix('at ')} ({of.difference(found.rows[where]['q50']['value'])})"
+    if found.difference:
+        values = [rows["q50"]["value"] for rows in found.rows.values()]
+        return [f"The median of {of.name} is {of.range(min(values), max(values))}; {found.difference} are not ranked."]
+    if found.is_highest:
+        return [f"The median is highest{placed(selection, found.highest)}: {of.text(found.rows[found.highest]['q50']['value'])}."]
+    alike = [found.highest, *found.alike]
+    shown = [named(w) for w in alike] if len(alike) <= NAMED else [named(found.highest), f"{len(alike) - 1} further places"]
+    return [f"No median of {of.name} is called the highest, because {found.reason}: {listed(shown)}."]
+
+
+def sentences(selection: Selection) -> list[str]:
+    """The probabilities that the job asks for, then the medians."""
+    rows, found = read_statistics(selection.sweep.folder, selection.sweep.name), median(selection)
+    if found is None:
+        return ["No sample has a value yet, so there is nothing to summarise."]
+    of, there = found.quantity, found.rows[found.highest]
+    used, without = int(there["q50"]["samples"]), int(there["q50"].get("without_value") or 0)
+    doubts = [note for q in ("q50", "q05", "q95") if (note := there[q]["note"])][:1]
+    samples = counted(used, "sample") if not without else f"{used} of {used + without} samples (the others are not valid or have no value)"
+    at = placed(selection, found.highest) if len(found.rows) > 1 else ""
+    last = (f"Over {samples} of {counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}{at}, {of.name} has the median "
+            f"{of.text(there['q50']['value'])}; 90 % of the samples are between {of.difference(there['q05']['value'])} and "
+            f"{of.difference(there['q95']['value'])}{f' ({doubts[0]})' if doubts else ''}.")
+    return [*exceedances(selection, rows), *medians(selection, found), last]

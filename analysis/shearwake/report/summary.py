@@ -1,380 +1,398 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Summarises the result of a sweep in one or two sentences."""
+"""Summarises the result of a sweep: a sentence that answers its question, and others."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
 
 from ..case import Case
+from ..tables import read_adaptive
 from . import contrast, labels, layout, optima, sample, warnings_of
+from .answer import NOTICEABLE_dB, Quantity, asks_for_receptors, column, is_at_rest, quantity
 from .load import Selection
-from .numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants, relative_error,
-                              settings_that_differ, spread_of, valid, with_error)
-from .warnings_of import is_valid
+from .numerical_error import (estimated_at, is_measurement, is_numerical, numerical_variants, relative_error, settings_that_differ,
+                              spread_of, sweeps_numbers_only, valid)
+from .places import NAMED, capital, keys_of, named, placed, places, where
+from .ranking import Ranking, change, edges, rank, reference_for, region_mm2, shape
+from .warnings_of import RATE, figure_of
 from .words import counted, listed, number
 
-EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of its sums
-NAMED = 3     # largest number of cases with the same value that are named
-LISTED = 5    # largest number of ratios that are listed
+ETA, STRENGTH = "eta_period_1", "focal_rms_um"
+STUDIES = "docs/explanation/user-studies.md"
 
 
-KIND = "load.modulation.kind"
+def shown(selection: Selection, of: Quantity, case: Case) -> str:
+    """The value of a case, with its numerical error if that of this very case was estimated."""
+    value = case.value(of.column, math.nan)
+    relative, source = relative_error(selection, case, of.column)
+    return of.text(value, relative * abs(value) if source is case else math.nan)
 
 
-def where(selection: Selection, case: Case) -> str:
-    """'AM frequency 400 Hz, focus FWHM 3 mm', or 'SM-STM at AM frequency 400 Hz' if the modulation is swept."""
-    keys = [k for k in [selection.x, *layout.group_keys(selection)] if k and k in case.settings]
-    text = ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys if k != KIND)
-    kind = labels.value_text(selection, KIND, case.settings[KIND]) if KIND in keys else ""
-    return f"{kind} at {text}" if kind and text else kind or text
+def name_of(selection: Selection, case: Case, reference: Case) -> str:
+    """'plain STM', or what distinguishes a reference that is a case of the sweep: 'STM', 'without bone'."""
+    if reference.is_reference:
+        return layout.reference_name([reference])
+    keys = [k for k in layout.axes(selection) if reference.settings.get(k) != case.settings.get(k) and k in reference.settings]
+    return contrast.absent(selection)[1] if contrast.counterpart(selection, case) is reference else where(selection, reference, keys)
 
 
-def at(selection: Selection, place: str) -> str:
-    """'at AM frequency 400 Hz', or 'with SM-STM at AM frequency 400 Hz'."""
-    return f"{'with' if KIND in [selection.x, *layout.group_keys(selection)] else 'at'} {place}"
+def of_name(name: str) -> str:
+    """'of plain STM', 'without bone'."""
+    return name if name.startswith(contrast.ABSENT) else f"of {name}"
 
 
-def alike(case: Case, cases: list[Case], value: Callable[..., Any]) -> list[Case]:
-    """The cases with the same value as a case, itself first."""
-    own = value(case)
-    return [case, *(c for c in cases if c is not case and abs(value(c) - own) <= EQUAL * abs(own))]
+def relation(selection: Selection, of: Quantity, case: Case) -> str:
+    """The comparison of a case with its reference: ', 1.8 times the 28 % of plain STM'; '' without a reference."""
+    if (reference := reference_for(selection, case, of.column)) is None:
+        return ""
+    value, other, name = case.value(of.column), reference.value(of.column), name_of(selection, case, reference)
+    if of.is_level:
+        apart = change(of, value, other)
+        if abs(apart) < NOTICEABLE_dB:
+            return f", without a noticeable difference from {name} ({of.difference(abs(apart))})"
+        return f", {of.difference(abs(apart))} {'above' if apart > 0 else 'below'} the {of.difference(other)} {of_name(name)}"
+    if not other:
+        return ""
+    ratio = number(value / other, 3)
+    text = f", the same as that {of_name(name)}" if ratio == "1" else f", {ratio} times the {of.text(other)} {of_name(name)}"
+    error = relative_error(selection, case, f"{of.column.removesuffix('_1')}_over_reference_1")[0]
+    return text + ("; this difference does not exceed the numerical error" if ratio != "1" and abs(value / other - 1.0) <= error else "")
 
 
-def places(selection: Selection, cases: list[Case]) -> str:
-    """Where the cases are: 'AM frequency 400 Hz and AM frequency 800 Hz'; only the first ones of many, and their number."""
-    found = list(dict.fromkeys(where(selection, c) for c in cases))
-    if len(found) > NAMED:
-        found = [*found[:NAMED - 1], f"{len(found) - NAMED + 1} further cases"]
-    return listed(found)
+def parts_of_ratio(selection: Selection, of: Quantity, case: Case) -> str:
+    """' (18.5 % instead of 17.4 %)' for a ratio to the reference; '' for another column."""
+    under = next((c.over_reference_of for c in selection.sweep.columns if c.name == of.column), "")
+    reference = reference_for(selection, case, under) if under else None
+    if reference is None:
+        return ""
+    plain = quantity(selection, under)
+    return f" ({plain.text(case.value(under))} instead of {plain.text(reference.value(under))})"
 
 
-def subject(selection: Selection, cases: list[Case]) -> str:
-    """For example 'AM-STM at AM frequency 400 Hz'."""
-    kind = cases[0].setting("load", "modulation", "kind", default="")
-    place = places(selection, cases)
-    if KIND in cases[0].settings or not kind:
-        return place or "the case"
-    return f"{kind} at {place}" if place else kind
+def without_result(selection: Selection, of: Quantity) -> str:
+    """Why no value of a column is stated."""
+    cases = layout.ordinary(selection)
+    if not any(warnings_of.is_valid(c, figure_of(of.column)) for c in cases):
+        return f"No result is stated, because no case has valid readings: {warnings_of.reasons(cases, figure_of(of.column))}."
+    notes = list(dict.fromkeys(c.notes.get(of.column, "") for c in cases))
+    reason = f": {notes[0]}" if notes and notes[0] else ""
+    return (f"{of.title} has no value over complete periods in any case{reason}." if of.column == ETA else f"{of.title} has no value in any "
+            f"case{reason}.")
 
 
-def reference_for(selection: Selection, case: Case) -> Case | None:
-    """The reference of a case, or else the same case without a body, if the readings of both are valid, else None; None for a
-    reference."""
-    found = selection.reference_of(case) or contrast.counterpart(selection, case)
-    return found if found and found is not case and is_valid(case) and is_valid(found) else None
+def span(of: Quantity, cases: list[Case]) -> str:
+    low, high = (f(c.value(of.column) for c in cases) for f in (min, max))
+    return of.range(low, high)
 
 
-def of_reference(selection: Selection, case: Case) -> str:
-    """What a case is compared with: 'of plain STM', or 'without bone'."""
-    own = selection.reference_of(case)
-    return f"of {layout.reference_name([own])}" if own else contrast.absent(selection)[1]
-
-
-def gain(selection: Selection, case: Case) -> float:
-    """eta relative to that of the reference of the case; NaN for a reference, or if one of them is not valid."""
-    reference = reference_for(selection, case)
-    below = reference.value("eta_period_1", math.nan) if reference else math.nan
-    return case.value("eta_period_1", math.nan) / below if below else math.nan
-
-
-def comparison(value: float, reference: float, name: str) -> str:
-    """For example '1.8 times the 0.28 of plain STM' or '13 % more than the 0.24 of plain STM'."""
-    factor = value / reference
-    if factor >= 1.5:
-        return f"{number(factor, 2)} times the {number(reference, 3)} of {name}"
-    percent = f"{number(100 * abs(factor - 1.0), 2)} % {'more' if factor >= 1.0 else 'less'}"
-    return f"{percent} than the {number(reference, 3)} of {name}"
-
-
-def caveats(selection: Selection, is_used: bool = False) -> str:
-    """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
-    valid, which are used in the tables of the optima."""
-    missing = [c for c in selection.cases if not c.is_complete]
-    complete = [c for c in selection.cases if c.is_complete]
-    invalid = [c for c in complete if not is_valid(c)]
-    text = ""
-    if missing:
-        has = "has" if len(missing) == 1 else "have"
-        text += f" {counted(len(missing), 'case')} of {len(selection.cases)} {has} no result yet."
-    if invalid:
-        among = layout.references_among(invalid)
-        them = f" ({among})" if among else ""
-        are = "is" if len(invalid) == 1 else "are"
-        text += (f" {len(invalid)} of {counted(len(complete), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}{them}: "
-                 f"{warnings_of.reasons(invalid)}.")
-    without = [c for c in layout.ordinary(selection) if is_valid(c) and math.isnan(c.value("eta_period_1", math.nan))]
-    if without and len(without) < len(layout.ordinary(selection)):
-        text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
-                 "and cannot be compared.")
-    if alone := [c for c in valid(selection, "eta_period_1") if (r := selection.reference_of(c)) and r is not c and not is_valid(r)]:
-        text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
-                 "not valid.")
-    return text
-
-
-def range_of(selection: Selection, cases: list[Case], column: str = "eta_period_1") -> str:
-    low, high = (f(c.value(column, math.nan) for c in cases) for f in (min, max))
-    return span(low, high)
-
-
-def only_numerical(selection: Selection, cases: list[Case]) -> Any:
-    """For a sweep over numerical parameters alone."""
+def numbers_only(selection: Selection, of: Quantity, cases: list[Case]) -> str:
+    """The spread over numerical parameters, of which none is the best."""
+    text = f"{of.title} is {shown(selection, of, cases[0]) if len(cases) == 1 else span(of, cases)}"
     if len(cases) == 1:
-        return f"The efficiency η is {with_error(selection, cases[0], 'eta_period_1')}." + estimate(selection, cases[0])
-    return (f"The efficiency η is {range_of(selection, cases)}: {settings_that_differ(cases)} differ by "
-            f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(selection, cases[0]))
+        return text + "."
+    apart = of.difference(spread_of(cases, of.column)[0]) if of.is_level else f"{number(100 * spread_of(cases, of.column)[1], 2)}\u00a0%"
+    return f"{text}: {settings_that_differ(cases)} differ by {apart}."
 
 
-def estimate(selection: Selection, case: Case, column: str = "eta_period_1") -> str:
-    """States the numerical error of a column and, if that of a ratio is unknown, of eta."""
-    relative = relative_error(selection, case, column)[0]
-    if is_measurement(selection):
-        return (" The uncertainty is unknown: measure with --repetitions." if math.isnan(relative) else
-                f" Noise and gaps of the scan cause an uncertainty of {quantity(column)} of {number(100 * relative, 2)} %.")
-    if not math.isnan(relative):
-        return (f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %"
-                f"{estimated_at(selection, case, column)}.")
-    if column == "eta_period_1" or math.isnan(relative_error(selection, case, "eta_period_1")[0]):
-        return " Numerical error not estimated: run shearwake converge."
-    return estimate(selection, case)[:-1] + f"; that of {quantity(column)} is not estimated."
+def group_words(selection: Selection, ranking: Ranking, group: list[Case]) -> str:
+    """'with AM (a point)', 'at radius 5 mm (36 cm²)', 'in 3 cases (a circle)'."""
+    mark = shape(group[0]) if "shapes" in ranking.reason else (
+        f"{number(region_mm2(group[0]) / 100, 3)}\u00a0cm²" if "regions" in ranking.reason else "")
+    place = f"in {len(group)} cases" if len(group) > 1 else placed(selection, group).strip()
+    return f"{place} ({mark})" if mark else place
 
 
-def quantity(column: str) -> str:
-    return "the ratio" if "over_reference" in column else "η"
+def not_ranked(selection: Selection, ranking: Ranking) -> list[str]:
+    """The values of groups of cases that cannot be compared."""
+    of, groups = ranking.quantity, ranking.groups
+    if len(groups) > NAMED:
+        return [f"{of.title} is {span(of, ranking.cases)} in {len(ranking.cases)} cases; {ranking.reason} are not ranked."]
+    parts = [f"{span(of, group)} {group_words(selection, ranking, group)}" for group in groups]
+    return [f"{of.title} is {listed(parts)}; {ranking.reason} are not ranked."]
 
 
-def without_best(selection: Selection, cases: list[Case]) -> Any:
-    """For a sweep in which no case may be called the best."""
-    noun = "complete case" if all(map(is_valid, layout.ordinary(selection))) else "valid case"
-    return (f"The efficiency η of {counted(len(cases), noun)} is {range_of(selection, cases)}; no case "
-            "is called the best until all are complete.")
+def with_and_without(selection: Selection, ranking: Ranking) -> list[str]:
+    """What a body changes: the place where it changes most, and the other places."""
+    of, most = ranking.quantity, ranking.best
+    assert most is not None
+    key, without = contrast.absent(selection)
+    keys = [k for k in layout.axes(selection) if k != key and not is_numerical(k)]
+
+    def amount(case: Case, other: Case) -> str:
+        apart = change(of, ranking.value(case), ranking.value(other))
+        return of.difference(apart) if of.is_level else number(1.0 + apart, 3)
+    other = next(o for c, o in ranking.pairs if c is most)
+    place = where(selection, most, keys) if keys else ""
+    changes = " changes most" if len(ranking.pairs) > 1 else " is"
+    lead = (f"{contrast.present(selection).capitalize()} {of.name}{changes}{f' at {place}:' if place else ':' if len(ranking.pairs) > 1 else ''} "
+            f"{of.text(ranking.value(most))} instead of the {of.text(ranking.value(other))} {without} ({amount(most, other)}{'' if of.is_level else ' times'}).")
+    what = "difference" if of.is_level else "ratio"
+    rest = [(c, o) for c, o in ranking.pairs if c is not most]
+    if 0 < len(rest) <= 4:
+        texts = [f"{amount(c, o)} at {where(selection, c, keys)}" for c, o in rest]
+        if len(keys) == 1 and not labels.is_nominal(selection, keys[0], most.settings[keys[0]]):
+            texts[1:] = [f"{amount(c, o)} at {labels.amount_text(selection, keys[0], c.settings[keys[0]])}" for c, o in rest[1:]]
+        return [lead, f"The {what} is {listed(texts)}."]
+    if rest:
+        low, high = (f(rest, key=lambda pair: change(of, ranking.value(pair[0]), ranking.value(pair[1]))) for f in (min, max))
+        return [lead, f"In the other {len(rest)} pairs the {what} is {amount(*low)} to {amount(*high)}."]
+    return [lead]
 
 
-def indistinct(selection: Selection, equal: list[Case], cases: list[Case], column: str) -> str:
-    """Relates the differences between cases to those between engines and to the numerical error of a column. `equal`: the
-    best cases, which have the same value."""
-    best, variants = equal[0], numerical_variants(selection, equal[0], column)
-    rest = [c for c in cases if c not in variants and c not in equal]
-    text, relative = "", relative_error(selection, best, column)[0]
-    if len(variants) > 1:
-        range_, share = spread_of(variants, column)
-        who = settings_that_differ(variants)
-        text += f" {who[:1].upper()}{who[1:]} differ by {number(100 * share, 2)} % in {quantity(column)} there"
-        near = [c for c in rest if abs(c.value(column, math.nan) - best.value(column, math.nan)) <= range_]
-        text += f"; {further(near)} from this case by no more than that." if near else "."
-    near = [c for c in rest if abs(c.value(column, math.nan) - best.value(column, math.nan)) <= 2 * relative * abs(best.value(column, math.nan))]
-    if not near:
-        return text + estimate(selection, best, column)
-    return (f"{text} {further(near)} from this case by no more than the numerical error of both, "
-            f"{number(100 * relative, 2)} % of {quantity(column)} each{estimated_at(selection, best, column)}.")
+def found_by_search(selection: Selection, of: Quantity) -> str:
+    """'AM frequency 147.2 Hz (between 146.5 and 147.9 Hz)' if an adaptive axis has found the extremum of a column, else ''."""
+    for axis in selection.sweep.adaptive_axes:
+        rows = [r for r in read_adaptive(selection.sweep.folder, selection.sweep.name) if r["key"] == axis["key"]]
+        if axis["column"] == of.column and axis["goal"] in ("maximum", "minimum") and len(rows) == 1 and not math.isnan(rows[0]["location"]):
+            place, low, high = (float(number(rows[0][end], 4).replace("\N{MINUS SIGN}", "-")) for end in ("location", "from", "to"))
+            between = f" (between {number(low, 4)} and {labels.amount_text(selection, axis['key'], high)})" if low < high else ""
+            return layout.setting_text(selection, axis["key"], place) + between
+    return ""
 
 
-def further(cases: list[Case]) -> str:
-    return f"{counted(len(cases), 'further case')} {'differs' if len(cases) == 1 else 'differ'}"
+def best_place(selection: Selection, ranking: Ranking) -> str:
+    """Where the best cases are."""
+    return found_by_search(selection, ranking.quantity) or named(selection, ranking.equal)
 
 
-def best_case(selection: Selection) -> Case | None:
-    """The case with the largest efficiency relative to its reference, among valid cases with a valid reference; with a body
-    that some cases lack, the case whose efficiency the body changes most; without these the valid case with the largest efficiency."""
-    cases = valid(selection, "eta_period_1")
-    compared = [c for c in cases if not math.isnan(gain(selection, c))]
-    if compared and not any(selection.reference_of(c) for c in compared):
-        return max(compared, key=lambda c: abs(gain(selection, c) - 1.0))
-    if compared:
-        return max(compared, key=lambda c: gain(selection, c))
-    return max(cases, key=lambda c: c.value("eta_period_1", math.nan)) if cases else None
+def alike(selection: Selection, ranking: Ranking) -> str:
+    """The sentence about cases without a noticeable difference."""
+    of, best = ranking.quantity, ranking.equal[0]
+    start = f"No noticeable difference in {of.name}:"
+    tail = f", {ranking.margin}" if ranking.margin else ""
+    cases = [*ranking.equal, *ranking.near]
+    if not ranking.others and len(cases) >= NAMED:
+        below = ", below the threshold of perception" if of.is_level and ranking.value(best) < 0 else ""
+        return f"{start} all {len(cases)} cases have {span(of, cases)}{below}{tail}."
+    if len(cases) <= NAMED:
+        texts = [of.difference(ranking.value(best) - ranking.value(c)) + " less" if of.is_level else shown(selection, of, c) for c in cases[1:]]
+        found = places(selection, cases)
+        near = listed([f"{found[0]} ({shown(selection, of, best)})", *(f"{p} ({t})" for p, t in zip(found[1:], texts))])
+    else:
+        least = min(map(ranking.value, cases))
+        most = f"at most {of.difference(ranking.value(best) - least)} less" if of.is_level else f"at least {of.text(least)}"
+        near = f"{places(selection, [best])[0]} ({shown(selection, of, best)}) and {len(cases) - 1} further cases ({most})"
+    return f"{start} {near}{tail}{weaker(selection, ranking) if of.is_level else ''}."
 
 
-def middle_case(selection: Selection) -> Case | None:
-    """The valid case with the median of the efficiency."""
-    cases = sorted(valid(selection, "eta_period_1"), key=lambda c: c.value("eta_period_1", math.nan))
-    return cases[len(cases) // 2] if cases else None
+def weaker(selection: Selection, ranking: Ranking) -> str:
+    """'; AM-STM is 6 dB weaker', '; the other 4 are 2.5 to 9 dB weaker'; '' without other cases."""
+    of, others = ranking.quantity, ranking.others
+    less = sorted(ranking.value(ranking.equal[0]) - ranking.value(c) for c in others)
+    if len(others) == 1:
+        return f"; {where(selection, others[0])} is {of.difference(less[0])} weaker"
+    if not others:
+        return ""
+    return f"; the other {len(others)} are {of.range(less[0], less[-1])} weaker"
 
 
-def sweeps_numbers_only(selection: Selection) -> bool:
-    """Whether all swept keys are numerical settings, of which none is the best."""
-    keys = layout.axes(selection)
-    return bool(keys) and all(is_numerical(key) for key in keys)
+def among_valid(selection: Selection, ranking: Ranking) -> str:
+    """'The efficiency η', or 'Of the 2 valid cases, the efficiency η' if not all cases are."""
+    every = len(layout.ordinary(selection)) == len(valid(selection, ranking.quantity.column))
+    return ranking.quantity.title if every else f"Of the {len(ranking.cases)} valid cases, {ranking.quantity.name}"
+
+
+def range_words(selection: Selection, ranking: Ranking, keys: list[str]) -> str:
+    """The range at whose end the best cases lie: that of the sweep, or that of its valid cases."""
+    every = all(c.settings[k] in (min(values), max(values)) for k in keys if (values := layout.values_of(selection, k)) for c in ranking.equal)
+    return f"swept range{'s' * (len(keys) > 1)}" if every else "range of valid cases"
+
+
+def extreme(selection: Selection, ranking: Ranking) -> list[str]:
+    """The best cases with their value and their comparison with the reference, and what else is known about the order."""
+    of, best = ranking.quantity, ranking.equal[0]
+    if len(ranking.cases) == len(ranking.equal) > 1:
+        every = "both cases" if len(ranking.cases) == 2 else f"all {len(ranking.cases)} cases"
+        return [f"{of.title} is the same in {every}: {shown(selection, of, best)}{relation(selection, of, best)}."]
+    ends = edges(selection, ranking)
+    if ranking.near:
+        rest = [alike(selection, ranking)]
+        if (text := relation(selection, of, best)) and (own := selection.reference_of(best)) and own.is_reference:
+            rest.append(f"{capital(named(selection, ranking.equal))} has {shown(selection, of, best)}{text}.")
+    else:
+        most, least = ("highest", "lowest") if best is max(ranking.cases, key=ranking.value) or len(ranking.equal) > 1 else ("lowest", "highest")
+        place = labels.placed(selection, best.settings, keys_of(selection), best_place(selection, ranking))
+        end = f", the {'ends' if len(ends) > 1 else 'end'} of the {range_words(selection, ranking, ends)}" if ends else ""
+        rest = [f"{among_valid(selection, ranking)} is {most}{place}{end}: {shown(selection, of, best)}{parts_of_ratio(selection, of, best)}{relation(selection, of, best)}."]
+        if of.is_level and len(ranking.others) > 0:
+            rest.append(weaker(selection, ranking).removeprefix("; ").replace("the other ", "The other ", 1) + ".")
+    if not of.is_level and ranking.others:
+        low = min(ranking.others, key=ranking.value) if ranking.near or most == "highest" else max(ranking.others, key=ranking.value)
+        rest.append(f"It is {'lowest' if ranking.near else least}{placed(selection, [low])} ({of.text(ranking.value(low))}).")
+    if ends and ranking.near and ranking.others:
+        rest.append(f"{capital(listed(layout.setting_text(selection, k, best.settings[k]) for k in ends))} is the end of the {range_words(selection, ranking, ends)}, beyond which the optimum may lie.")
+    elif ends and not ranking.near:
+        rest.insert(1, f"The optimum may lie beyond th{'ese ends' if len(ends) > 1 else 'is end'}.")
+    return rest
+
+
+def gains(selection: Selection, ranking: Ranking) -> list[str]:
+    """The case that gains most over its reference, if it is another one than the best, and whether no case gains."""
+    of = ranking.quantity
+    ratio = {c.id: ranking.value(c) / r.value(of.column) for c in ranking.cases
+             if (r := reference_for(selection, c, of.column)) and r.value(of.column)} if not of.is_level else {}
+    if not ratio or not ranking.equal:
+        return []
+    most = max((c for c in ranking.cases if c.id in ratio), key=lambda c: ratio[c.id])
+    reference = reference_for(selection, most, of.column)
+    assert reference is not None
+    name = name_of(selection, most, reference)
+    if ratio[most.id] < 1.0 and number(ratio[most.id], 3) != "1":
+        return [f"No case exceeds {name} under the same conditions."]
+    own = [number(ratio[c.id], 3) for c in ranking.equal if c.id in ratio]
+    if most in ranking.equal or number(ratio[most.id], 3) in own or number(ratio[most.id], 3) == "1":
+        return []
+    return [f"Relative to {name} it gains most{placed(selection, [most])} ({number(ratio[most.id], 3)} times)."]
 
 
 def is_incomplete(selection: Selection) -> bool:
-    return bool(selection.x) and any(not c.is_complete for c in selection.cases)
+    return bool(layout.axes(selection)) and any(not c.is_complete for c in selection.cases)
 
 
-def efficiency(selection: Selection) -> str:
-    """The case that keeps the vibration best at the focus, and its advantage over its reference."""
-    if not known(selection, "eta_period_1"):
-        return "No case has an efficiency η over complete periods."
-    cases = valid(selection, "eta_period_1")
+def sentences(selection: Selection, name: str) -> list[str]:
+    """The result of a column, the answer first."""
+    ranking = rank(selection, name)
+    of, cases = ranking.quantity, ranking.cases
     if not cases:
-        return "No efficiency is stated, because no case has valid readings." + caveats(selection)
-    notes = caveats(selection)
+        return [without_result(selection, of)]
     if sweeps_numbers_only(selection):
-        return only_numerical(selection, cases) + notes
+        return [numbers_only(selection, of, valid(selection, name))]
     if is_incomplete(selection):
-        return without_best(selection, cases) + notes
-    compared = [c for c in cases if not math.isnan(gain(selection, c))]
-    if not compared:
-        return highest(selection, cases) + notes
-    best = best_case(selection)
-    assert best is not None
-    if not any(selection.reference_of(c) for c in compared):
-        return with_and_without(selection, compared, best) + estimate(selection, best) + notes
-    same = alike(best, compared, lambda c: gain(selection, c))
-    equal = alike(best, same, lambda c: c.value("eta_period_1", math.nan))
-    text = against_reference(choices(selection), equal, compared)
-    relate = indistinct(selection, equal, compared, "eta_period_over_reference_1") if selection.x else estimate(
-        selection, best, "eta_period_over_reference_1")
-    return text + relate + notes
-
-
-def highest(selection: Selection, cases: list[Case]) -> str:
-    """The case with the largest efficiency, of cases without valid references."""
-    best = max(cases, key=lambda c: c.value("eta_period_1", math.nan))
-    value = with_error(selection, best, "eta_period_1")
-    if not selection.x:
-        return f"The efficiency η is {value}." + estimate(selection, best)
-    equal = alike(best, cases, lambda c: c.value("eta_period_1", math.nan))
-    place = places(choices(selection), equal)
+        missing = sum(not c.is_complete for c in selection.cases)
+        noun = "complete case" if all(map(warnings_of.is_valid, layout.ordinary(selection))) else "valid case"
+        return [f"{of.title} of the {counted(len(cases), noun)} is {span(of, cases)}; no case is called the best, because {missing} of "
+                f"{counted(len(selection.cases), 'case')} {'has' if missing == 1 else 'have'} no result."]
     if len(cases) == 1:
-        return f"The efficiency η of the only valid case, {place}, is {value}." + estimate(selection, best)
-    same = " and the same" if place != where(choices(selection), best) else ""
-    return (f"The efficiency η is highest{same}, {value}, {at(selection, place)}{of_the_valid(selection, cases)}."
-            + indistinct(selection, equal, cases, "eta_period_1"))
+        best = cases[0]
+        value = shown(selection, of, best)
+        if of.is_level:
+            value = f"{of.difference(abs(best.value(of.column)))} {'above' if best.value(of.column) >= 0 else 'below'} the threshold of perception"
+        only = f" of the only valid case,{placed(selection, [best])}," if len(layout.ordinary(selection)) > 1 else ""
+        return [f"{of.title}{only} is {value}{parts_of_ratio(selection, of, best)}{relation(selection, of, best)}."]
+    if len(ranking.groups) > 1 and of.column == name:
+        return not_ranked(selection, ranking)
+    if not of.seeks_most:
+        low, high = (f(cases, key=ranking.value) for f in (min, max))
+        return [f"{of.title} is {of.text(ranking.value(low))} ({where(selection, low)}) to {of.text(ranking.value(high))} "
+                f"({where(selection, high)}){times_reference(selection, of)}."]
+    if ranking.pairs:
+        return with_and_without(selection, ranking)
+    return [*extreme(selection, ranking), *gains(selection, ranking)]
 
 
-def place_of(selection: Selection, case: Case) -> str:
-    """Where a case is, apart from the body that other cases lack."""
-    key = contrast.absent(selection)[0]
-    if len(labels.values_of(selection, key)) == 2:
-        chosen = choices(selection)
-        keys = [k for k in [chosen.x, *layout.group_keys(chosen)] if k != key]
-        return where(replace(chosen, x="", label_keys=keys), case)
-    return where(choices(selection), case)
+def times_reference(selection: Selection, of: Quantity) -> str:
+    """', 0.4 to 1.03 times that of plain STM'; '' without references."""
+    pairs = [(c, r) for c in valid(selection, of.column) if (r := reference_for(selection, c, of.column)) and r.value(of.column)]
+    if not pairs or of.is_level:
+        return ""
+    ratios = [c.value(of.column) / r.value(of.column) for c, r in pairs]
+    low, high = number(min(ratios), 3), number(max(ratios), 3)
+    return f", {low if low == high else f'{low} to {high}'} times that {of_name(name_of(selection, *pairs[0]))}"
 
 
-def with_and_without(selection: Selection, compared: list[Case], most: Case) -> str:
-    """How a body changes the efficiency at each of a few places, or between which ends. `most` is changed most."""
-    ratio, without = {c.id: gain(selection, c) for c in compared}, contrast.absent(selection)[1]
-    reference = reference_for(selection, most)
-    assert reference is not None
-    values = f"{number(most.value('eta_period_1', math.nan), 3)} instead of {number(reference.value('eta_period_1', math.nan), 3)}"
-    low, high = (f(compared, key=lambda c: ratio[c.id]) for f in (min, max))
-    ends = [low, high] if ratio[high.id] - ratio[low.id] > 0.005 * ratio[high.id] else [most]
-    shown = compared if len({place_of(selection, c) for c in compared}) == len(compared) <= LISTED else ends
-    parts: list[str] = []
-    for case in shown:
-        text = f"{number(ratio[case.id], 3)} times"
-        place = place_of(selection, case)
-        name = place_of(selection, shown[0]).partition(" = ")[0] + " = "
-        text += f" at {place.removeprefix(name)}" if parts else f" that {without}" + (f" at {place}" if place else "")
-        parts.append(f"{text} ({values})" if case is most else text)
-    names = contrast.present(selection)
-    span = f"between {listed(parts)}" if shown is ends and len(ends) == 2 else listed(parts)
-    return f"{names[:1].upper()}{names[1:]} the efficiency η is {span}{of_the_valid(selection, valid(selection, 'eta_period_1'))}."
-
-
-def of_the_valid(selection: Selection, cases: list[Case]) -> str:
-    """' of the 9 valid cases', or '' if these are all cases."""
-    return "" if len(cases) == len(layout.ordinary(selection)) else f" of the {counted(len(cases), 'valid case')}"
-
-
-def against_reference(selection: Selection, equal: list[Case], compared: list[Case]) -> str:
-    """The best of the compared cases, which have the same values, and the reference."""
-    best, who = equal[0], subject(selection, equal)
-    several = who != subject(selection, [best])
-    value = best.value("eta_period_1", math.nan)
-    of_best = selection.reference_of(best)
-    reference = of_best.value("eta_period_1", math.nan) if of_best else math.nan
-    name = layout.reference_name(layout.all_references(selection))
-    versus = (f"{'the' if several else 'its'} efficiency η {'of each ' if several else ''}is {with_error(selection, best, 'eta_period_1')}, "
-              f"{comparison(value, reference, name)}.")
-    ratio, _ = relative_error(selection, best, "eta_period_over_reference_1")
-    if abs(value / reference - 1.0) <= ratio:
-        versus += f" This difference does not exceed its numerical error of {number(100 * ratio, 2)} %."
-    if not selection.x:
-        return f"{who}: {versus}"
-    if value < reference:
-        count = len(compared)
-        kind = "" if count == len(layout.ordinary(selection)) else "valid "
-        none = f"None of the {count} {kind}cases focuses" if count > 1 else f"The only {kind}case does not focus"
-        return f"{none} better than {name}. The best {'are' if several else 'is'} {who}: {versus}"
-    among = of_the_valid(selection, compared)
-    if len(layout.all_references(selection)) > 1:
-        return f"{who} {'improve' if several else 'improves'} most on {name} under the same conditions{among}: {versus}"
-    return f"{who} {'focus' if several else 'focuses'} best{among}: {versus}"
-
-
-def strength(selection: Selection) -> str:
-    """The strength at the focus relative to the reference; '' if no reading is valid."""
-    ratio = {}
-    for case in valid(selection, "focal_rms_um"):
-        reference = reference_for(selection, case)
-        if reference and reference.value("focal_rms_um", math.nan):
-            ratio[case.id] = case.value("focal_rms_um", math.nan) / reference.value("focal_rms_um", math.nan)
-    ratio = {k: v for k, v in ratio.items() if not math.isnan(v)}
+def strength(selection: Selection) -> list[str]:
+    """The strength at the focus relative to the reference."""
+    cases = valid(selection, STRENGTH)
+    ratio = {c.id: c.value(STRENGTH) / r.value(STRENGTH) for c in cases if (r := reference_for(selection, c, STRENGTH)) and r.value(STRENGTH)}
     if not ratio:
-        cases = valid(selection, "focal_rms_um")
-        if not cases:
-            return ""
-        return f" The focal rms is {range_of(selection, cases, 'focal_rms_um')} µm."
-    versus = f"that {of_reference(selection, selection.by_id[next(iter(ratio))])}"
-    low, high = (f(ratio.values()) for f in (min, max))
-    if len(ratio) == 1 or high - low < 0.005 * high:
-        return f" The focal rms is {number(high, 2)} times {versus}."
-    at_low, at_high = ([selection.by_id[i] for i, r in ratio.items() if abs(r - end) <= EQUAL * end] for end in (low, high))
-    return (f" The focal rms is {number(low, 2)} ({places(selection, at_low)}) to "
-            f"{number(high, 2)} ({places(selection, at_high)}) times {versus}.")
+        return [f"The focal rms is {span(quantity(selection, STRENGTH), cases)}."] if cases else []
+    first = selection.by_id[next(iter(ratio))]
+    reference = reference_for(selection, first, STRENGTH)
+    assert reference is not None
+    versus = f"that {of_name(name_of(selection, first, reference))}"
+    low, high = (f(ratio, key=lambda i: ratio[i]) for f in (min, max))
+    if number(ratio[low], 2) == number(ratio[high], 2):
+        times = number(ratio[high], 2)
+        return [f"The focal rms is {f'{times} times {versus}' if times != '1' else f'the same as {versus}'}."]
+    return [f"The focal rms is {number(ratio[low], 2)} ({where(selection, selection.by_id[low])}) to "
+            f"{number(ratio[high], 2)} ({where(selection, selection.by_id[high])}) times {versus}."]
 
 
-def span(low: float, high: float) -> str:
-    ends = number(low, 3), number(high, 3)
-    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
-
-
-def spikes_of(selection: Selection) -> dict[str, list[tuple[Case, int]]]:
-    """{class of receptors: valid cases with the number of their spikes}; only classes with such cases."""
-    cases = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
-    found = {kind: [(c, int(n)) for c in cases if not math.isnan(n := c.value(f"{kind}_spikes_1", math.nan))]
-             for kind in layout.receptor_classes(selection)}
-    return {kind: spikes for kind, spikes in found.items() if spikes}
-
-
-def fired(selection: Selection) -> str:
-    """The spikes of the receptors; '' if no case has valid spikes."""
-    spikes = spikes_of(selection)
-    firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
-    silent = [kind for kind, found in spikes.items() if found and kind not in firing]
-    parts = [f"the {kind} afferents fire {spikes_text(selection, found)}" for kind, found in firing.items()]
+def fired(selection: Selection, without: str = "") -> list[str]:
+    """The rates of the classes of receptors, except that of a column."""
+    parts, silent = [], []
+    for kind in layout.receptor_classes(selection):
+        ranking = rank(selection, kind + RATE)
+        if not ranking.cases or kind + RATE == without:
+            continue
+        of, high = ranking.quantity, max(map(ranking.value, ranking.cases))
+        if not high:
+            silent.append(kind)
+            continue
+        most = f", most{placed(selection, ranking.equal)}" if len(ranking.groups) == 1 and len(ranking.equal) < len(ranking.cases) else ""
+        parts.append(f"the {kind} afferents fire {span(of, ranking.cases)} together{most}")
     if silent:
-        parts.append(f"the {listed(silent)} afferents are silent")
+        count = len(rank(selection, silent[0] + RATE).cases)
+        parts.append(f"the {listed(silent)} afferents are silent" + (f" in each of the {count} cases" if count > 1 else ""))
     text = "; ".join(parts)
-    return f"{text[:1].upper()}{text[1:]}." if parts else ""
+    return [f"{capital(text)}."] if parts else []
 
 
-def spikes_text(selection: Selection, found: list[tuple[Case, int]]) -> str:
-    """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
-    if len(found) > 3:
-        low, high = (f(n for _, n in found) for f in (min, max))
-        most = places(selection, [c for c, n in found if n == high])
-        return f"{low} to {counted(high, 'spike')}, most {at(selection, most)}" if low != high else f"{counted(high, 'spike')} in each case"
-    return listed(spikes_at(selection, [case], count) for case, count in found)
+def caution(selection: Selection) -> str:
+    """Where levels of loads at rest and of loads that move stand side by side, which the model has ranked wrongly; else ''."""
+    cases = layout.with_references(selection)
+    levels = [c for c in cases if not math.isnan(c.value("felt_path_dB", math.nan)) and c.setting("load", "modulation", "trajectory", default=[])]
+    if len({is_at_rest(c) for c in levels}) < 2:
+        return ""
+    return f"The model fails where the level compares loads at rest with loads that move, or LM with AM: see {STUDIES}."
 
 
-def spikes_at(selection: Selection, cases: list[Case], count: int) -> str:
-    place = places(selection, cases)
-    return counted(count, "spike") + (f" {at(selection, place)}" if place else "")
+def estimate(selection: Selection, ranking: Ranking) -> list[str]:
+    """The numerical error of the best case, or the uncertainty of a measurement, and the difference between engines."""
+    best = ranking.best or (ranking.cases[0] if ranking.cases else None)
+    if best is None or sweeps_numbers_only(selection) and len(ranking.cases) > 1 and math.isnan(relative_error(selection, best, ranking.quantity.column)[0]):
+        return [] if best is None else ["Numerical error not estimated: run shearwake converge."]
+    of, variants = ranking.quantity, numerical_variants(selection, best, ranking.quantity.column)
+    text = []
+    if len(variants) > 1 and not sweeps_numbers_only(selection):
+        who = settings_that_differ(variants)
+        text = [f"{capital(who)} differ by {number(100 * spread_of(variants, of.column)[1], 2)}\u00a0% in {of.name} there."]
+    relative = relative_error(selection, best, of.column)[0]
+    if is_measurement(selection):
+        return [*text, "The uncertainty is unknown: measure with --repetitions." if math.isnan(relative) else
+                f"Noise and gaps of the scan cause an uncertainty of {of.name} of {number(100 * relative, 2)}\u00a0%."]
+    if math.isnan(relative):
+        return [*text, "Numerical error not estimated: run shearwake converge."]
+    return [*text, f"The numerical error of {of.name} is {number(100 * relative, 2)}\u00a0% of its value{estimated_at(selection, best, of.column)}."]
+
+
+def caveats(selection: Selection, is_used: bool = False) -> list[str]:
+    """Cases without a result, and readings that are not valid, which are used in the tables of the optima."""
+    complete = [c for c in selection.cases if c.is_complete]
+    missing, invalid = len(selection.cases) - len(complete), [c for c in complete if not warnings_of.is_valid(c)]
+    found = []
+    if missing and not is_incomplete(selection):
+        found.append(f"{counted(missing, 'case')} of {len(selection.cases)} {'has' if missing == 1 else 'have'} no result.")
+    if invalid and any(map(warnings_of.is_valid, layout.ordinary(selection))) | (column(selection).endswith(RATE) or is_used):
+        among = layout.references_among(invalid)
+        are = "is" if len(invalid) == 1 else "are"
+        found.append(f"{len(invalid)} of {counted(len(complete), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}"
+                     f"{f' ({among})' if among else ''}: {warnings_of.reasons(invalid)}.")
+    ordinary = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c)]
+    without = [c for c in ordinary if math.isnan(c.value(ETA, math.nan))]
+    if without and len(without) < len(ordinary):
+        found.append(f"{counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods and cannot be compared.")
+    if alone := [c for c in valid(selection, ETA) if (r := selection.reference_of(c)) and r is not c and not warnings_of.is_valid(r)]:
+        found.append(f"No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are not valid.")
+    return found
 
 
 def summary(selection: Selection) -> str:
+    """The answer to the question of the job first."""
     if not layout.ordinary(selection):
         return "No case is complete yet, so there is nothing to draw."
     if selection.sweep.uncertain:
-        return sample.sentence(selection)
+        return " ".join([*sample.sentences(selection), *filter(None, [caution(selection)])])
     if optima.is_study(selection):
-        return optima.sentence(selection) + caveats(selection, is_used=True)
-    of_field, receptors = efficiency(selection) + strength(choices(selection)), fired(selection)
-    parts = [of_field, receptors] if valid(selection, "eta_period_1") else [receptors, of_field]
-    return " ".join(part[:1].upper() + part[1:] for part in parts if part)
+        return " ".join([optima.sentence(selection), *caveats(selection, is_used=True)])
+    answer = column(selection)
+    level = "felt_path_dB" if not answer.startswith("felt_") and valid(selection, "felt_path_dB") else ""
+    others = [name for name in (ETA, level) if name and name != answer and valid(selection, name)
+              and rank(selection, answer).quantity.column != selection.ratio_of(name)]
+    receptors = fired(selection, answer)
+    found = sentences(selection, answer)
+    silent_first = answer == ETA and asks_for_receptors(selection)
+    parts = [*receptors, *found] if silent_first else [*found, *receptors]
+    for name in others:
+        parts += sentences(selection, name)[:1]
+    parts += [*strength(selection), *estimate(selection, rank(selection, answer)), *filter(None, [caution(selection)]), *caveats(selection)]
+    return " ".join(parts)

@@ -18,6 +18,7 @@ OF_DRIVE = ("drive",)  # shows the prescribed load alone
 OF_MEDIA = ("medium",)  # shows the medium alone
 OF_SURFACES = ("surface", "intensity", "player", "profiles", "volume")  # show fields, not readings
 OF_READINGS, OF_RECEPTORS = "eta", "afferents"  # figures that stand for all readings of the surface, and of receptors
+RATE = "_total_rate_Hz"  # end of the columns with the firing rate of a class of receptors
 CONCLUSION = re.compile(": the readings( of this case)? are not valid$")
 NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
 
@@ -68,6 +69,11 @@ def concerns(case: Case, key: str, name: str) -> bool:
 def errors(case: Case, name: str) -> list[dict[str, str]]:
     """The warnings of a case which state that what a figure shows is not valid."""
     return [w for w in case.warnings if w["severity"] == "error" and concerns(case, w["key"], name)]
+
+
+def figure_of(column: str) -> str:
+    """The name of the figures whose validity a column shares."""
+    return OF_RECEPTORS if column.endswith(RATE) else OF_READINGS
 
 
 def is_valid(case: Case, name: str = OF_READINGS) -> bool:

@@ -54,7 +54,7 @@ def tick_labels(values: list[float]) -> list[str]:
 def points(selection: Selection, group: layout.Group, column: str, aside: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """x and y of a curve. `aside` shifts x if it is a string, so that curves do not hide each other."""
     x = [layout.x_position(selection, c) + aside for c in group.cases]
-    return np.array(x), np.array([c.value(column, math.nan) for c in group.cases])
+    return np.array(x), np.array([layout.curve_value(selection, c, column) for c in group.cases])
 
 
 def draw_curve(axes: Axes, selection: Selection, group: layout.Group, column: str, figure: str, aside: float = 0.0,
@@ -79,7 +79,7 @@ def draw_reference(axes: Axes, selection: Selection, group: layout.Group, column
                    labels: list[Any], name: str) -> None:
     """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
     curve. References that are not valid in this figure are grey: a dotted line or crosses."""
-    found = layout.references(selection, group)
+    found = [r for r in layout.references(selection, group) if r.is_reference]
     look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
     if not found:
         return
@@ -93,7 +93,7 @@ def draw_reference(axes: Axes, selection: Selection, group: layout.Group, column
             look |= {"color": colour, "linestyle": ":"}
         axes.axhline(value, **look)
     else:
-        pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.reference_of(c))]
+        pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.added_reference_of(c))]
         x, own = [at for at, _ in pairs], [r for _, r in pairs]
         y, invalid = split(selection, own, column, figure, np.array([r.value(column, math.nan) for r in own]))
         axes.plot(x, invalid, **CROSSES)
@@ -287,8 +287,8 @@ def marker_caption(selection: Selection, rows: list[str], period: str, instant: 
         if is_modulated(selection):
             text += ", which depends on the phase of the modulation at that instant; its variation is not a trend"
         sentences.append(text + ".")
-    if layout.all_references(selection):
-        sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(selection))}, "
+    if layout.added_references(selection):
+        sentences.append(f" Dashed lines: {layout.reference_name(layout.added_references(selection))}, "
                          "evaluated in the same way.")
         found = layout.groups(selection)
         if 1 < len(layout.by_reference(selection, found, rows[0])) < len(found):

@@ -74,7 +74,7 @@ def drawn_values(selection: Selection, column: str) -> np.ndarray:
 
 def ratio_curves(selection: Selection, folder: Path, column: str, name: str, label: str) -> list[Chart]:
     """Draws one panel with a measure relative to the reference on a logarithmic scale around 1. Returns its chart."""
-    curves = curves_module.curves_of(selection)
+    curves = [curve for curve in curves_module.curves_of(selection) if any(selection.reference_of(c) is not c for c in curve[0].cases)]
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
     draw_column(axes, selection, curves, selection.ratio_of(column), name)
     axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
@@ -151,8 +151,8 @@ def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
              "largest |u| from the start of the run to the instant measure.at_ms."}
     starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
     caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
-    if layout.all_references(selection):
-        caption += f" Dashed lines: {layout.reference_name(layout.all_references(selection))}."
+    if layout.added_references(selection):
+        caption += f" Dashed lines: {layout.reference_name(layout.added_references(selection))}."
     columns = [row[0] for row in rows]
     caption += error_caption(selection, *columns) + invalid_caption(selection, "displacement", *columns)
     return Figure("displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])

@@ -65,7 +65,7 @@ def curves(selection: Selection, colour: Any, others: Any) -> Any:
 def draw_references(axes: Axes, selection: Selection, cases: list[Case], column: str, name: str) -> None:
     """Draws the valid references of the cases of a line in grey behind it."""
     pairs = [(layout.x_position(selection, c), r.value(column, math.nan)) for c in cases
-             if (r := selection.reference_of(c)) and warnings_of.is_valid(r, name)]
+             if (r := selection.added_reference_of(c)) and warnings_of.is_valid(r, name)]
     if pairs:
         axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
 
@@ -110,14 +110,14 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
     figure.supylabel(label, fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(selection, colour, v))
                for v, c in zip(values, colours)]
-    if layout.all_references(selection):
+    if layout.added_references(selection):
         handles.append(plt.Line2D([], [], color="#b0b0b0", linewidth=2.2, label=layout.reference_name(layout.all_references(selection))))
     style.legend_strip(figure, handles)
     style.save(figure, folder / (name + ".png"))
     head = f"{title} against {labels.name(selection, selection.x)}"
     text = (f"One panel per {listed(labels.name(selection, k) for k in others)} and one colour per "
             f"{labels.name(selection, colour)}; means over periods, with the same axes in all panels.")
-    if layout.all_references(selection):
+    if layout.added_references(selection):
         text += f" Grey: {layout.reference_name(layout.all_references(selection))}."
     if len(shown) < len(every):
         text += f" {some_of(len(shown), len(every), 'panel')}, spread evenly."

@@ -45,7 +45,7 @@ def error_caption(selection: Selection, *columns: str) -> str:
 def reference_lines(selection: Selection, figure: str, group: layout.Group, column: str, label: str,
                     colour: str) -> list[Line]:
     """The values of the reference at each x of a curve, and crosses where they are not valid."""
-    pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.reference_of(c))]
+    pairs = [(layout.x_position(selection, c), r) for c in group.cases if (r := selection.added_reference_of(c))]
     values = np.array([r.value(column, math.nan) for _, r in pairs])
     if not pairs or not np.isfinite(values).any():
         return []
@@ -71,7 +71,9 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
     lines, colours = [], {}
     for group, colour in zip(found, style.distinct(len(found))):
         x = [layout.x_position(selection, c) for c in group.cases]
-        y = [c.value(column, math.nan) for c in group.cases]
+        y = [layout.curve_value(selection, c, column) for c in group.cases]
+        if all(map(math.isnan, y)) and selection.is_ratio(column):
+            continue  # the references themselves
         line = Line(group.label or "all cases" if len(found) > 1 else layout.modulation(selection) or y_label, x, y, colour,
                     error=errors(group.cases, column), points=True, dots=is_at_instant(column))
         lines += with_crosses(line, split(selection, group.cases, column, figure, y))

@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from .. import labels, layout, optima, warnings_of
+from .. import answer, labels, layout, optima, warnings_of
 from ..figure import Figure
 from ..load import Selection
 from ..numerical_error import valid
@@ -182,8 +182,9 @@ def parts(selection: Selection, figures: list[Figure], problems: list[Any], movi
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made: list[Any] = []
     stated: set[int] = set()  # warnings
-    receptors_first = bool(layout.receptor_classes(selection)) and not valid(selection, "eta_period_1")
-    first = headlines(figures, receptors_first)
+    asked = answer.column(selection)
+    receptors_first = bool(layout.receptor_classes(selection)) and (asked.endswith(warnings_of.RATE) or not valid(selection, "eta_period_1"))
+    first = headlines(figures, receptors_first, asked.startswith("felt_"))
     drawn = [f for f in first if f.name == "optimise_mean"]  # the wake at one instant hardly shows which shape is drawn
     made += [(f.name, f.title, picture(f, "h2", stated), []) for f in drawn]
     if moving:
@@ -200,7 +201,7 @@ def parts(selection: Selection, figures: list[Figure], problems: list[Any], movi
         made.append(("missing", "Not in the figures", notice, []))
     if listed := warning_list(selection, state):
         made.append(("warnings", "Warnings", listed, []))
-    for title, members in topics(figures, receptors_first):
+    for title, members in topics(figures, first):
         inner = "".join(picture(f, "h3", stated) for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
@@ -222,7 +223,7 @@ def contents(made: list[tuple[str, str, str, list[Any]]]) -> str:
 
 def head(selection: Selection) -> str:
     """The question, the answer, three numbers, and the rest of the summary."""
-    asked, (first, others) = opening.question(selection), opening.answer(summary(selection))
+    asked, (first, others) = answer.question(selection), opening.first_sentence(summary(selection))
     if "plain STM" in first:
         others = f"Plain STM (spatiotemporal modulation): the focus moves along its path at constant speed and strength. {others}"
     items = ""

@@ -20,7 +20,7 @@ from PIL import Image
 
 from ... import wake
 from ...case import Case
-from .. import labels, layout, load, style, summary, warnings_of
+from .. import answer, labels, layout, load, ranking, style, warnings_of
 from ..figures import fig_surface
 from ..words import counted, number
 
@@ -48,7 +48,8 @@ def cases_of(selection: load.Selection) -> list[Case]:
 def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
     """The indices of the two cases that are shown at first: the reference of the best case (of samples: the median), or another case,
     and this case."""
-    chosen = summary.middle_case(selection) if selection.sweep.uncertain else summary.best_case(selection)
+    column = answer.column(selection)
+    chosen = ranking.middle_case(selection, column) if selection.sweep.uncertain else ranking.rank(selection, column).best
     best = next((c for c in cases if c is chosen), next((c for c in cases if not c.is_reference), cases[0]))
     own = selection.reference_of(best)
     others = [c for c in cases if c is not best]

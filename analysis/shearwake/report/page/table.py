@@ -10,6 +10,7 @@ from ...case import Case
 from .. import labels, layout
 from ..figure import Figure
 from ..load import Selection
+from ..summary import caution
 from ..warnings_of import Kind, kinds as kinds_of_warnings
 from ..words import counted, number
 
@@ -121,4 +122,6 @@ def table(selection: Selection, figures: list[Figure]) -> str:
     body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
-    return body + (f'<ol class="notes">{listed}</ol>' if notes else "")
+    warning = caution(selection)
+    return (body + (f'<ol class="notes">{listed}</ol>' if notes else "")
+            + (f'<p class="counts">{html.escape(warning)}</p>' if warning else ""))
