@@ -53,7 +53,7 @@ class AfferentsTest(unittest.TestCase):
         self.folder = Folder(self.root)
 
     def add(self, f, counts, **options):
-        scalars = {"PC_spikes_1": sum(counts[:3]), "PC_rate_Hz": 10.0 + f, "RA_spikes_1": 0.0}
+        scalars = {"PC_spikes_1": sum(counts[:3]), "PC_rate_Hz": 10.0 + f, "RA_spikes_1": 0.0, "PC_total_rate_Hz": 10.0 * f, "RA_total_rate_Hz": 0.0}
         identity = self.folder.add({AM: f}, scalars=scalars)
         add_afferents(self.folder.file(identity), counts, **options)
         return identity
@@ -116,7 +116,7 @@ class AfferentsTest(unittest.TestCase):
 
     def test_vector_strengths_of_few_spikes_are_not_drawn(self):
         for f, spikes in ((100.0, 4.0), (200.0, 10.0), (300.0, 12.0)):
-            self.folder.add({AM: f}, scalars={"PC_spikes_1": spikes, "PC_active_1": 2.0, "PC_vector_strength_1": 0.9})
+            self.folder.add({AM: f}, scalars={"PC_spikes_1": spikes, "PC_total_rate_Hz": spikes, "PC_active_1": 2.0, "PC_vector_strength_1": 0.9})
         sweep = load.load(self.folder.save())
         shown, few = fig_afferents.with_enough_spikes(sweep, "PC")
         self.assertEqual([c.value("PC_vector_strength_1") == 0.9 for c in shown.cases], [False, True, True])

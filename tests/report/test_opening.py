@@ -37,7 +37,7 @@ class OpeningTest(Pages):
         folder = sweep(temporary.name, job=f"#:schema ./job.schema.json\n# SPDX-License-Identifier: BSD-3-Clause\n# {QUESTION}\n# Ten seconds.\nschema = 1\n")
         for number in (1, 4):
             with h5py.File(folder.file(case_id(number)), "r+") as file:
-                file["eta_period_1_error"] = 0.01
+                file["eta_period_1_error"] = 0.002
         folder.report()
         cls.path = folder.path / "report" / "index.html"
 
@@ -63,7 +63,7 @@ class OpeningTest(Pages):
                 self.assertTrue(lead.endswith("plain STM."), lead)
                 self.assertNotIn("_", lead)
                 numbers = page.run('Array.from(document.querySelectorAll(".numbers b"), part => part.textContent)')
-                self.assertEqual(numbers, ["27 %", "1.3\N{NO-BREAK SPACE}µm", "120\N{NO-BREAK SPACE}mm²"])
+                self.assertEqual(numbers, ["27\N{NO-BREAK SPACE}%", "1.3\N{NO-BREAK SPACE}µm", "120\N{NO-BREAK SPACE}mm²"])
                 self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
                 shown = page.run('Array.from(document.querySelectorAll(".player .chosen"), part => part.textContent)')
                 self.assertEqual(shown, ["plain STM", "AM-STM, AM frequency 400\N{NO-BREAK SPACE}Hz"])
@@ -96,11 +96,11 @@ class OpeningTest(Pages):
         folder = self.folder()
         for n, spikes in enumerate((40.0, 90.0)):
             identity = folder.add({AM: 100.0 * (n + 1)}, warnings=[INVALID],
-                                  scalars={"RA_spikes_1": spikes, "RA_active_1": 2.0, "RA_rate_Hz": 5.0})
+                                  scalars={"RA_total_rate_Hz": spikes, "RA_spikes_1": spikes, "RA_active_1": 2.0, "RA_rate_Hz": 5.0})
             add_afferents(folder.file(identity), [0, 0, 0, 1, 2], felt="carrier")
         page = self.open(1280, path=self.made(folder))
         self.assertEqual(page.run(names)[:2], ["player", "afferents_RA"])
-        self.assertEqual(page.run('document.querySelector(".numbers b").textContent'), "90")
+        self.assertEqual(page.run('document.querySelector(".numbers b").textContent'), "90\N{NO-BREAK SPACE}spikes/s")
 
     def test_there_is_one_select_per_swept_axis(self):
         folder = self.folder(swept=[AM, FWHM], series=[FWHM])
@@ -147,7 +147,7 @@ class OpeningTest(Pages):
                 self.assertTrue(page.wait('!!document.querySelector("#chart-eta .data table")'))
                 rows = page.run("""Array.from(document.querySelector("#chart-eta .data table").rows,
                     row => Array.from(row.cells, cell => cell.textContent))""")
-                self.assertEqual(rows[1], ["100", "0.25 ± 0.01", "0.24"])
+                self.assertEqual(rows[1], ["100", "0.25 ± 0.002", "0.24"])
                 self.fits(page, width)
 
     def test_contrast_of_all_texts(self):

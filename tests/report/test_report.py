@@ -80,8 +80,8 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_the_summary_names_the_best_case(self):
         gap = "\N{NO-BREAK SPACE}"
-        self.assertIn(f"AM-STM at AM frequency 400{gap}Hz focuses best: its efficiency η is "
-                      "0.27, 13 % more than the 0.24 of plain STM.", self.page.data)
+        self.assertIn(f"The efficiency η is highest at AM frequency 400{gap}Hz, the end of the swept range: 27{gap}%, 1.13 times the "
+                      f"24{gap}% of plain STM.", self.page.data)
         self.assertIn(f"0.43 (AM frequency 400{gap}Hz) to 0.5", self.page.data)
         self.assertIn("4 cases (of them 1 reference): 4 complete.", self.page.data)
 
@@ -201,25 +201,22 @@ class ReportTest(unittest.TestCase):
         return summary(load.load(folder.save())).replace("\N{NO-BREAK SPACE}", " ")
 
     def test_the_summary_states_a_large_gain_as_a_factor(self):
-        self.assertIn("AM-STM at AM frequency 200 Hz focuses best: its efficiency η is 0.5, "
-                      "2.5 times the 0.2 of plain STM.", self.summary([0.3, 0.5]))
+        self.assertIn("highest at AM frequency 200 Hz, the end of the swept range: 50 %, 2.5 times the 20 % of plain STM.", self.summary([0.3, 0.5]))
 
     def test_the_summary_reports_that_no_case_is_better_than_the_reference(self):
-        self.assertIn("None of the 2 cases focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz: its "
-                      "efficiency η is 0.15, 25 % less than the 0.2 of plain STM.",
-                      self.summary([0.15, 0.1]))
+        text = self.summary([0.15, 0.1])
+        self.assertIn("15 %, 0.75 times the 20 % of plain STM.", text)
+        self.assertIn("No case exceeds plain STM under the same conditions.", text)
 
     def test_the_summary_compares_each_case_with_its_own_reference(self):
         text = self.summary([0.3, 0.5], (0.2, 0.4), series=[FWHM], swept=[AM, FWHM])
-        self.assertIn("AM-STM at AM frequency 200 Hz, focus FWHM 2 mm improves most on plain STM under the same "
-                      "conditions", text)
-        self.assertIn("0.5, 2.5 times the 0.2 of plain STM.", text)
+        self.assertIn("100 %, 2.5 times the 40 % of plain STM.", text)
 
     def test_the_summary_names_the_body_of_a_key(self):
         folder = Folder(self.root, x="medium.body[1].depth_mm", swept=["medium.body[1].depth_mm"])
         for depth, value in ((5.0, 0.3), (8.0, 0.4)):
             folder.add({"medium.body[1].depth_mm": depth}, scalars={"eta_period_1": value})
-        self.assertIn("The efficiency η is highest, 0.4, at depth of body 1 = 8\N{NO-BREAK SPACE}mm.",
+        self.assertIn("The efficiency η is highest at depth of body 1 = 8\N{NO-BREAK SPACE}mm, the end of the swept range: 40\N{NO-BREAK SPACE}%.",
                       summary(load.load(folder.save())))
 
     def test_the_command_prints_the_result(self):
@@ -228,7 +225,7 @@ class ReportTest(unittest.TestCase):
         with contextlib.redirect_stdout(printed):
             self.assertEqual(report.main([str(folder.save())]), 0)
         lines = printed.getvalue().splitlines()
-        self.assertRegex(lines[0], "^result: AM-STM at .* focuses best")
+        self.assertRegex(lines[0], "^result: The efficiency η is highest at ")
         self.assertEqual(lines[1], f"report: {folder.path / 'report' / 'index.html'}")
 
     def test_a_sweep_without_complete_cases_has_a_page(self):
