@@ -9,11 +9,13 @@ import json
 import math
 import tempfile
 import unittest
+from pathlib import Path
 from unittest import mock
 
-from synthetic import AM, Folder, Page, case_id
+from synthetic import AM, PHYSICS, Folder, Page, case_id
 
-from shearwake.report import layout, load, sample, validity, warnings_of
+from shearwake.report import answer, layout, load, sample, validity, warnings_of
+from shearwake.report.figures import fig_measures
 from shearwake.report.page import curve_chart, opening
 from shearwake.report.summary import summary
 
@@ -341,6 +343,47 @@ class HeadlineTest(unittest.TestCase):
         text = self.result(self.with_reference([(0.5, [])] * 5 + [(0.3, [])], 0.2))
         self.assertIn("is highest at AM frequency 100 Hz, 200 Hz and 3 further cases: 50 %, 2.5 times the 20 % of plain STM.", text)
 
+    def kinds(self, levels, swept=("AM", "LM")):
+        """One case per modulation, at rest if it is AM, with a level of sensation."""
+        folder = Folder(self.root, x=KIND, swept=[KIND], job="# Which is felt strongest?\nschema = 1\n")
+        for kind, level in zip(swept, levels):
+            moves = '[[load.modulation.trajectory]]\nmover = "hold"\n' + ('' if kind.strip() == "AM" else '[[load.modulation.trajectory]]\nmover = "swing"\n')
+            folder.add({KIND: kind}, kind=kind, snapshot=False, scalars={"felt_path_dB": level, "felt_peak_dB": level},
+                       physics=PHYSICS.format(kind=kind).replace("[domain]", moves + "[domain]"))
+        return folder
+
+    def test_the_figure_and_the_table_of_levels_state_where_the_model_fails(self):
+        page = Page(self.kinds([40.0, 30.0]).report())
+        self.assertEqual(page.data.count("The model fails where the level compares loads at rest with loads that move, or LM with AM: see "
+                                         "docs/explanation/user-studies.md."), 3)  # the result, the figure, the table
+
+    def test_levels_of_loads_that_all_rest_have_no_such_line(self):
+        self.assertNotIn("The model fails", Page(self.kinds([40.0, 30.0], swept=("AM", "AM ")).report()).data)
+
+    def test_a_level_without_a_value_is_not_replaced_by_another_answer(self):
+        folder = self.kinds([math.nan, math.nan])
+        self.assertTrue(self.result(folder).startswith("The level of sensation on the path has no value in any case."))
+
+    def test_a_reference_that_is_a_case_of_the_sweep_is_drawn_once(self):
+        folder = Folder(self.root, x=KIND, swept=[KIND])
+        for kind, eta in (("STM", 0.2), ("AM-STM", 0.3), ("SM-STM", 0.25)):
+            folder.add({KIND: kind}, case_id(1), kind=kind, scalars={"eta_period_1": eta})
+        sweep = load.load(folder.save())
+        chart = curve_chart.curve_chart(sweep, "eta", "eta_period_1", "eta")
+        self.assertEqual([(list(line.y), line.dashed) for line in chart.lines], [([0.2, 0.3, 0.25], False)])
+        ratios, = curve_chart.curve_chart(sweep, "gain", "eta_period_over_reference_1", "gain").lines
+        self.assertTrue(math.isnan(ratios.y[0]) and ratios.y[1] > 1.0)  # the dashed line at 1 is its own
+        (Path(self.root) / "report").mkdir()
+        self.assertNotIn("Dashed lines", fig_measures.figures(sweep, Path(self.root) / "report")[0].caption)
+
+    def test_the_answer_of_the_job_decides_before_its_words(self):
+        job = 'schema = 1\n[job]\nquestion = "How strong is it?"\nanswer = "peak_um"\n'
+        folder = Folder(self.root, job=job)
+        for f in (100.0, 200.0):
+            folder.add({AM: f}, scalars={"felt_peak_dB": 30.0, "peak_um": 0.01 * f})
+        sweep = load.load(folder.save())
+        self.assertEqual((answer.question(sweep), answer.column(sweep)), ("How strong is it?", "peak_um"))
+        self.assertTrue(summary(sweep).startswith("The largest displacement is 1\N{NO-BREAK SPACE}µm (AM frequency 100"), summary(sweep))
 
 
 if __name__ == "__main__":

@@ -32,7 +32,8 @@ from .page import topics
 from .page.page import page
 from .page.player import player
 from .progress import Progress
-from .summary import caution, summary
+from .ranking import caution
+from .summary import summary
 from .unchanged import Drawn
 from .words import OTHERS, counted, some_of
 

@@ -9,19 +9,21 @@ import numpy as np
 
 from ..case import Case
 from . import contrast, layout
-from .answer import NOTICEABLE_dB, Quantity, quantity
+from .answer import NOTICEABLE_dB, Quantity, is_at_rest, quantity
 from .load import Selection, remembered
 from .numerical_error import choices, is_numerical, numerical_variants, relative_error, settings_that_differ, spread_of, valid
 from .warnings_of import RATE, is_valid
 
 SHAPES = {"hold": "a point", "swing": "a line", "line": "a line", "arc": "a circle", "polyline": "a polygon", "lissajous": "a Lissajous curve"}
+STUDIES = "docs/explanation/user-studies.md"
 SAME_REGION = 0.03  # relative: grids of different spacing round the sides of the domain to whole cells
 
 
 @dataclass
 class Ranking:
     """The valid cases in groups that may be compared, and the result of the only group. `equal`: the best cases, whose values read
-    the same; `near`: cases that differ from them by no more than `margin`, which has a reason. `pairs`: cases with a body and without it."""
+    the same; `near`: cases that differ from them by no more than `margin`, which has a reason. `seeks_least`: the best
+    case has the smallest value. `pairs`: cases with a body and without it."""
     quantity: Quantity
     cases: list[Case]
     groups: list[list[Case]]
@@ -29,6 +31,7 @@ class Ranking:
     equal: list[Case] = field(default_factory=list)
     near: list[Case] = field(default_factory=list)
     margin: str = ""
+    seeks_least: bool = False
     pairs: list[tuple[Case, Case]] = field(default_factory=list)
 
     @property
@@ -152,7 +155,8 @@ def rank(selection: Selection, column: str) -> Ranking:
         found.equal = [max(found.pairs, key=lambda pair: abs(change(of, found.value(pair[0]), found.value(pair[1]))))[0]]
         return found
     found.cases = representatives(selection, cases, of.column)
-    sign = -1.0 if any(axis["goal"] == "minimum" and axis["column"] == of.column for axis in selection.sweep.adaptive_axes) else 1.0
+    found.seeks_least = any(axis["goal"] == "minimum" and axis["column"] == of.column for axis in selection.sweep.adaptive_axes)
+    sign = -1.0 if found.seeks_least else 1.0
     best = max(found.cases, key=lambda c: sign * found.value(c))
     size, found.margin = margin(selection, best, of)
     close = [c for c in found.cases if c is not best and abs(found.value(c) - found.value(best)) < size]
@@ -194,3 +198,12 @@ def middle_case(selection: Selection, column: str) -> Case | None:
     """The valid case with the median of a column."""
     cases = sorted(valid(selection, column), key=lambda c: c.value(column))
     return cases[len(cases) // 2] if cases else None
+
+
+def caution(selection: Selection) -> str:
+    """Where levels of loads at rest and of loads that move stand side by side, which the model has ranked wrongly; else ''."""
+    cases = layout.with_references(selection)
+    levels = [c for c in cases if not math.isnan(c.value("felt_path_dB", math.nan)) and c.setting("load", "modulation", "trajectory", default=[])]
+    if len({is_at_rest(c) for c in levels}) < 2:
+        return ""
+    return f"The model fails where the level compares loads at rest with loads that move, or LM with AM: see {STUDIES}."

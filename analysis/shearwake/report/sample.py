@@ -79,6 +79,11 @@ class Median:
     difference: str  # why places are not ranked
 
     @property
+    def range(self) -> str:
+        values = [rows["q50"]["value"] for rows in self.rows.values()]
+        return self.quantity.range(min(values), max(values))
+
+    @property
     def is_highest(self) -> bool:
         return len(self.rows) > 1 and not self.alike and not self.difference
 
@@ -113,21 +118,26 @@ def probabilities(selection: Selection, rows: Any, threshold: str, value: float)
     return [(where, s[name]) for where, s in by_place(selection, rows, threshold).items() if name in s]
 
 
-def exceedances(selection: Selection, rows: Any) -> list[str]:
-    """A sentence for each threshold of [uncertain] exceedance: the probability at each of a few places, or the largest one."""
+def exceedances(selection: Selection, rows: Any, apart: str) -> list[str]:
+    """A sentence for each threshold of [uncertain] exceedance: the probability at each of a few places, or the largest one unless
+    places are not comparable, for the reason `apart`."""
     found = []
     for threshold, value in selection.sweep.uncertain["exceedance"].items():
         every = probabilities(selection, rows, threshold, value)
         if not every:
             continue
         few = every if len(every) <= NAMED else [likeliest(selection, rows, threshold, value)]
+        of = quantity(selection, threshold)
+        if len(few) < len(every) and apart:
+            low, high = (number(100 * f(row["value"] for _, row in every), 3) for f in (min, max))
+            found.append(f"{of.title} exceeds {of.difference(value)} in {low} to {high}\u00a0% of the samples; {apart} are not ranked.")
+            continue
         parts: list[str] = []
         notes = list(dict.fromkeys(row["note"] for _, row in few if row["note"]))
         for where, row in few:
             interval = f"{number(100 * row['low_95'], 2)} to {number(100 * row['high_95'], 2)}\u00a0%"
             parts.append(f"in {'at most ' if len(few) < len(every) else ''}{number(100 * row['value'], 3)}\u00a0%{'' if parts else ' of the samples'}"
                          f"{placed(selection, where)} ({interval if parts else f'95 % confidence interval of the probability {interval}'})")
-        of = quantity(selection, threshold)
         found.append(f"{of.title} exceeds {of.difference(value)} {listed(parts)}{f'; {notes[0]}' if notes else ''}.")
     return found
 
@@ -140,9 +150,6 @@ def medians(selection: Selection, found: Median) -> list[str]:
 
     def named(where: Any) -> str:
         return f"{placed(selection, where).strip().removeprefix('with ').removeprefix('at ')} ({of.difference(found.rows[where]['q50']['value'])})"
-    if found.difference:
-        values = [rows["q50"]["value"] for rows in found.rows.values()]
-        return [f"The median of {of.name} is {of.range(min(values), max(values))}; {found.difference} are not ranked."]
     if found.is_highest:
         return [f"The median is highest{placed(selection, found.highest)}: {of.text(found.rows[found.highest]['q50']['value'])}."]
     alike = [found.highest, *found.alike]
@@ -159,8 +166,12 @@ def sentences(selection: Selection) -> list[str]:
     used, without = int(there["q50"]["samples"]), int(there["q50"].get("without_value") or 0)
     doubts = [note for q in ("q50", "q05", "q95") if (note := there[q]["note"])][:1]
     samples = counted(used, "sample") if not without else f"{used} of {used + without} samples (the others are not valid or have no value)"
+    keys = counted(len(selection.sweep.uncertain["keys"]), "uncertain key")
+    if found.difference:
+        return [*exceedances(selection, rows, found.difference), f"Over {samples} of {keys}, the median of {of.name} is {found.range}; "
+                f"{found.difference} are not ranked."]
     at = placed(selection, found.highest) if len(found.rows) > 1 else ""
-    last = (f"Over {samples} of {counted(len(selection.sweep.uncertain['keys']), 'uncertain key')}{at}, {of.name} has the median "
+    last = (f"Over {samples} of {keys}{at}, {of.name} has the median "
             f"{of.text(there['q50']['value'])}; 90 % of the samples are between {of.difference(there['q05']['value'])} and "
             f"{of.difference(there['q95']['value'])}{f' ({doubts[0]})' if doubts else ''}.")
-    return [*exceedances(selection, rows), *medians(selection, found), last]
+    return [*exceedances(selection, rows, ""), *medians(selection, found), last]

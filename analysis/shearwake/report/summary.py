@@ -7,17 +7,16 @@ import math
 from ..case import Case
 from ..tables import read_adaptive
 from . import contrast, labels, layout, optima, sample, warnings_of
-from .answer import NOTICEABLE_dB, Quantity, asks_for_receptors, column, is_at_rest, quantity
+from .answer import NOTICEABLE_dB, Quantity, asks_for_receptors, column, quantity
+from .caveats import caveats, estimate, is_incomplete
 from .load import Selection
-from .numerical_error import (estimated_at, is_measurement, is_numerical, numerical_variants, relative_error, settings_that_differ,
-                              spread_of, sweeps_numbers_only, valid)
+from .numerical_error import is_numerical, relative_error, settings_that_differ, spread_of, sweeps_numbers_only, valid
 from .places import NAMED, capital, keys_of, named, placed, places, where
-from .ranking import Ranking, change, edges, rank, reference_for, region_mm2, shape
+from .ranking import Ranking, caution, change, edges, rank, reference_for, region_mm2, shape
 from .warnings_of import RATE, figure_of
 from .words import counted, listed, number
 
 ETA, STRENGTH = "eta_period_1", "focal_rms_um"
-STUDIES = "docs/explanation/user-studies.md"
 
 
 def shown(selection: Selection, of: Quantity, case: Case) -> str:
@@ -75,8 +74,7 @@ def without_result(selection: Selection, of: Quantity) -> str:
         return f"No result is stated, because no case has valid readings: {warnings_of.reasons(cases, figure_of(of.column))}."
     notes = list(dict.fromkeys(c.notes.get(of.column, "") for c in cases))
     reason = f": {notes[0]}" if notes and notes[0] else ""
-    return (f"{of.title} has no value over complete periods in any case{reason}." if of.column == ETA else f"{of.title} has no value in any "
-            f"case{reason}.")
+    return f"{of.title} has no value{' over complete periods' if of.column == ETA else ''} in any case{reason}."
 
 
 def span(of: Quantity, cases: list[Case]) -> str:
@@ -123,8 +121,10 @@ def with_and_without(selection: Selection, ranking: Ranking) -> list[str]:
     other = next(o for c, o in ranking.pairs if c is most)
     place = where(selection, most, keys) if keys else ""
     changes = " changes most" if len(ranking.pairs) > 1 else " is"
-    lead = (f"{contrast.present(selection).capitalize()} {of.name}{changes}{f' at {place}:' if place else ':' if len(ranking.pairs) > 1 else ''} "
-            f"{of.text(ranking.value(most))} instead of the {of.text(ranking.value(other))} {without} ({amount(most, other)}{'' if of.is_level else ' times'}).")
+    changes += f" at {place}:" if place else ":" if len(ranking.pairs) > 1 else ""
+    times = amount(most, other) + ("" if of.is_level else " times")
+    lead = (f"{capital(contrast.present(selection))} {of.name}{changes} {of.text(ranking.value(most))} instead of the "
+            f"{of.text(ranking.value(other))} {without} ({times}).")
     what = "difference" if of.is_level else "ratio"
     rest = [(c, o) for c, o in ranking.pairs if c is not most]
     if 0 < len(rest) <= 4:
@@ -203,26 +203,49 @@ def extreme(selection: Selection, ranking: Ranking) -> list[str]:
     if len(ranking.cases) == len(ranking.equal) > 1:
         every = "both cases" if len(ranking.cases) == 2 else f"all {len(ranking.cases)} cases"
         return [f"{of.title} is the same in {every}: {shown(selection, of, best)}{relation(selection, of, best)}."]
-    ends = edges(selection, ranking)
     if ranking.near:
-        rest = [alike(selection, ranking)]
-        if (text := relation(selection, of, best)) and (own := selection.reference_of(best)) and own.is_reference:
-            rest.append(f"{capital(named(selection, ranking.equal))} has {shown(selection, of, best)}{text}.")
-    else:
-        most, least = ("highest", "lowest") if best is max(ranking.cases, key=ranking.value) or len(ranking.equal) > 1 else ("lowest", "highest")
-        place = labels.placed(selection, best.settings, keys_of(selection), best_place(selection, ranking))
-        end = f", the {'ends' if len(ends) > 1 else 'end'} of the {range_words(selection, ranking, ends)}" if ends else ""
-        rest = [f"{among_valid(selection, ranking)} is {most}{place}{end}: {shown(selection, of, best)}{parts_of_ratio(selection, of, best)}{relation(selection, of, best)}."]
-        if of.is_level and len(ranking.others) > 0:
-            rest.append(weaker(selection, ranking).removeprefix("; ").replace("the other ", "The other ", 1) + ".")
-    if not of.is_level and ranking.others:
-        low = min(ranking.others, key=ranking.value) if ranking.near or most == "highest" else max(ranking.others, key=ranking.value)
-        rest.append(f"It is {'lowest' if ranking.near else least}{placed(selection, [low])} ({of.text(ranking.value(low))}).")
-    if ends and ranking.near and ranking.others:
-        rest.append(f"{capital(listed(layout.setting_text(selection, k, best.settings[k]) for k in ends))} is the end of the {range_words(selection, ranking, ends)}, beyond which the optimum may lie.")
-    elif ends and not ranking.near:
-        rest.insert(1, f"The optimum may lie beyond th{'ese ends' if len(ends) > 1 else 'is end'}.")
-    return rest
+        return without_best(selection, ranking)
+    most, least = ("lowest", "highest") if ranking.seeks_least else ("highest", "lowest")
+    place = labels.placed(selection, best.settings, keys_of(selection), best_place(selection, ranking))
+    ends = edges(selection, ranking)
+    found = [f"{among_valid(selection, ranking)} is {most}{place}{ending(selection, ranking, ends)}: {shown(selection, of, best)}"
+             f"{parts_of_ratio(selection, of, best)}{relation(selection, of, best)}."]
+    if ends:
+        found.append(f"The optimum may lie beyond th{'ese ends' if len(ends) > 1 else 'is end'}.")
+    if of.is_level and not ranking.seeks_least:
+        return [*found, capital(weaker(selection, ranking).removeprefix("; ")) + "."]
+    return [*found, *other_end(selection, ranking, least)]
+
+
+def without_best(selection: Selection, ranking: Ranking) -> list[str]:
+    """Several cases without a noticeable difference, their comparison with the reference, and the other cases."""
+    of, best = ranking.quantity, ranking.equal[0]
+    found, place = [alike(selection, ranking)], capital(named(selection, ranking.equal))
+    own = selection.reference_of(best)
+    if own and own.is_reference and (text := relation(selection, of, best)):
+        found.append(f"{place} has {shown(selection, of, best)}{text}.")
+    if not of.is_level:
+        found += other_end(selection, ranking, "lowest")
+    if ranking.others and (ends := edges(selection, ranking)):
+        values = capital(listed(layout.setting_text(selection, k, best.settings[k]) for k in ends))
+        found.append(f"{values} {'are ends' if len(ends) > 1 else 'is the end'} of the {range_words(selection, ranking, ends)}, beyond which the "
+                     "optimum may lie.")
+    return found
+
+
+def ending(selection: Selection, ranking: Ranking, ends: list[str]) -> str:
+    """', the end of the swept range', which names its key if there are others; '' if the best case lies inside."""
+    amounts = [k for k in keys_of(selection) if not labels.is_nominal(selection, k, ranking.equal[0].settings.get(k))]
+    of_keys = f" of {listed(labels.name(selection, k).replace(', ', ' of ') for k in ends)}" if len(amounts) > len(ends) > 0 else ""
+    return f", the {'ends' if len(ends) > 1 else 'end'} of the {range_words(selection, ranking, ends)}{of_keys}" if ends else ""
+
+
+def other_end(selection: Selection, ranking: Ranking, least: str) -> list[str]:
+    """'It is lowest at AM frequency 100 Hz (30 %).'"""
+    if not ranking.others:
+        return []
+    last = (max if least == "highest" else min)(ranking.others, key=ranking.value)
+    return [f"It is {least}{placed(selection, [last])} ({ranking.quantity.text(ranking.value(last))})."]
 
 
 def gains(selection: Selection, ranking: Ranking) -> list[str]:
@@ -242,10 +265,6 @@ def gains(selection: Selection, ranking: Ranking) -> list[str]:
     if most in ranking.equal or number(ratio[most.id], 3) in own or number(ratio[most.id], 3) == "1":
         return []
     return [f"Relative to {name} it gains most{placed(selection, [most])} ({number(ratio[most.id], 3)} times)."]
-
-
-def is_incomplete(selection: Selection) -> bool:
-    return bool(layout.axes(selection)) and any(not c.is_complete for c in selection.cases)
 
 
 def sentences(selection: Selection, name: str) -> list[str]:
@@ -325,55 +344,6 @@ def fired(selection: Selection, without: str = "") -> list[str]:
         parts.append(f"the {listed(silent)} afferents are silent" + (f" in each of the {count} cases" if count > 1 else ""))
     text = "; ".join(parts)
     return [f"{capital(text)}."] if parts else []
-
-
-def caution(selection: Selection) -> str:
-    """Where levels of loads at rest and of loads that move stand side by side, which the model has ranked wrongly; else ''."""
-    cases = layout.with_references(selection)
-    levels = [c for c in cases if not math.isnan(c.value("felt_path_dB", math.nan)) and c.setting("load", "modulation", "trajectory", default=[])]
-    if len({is_at_rest(c) for c in levels}) < 2:
-        return ""
-    return f"The model fails where the level compares loads at rest with loads that move, or LM with AM: see {STUDIES}."
-
-
-def estimate(selection: Selection, ranking: Ranking) -> list[str]:
-    """The numerical error of the best case, or the uncertainty of a measurement, and the difference between engines."""
-    best = ranking.best or (ranking.cases[0] if ranking.cases else None)
-    if best is None or sweeps_numbers_only(selection) and len(ranking.cases) > 1 and math.isnan(relative_error(selection, best, ranking.quantity.column)[0]):
-        return [] if best is None else ["Numerical error not estimated: run shearwake converge."]
-    of, variants = ranking.quantity, numerical_variants(selection, best, ranking.quantity.column)
-    text = []
-    if len(variants) > 1 and not sweeps_numbers_only(selection):
-        who = settings_that_differ(variants)
-        text = [f"{capital(who)} differ by {number(100 * spread_of(variants, of.column)[1], 2)}\u00a0% in {of.name} there."]
-    relative = relative_error(selection, best, of.column)[0]
-    if is_measurement(selection):
-        return [*text, "The uncertainty is unknown: measure with --repetitions." if math.isnan(relative) else
-                f"Noise and gaps of the scan cause an uncertainty of {of.name} of {number(100 * relative, 2)}\u00a0%."]
-    if math.isnan(relative):
-        return [*text, "Numerical error not estimated: run shearwake converge."]
-    return [*text, f"The numerical error of {of.name} is {number(100 * relative, 2)}\u00a0% of its value{estimated_at(selection, best, of.column)}."]
-
-
-def caveats(selection: Selection, is_used: bool = False) -> list[str]:
-    """Cases without a result, and readings that are not valid, which are used in the tables of the optima."""
-    complete = [c for c in selection.cases if c.is_complete]
-    missing, invalid = len(selection.cases) - len(complete), [c for c in complete if not warnings_of.is_valid(c)]
-    found = []
-    if missing and not is_incomplete(selection):
-        found.append(f"{counted(missing, 'case')} of {len(selection.cases)} {'has' if missing == 1 else 'have'} no result.")
-    if invalid and any(map(warnings_of.is_valid, layout.ordinary(selection))) | (column(selection).endswith(RATE) or is_used):
-        among = layout.references_among(invalid)
-        are = "is" if len(invalid) == 1 else "are"
-        found.append(f"{len(invalid)} of {counted(len(complete), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}"
-                     f"{f' ({among})' if among else ''}: {warnings_of.reasons(invalid)}.")
-    ordinary = [c for c in layout.ordinary(selection) if warnings_of.is_valid(c)]
-    without = [c for c in ordinary if math.isnan(c.value(ETA, math.nan))]
-    if without and len(without) < len(ordinary):
-        found.append(f"{counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods and cannot be compared.")
-    if alone := [c for c in valid(selection, ETA) if (r := selection.reference_of(c)) and r is not c and not warnings_of.is_valid(r)]:
-        found.append(f"No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are not valid.")
-    return found
 
 
 def summary(selection: Selection) -> str:

@@ -51,7 +51,7 @@ PERCEIVED: dict[str, Any] = {
     "name": "felt", "title": "Level of sensation against {x}",
     "period": "felt_path_dB", "instant": None, "label": "level (dB)",
     "caption": "The mean over the drawn shape of the level of the acceleration above the threshold of perception. The skin feels "
-               "nothing below 0 dB, and differences of about 2 dB are just noticeable."}
+               "nothing below 0 dB, and a difference of 2.3 dB is just noticeable."}
 
 
 def draw_column(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str,

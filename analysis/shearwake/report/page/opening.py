@@ -7,6 +7,7 @@ import math
 from ...case import Case
 from ...tables import read_statistics
 from .. import answer, layout, optima, sample, summary
+from ..caveats import is_incomplete
 from ..load import Selection
 from ..numerical_error import sweeps_numbers_only
 from ..places import NAMED, named, where
@@ -72,6 +73,8 @@ def of_samples(selection: Selection) -> list[Number]:
     if median is None:
         return []
     of, rows = median.quantity, median.rows[median.highest]
+    if median.difference:
+        return [(median.range, f"medians of {of.name}", f"{len(median.rows)} swept values")]
     place = sample.placed(selection, median.highest).strip()
     if median.is_highest and place:
         place += ", the highest median"
@@ -114,7 +117,7 @@ def numbers(selection: Selection) -> list[Number]:
         return of_samples(selection)[:3]
     if optima.is_study(selection):
         return of_optima(selection) if "optimum" not in optima.invalid(selection) else []
-    if summary.is_incomplete(selection) or sweeps_numbers_only(selection):
+    if is_incomplete(selection) or sweeps_numbers_only(selection):
         return []
     column = answer.column(selection)
     ranking, receptors, found = rank(selection, column), of_receptors(selection), of_answer(selection, column)

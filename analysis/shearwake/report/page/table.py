@@ -10,7 +10,7 @@ from ...case import Case
 from .. import labels, layout
 from ..figure import Figure
 from ..load import Selection
-from ..summary import caution
+from ..ranking import caution
 from ..warnings_of import Kind, kinds as kinds_of_warnings
 from ..words import counted, number
 
