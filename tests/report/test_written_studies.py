@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The headlines of the studies in written_studies, which state what an expert says of a job and its table.
+"""The headlines of the studies in written_studies, which state what an expert states about a job and its table.
 
 Run: python3 -m pytest tests/report/test_written_studies.py    (pytest, numpy, h5py, matplotlib; seconds)
 """
