@@ -69,7 +69,7 @@ class Warnings(ProgramTest):
         changed_columns = json.loads(self.shearwake("diff", self.out, "before.csv", "--json", expect=5).stdout)["moved"]
         self.assertEqual([column["column"] for column in changed_columns], ["valid"])
         self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
-        self.says(self.shearwake("report", self.out).said, "No efficiency is stated, because no case has valid readings")
+        self.says(self.shearwake("report", self.out).said, "No result is stated, because no case has valid readings")
         # The index of the folder has the same warnings as the file.
         (self.out / "index.jsonl").unlink()
         first = self.notes()

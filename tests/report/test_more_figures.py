@@ -312,7 +312,7 @@ class TopicsTest(unittest.TestCase):
             "hand_1", "receptors", "heat_eta_period_1", "eta_time", "traces", "profiles")]
         first = topics.headlines(figures)
         self.assertEqual([f.name for f in first], ["eta", "displacement"])
-        rest = [f.name for _, members in topics.topics(figures) for f in members]
+        rest = [f.name for _, members in topics.topics(figures, first) for f in members]
         self.assertEqual(sorted(rest + ["eta", "displacement"]), sorted(f.name for f in figures))
 
 
