@@ -276,9 +276,10 @@ std::string caution(const storage::PlanIndex& plan, const Table& table) {
         const auto* value = std::get_if<double>(&table.rows[row][*level]);
         if (name && value && !std::isnan(*value)) (*name == "AM" ? rests : moves) = true;
     }
-    return rests && moves ? "\nThe model fails where the level compares loads at rest with loads that "
-                            "move, or LM with AM: see docs/explanation/user-studies.md.\n"
-                          : "";
+    return rests && moves
+               ? "\nThe model fails where the level compares loads at rest with loads that "
+                 "move, or LM with AM: see docs/explanation/user-studies.md.\n"
+               : "";
 }
 
 } // namespace
