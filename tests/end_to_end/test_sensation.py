@@ -59,6 +59,14 @@ class Levels(ProgramTest):
             self.assertEqual(set(felt(row).values()), {""})
             self.assertIn(f"AM at {frequency_Hz} Hz needs", row["note"])
 
+    def test_the_table_of_lm_and_am_states_where_the_model_fails(self):
+        swept = '[sweep]\n"load.modulation.kind" = ["AM", "LM"]\n'
+        keys = "am_frequency_Hz = 200.0\nlm_frequency_Hz = 200.0\nlm_amplitude_mm = 3.0"
+        for kinds, states in ((swept, True), (swept.replace('"AM", ', ""), False)):
+            self.rows(PERIODIC.replace("am_frequency_Hz = 200.0", keys) + kinds, f"{states}")
+            text = next((self.folder / f"{states}" / "tables").glob("*.md")).read_text(encoding="utf-8")
+            self.assertEqual("the model fails" in text.lower() and "user-studies" in text, states, text)
+
     def test_the_most_sensitive_frequency_is_found_between_the_centres_of_bands(self):
         rows = self.rows(PERIODIC + f"[sweep]\n{FREQUENCY} = {{ linspace = [120, 350, 116] }}\n", "fine")
         best = max(rows, key=lambda row: float(row["felt_peak_dB"]))
