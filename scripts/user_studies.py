@@ -236,9 +236,9 @@ def summarise(results: list[Result]) -> str:
     numbers, orders = ([r for r in results if r.study["kind"] == kind] for kind in ("number", "order"))
     wrong = [r.study["name"] for r in orders if not r.met]
     return (f"Of {len(numbers)} results with a number, {sum(r.met for r in numbers)} are met by the median of "
-            f"{len(results[0].values)} sampled skins, and {sum(r.springs_met for r in numbers)} by a skin without waves; of "
-            f"{len(orders)} orders {sum(r.met for r in orders)} are met, of which {sum(r.met and r.springs_met for r in orders)} "
-            f"also by a skin without waves. " + (f"Predicted wrongly: {', '.join(wrong)}." if wrong else ""))
+            f"{len(results[0].values)} sampled skins, {sum(r.met and r.springs_met for r in numbers)} of these also by a skin without "
+            f"waves; of {len(orders)} orders, {sum(r.met for r in orders)} are met, {sum(r.met and r.springs_met for r in orders)} of "
+            f"these also by a skin without waves." + (f" Orders that are predicted wrongly: {', '.join(wrong)}." if wrong else ""))
 
 
 def format_number(value: float) -> str:
@@ -257,7 +257,7 @@ def format_row(r: Result) -> str:
     unit = f" {study['unit']}" if study["unit"] else ""
     low, median, high = (format_number(float(np.quantile(r.values, q))) for q in (0.1, 0.5, 0.9))
     springs = "none" if r.springs is None else f"{format_number(r.springs)}{unit}, {'' if r.springs_met else 'not '}met"
-    axis = "" if r.shift is None else f"; half of the axis moves the median by {format_number(100 * r.shift)} % of the interval"
+    axis = "" if r.shift is None else f"; half of the axis: {100 * r.shift:.0f} %"
     return (f"| [{study['name']}]({study['link']}), {authors[0] if authors else study['source']} (`{study['job']}`, "
             f"`{study['quantity']}`) | {study['measured']} | {format_interval(study)} | {median} ({low} to {high}){unit}{axis} | "
             f"{100 * share:.0f} ± {100 * error:.0f} % | {'met' if r.met else 'not met'} | {springs} | {study.get('why', '')} |")
@@ -279,8 +279,9 @@ def sum_over_places(folder: Path, rows: list[Row], kind: str) -> np.ndarray:
 def compare_definitions(folder: Path) -> str:
     """LM minus AM with other definitions of the level, against the frequency."""
     skins = read_table(folder, "takahashi-lm")
-    vectors = [lateral_modulation.compare([[row[key] for key in (*SKIN, "load.peak_Pa")] for row in rows[:1]][0],
-                                          {row[AM_FREQUENCY]: row["felt_peak_dB"] for row in select(rows, "AM")}) for rows in skins]
+    vectors = [lateral_modulation.compare([rows[0][key] for key in (*SKIN, "load.peak_Pa")],
+                                          {kind: {row[AM_FREQUENCY]: row["felt_peak_dB"] for row in select(rows, kind)}
+                                           for kind in ("AM", "STM")}) for rows in skins]
     variants = {
         "circle, largest normal acceleration (the definition)": [minus_am(rows, "STM") for rows in skins],
         "line instead of the circle": [minus_am(rows, "LM") for rows in skins],
@@ -290,18 +291,19 @@ def compare_definitions(folder: Path) -> str:
         "skin without waves": [minus_am(read_table(folder, "takahashi-lm", "-springs")[0], "STM")],
     }
     frequencies = column(select(skins[0], "AM"), AM_FREQUENCY)
-    lines = ["| level of LM minus that of AM (dB), median | " + " | ".join(f"{f:g} Hz" for f in frequencies) + " | least ≥ 2.3 dB |",
-             "|---" * (len(frequencies) + 2) + "|"]
+    lines = ["| level of LM minus that of AM (dB), median | " + " | ".join(f"{f:g} Hz" for f in frequencies) + " | above 0 dB at all | above 2.3 dB at all |",
+             "|---" * (len(frequencies) + 3) + "|"]
     for name, differences in variants.items():
-        share = np.mean([np.min(d) >= JND_dB for d in differences])
-        lines.append(f"| {name} | " + " | ".join(f"{value:.1f}" for value in np.median(differences, axis=0)) + f" | {100 * share:.0f} % of skins |")
+        least = np.min(differences, axis=1)
+        shares = " | ".join(f"{100 * np.mean(least >= limit):.0f} %" for limit in (0.0, JND_dB))
+        lines.append(f"| {name} | " + " | ".join(f"{value:.1f}" for value in np.median(differences, axis=0)) + f" | {shares} |")
     return "\n".join(lines)
 
 
 def draw(results: list[Result], path: Path) -> None:
     """The share of the skins that meet each result, and whether a skin without waves does."""
     figure, axes = plt.subplots(figsize=(8.0, 0.34 * len(results) + 1.3), layout="constrained")
-    ordered = sorted(results, key=lambda r: (r.study["kind"] == "number", r.met, r.springs_met), reverse=True)
+    ordered = sorted(results, key=lambda r: (r.study["kind"] == "order", r.met, r.springs_met))
     for n, r in enumerate(reversed(ordered)):
         share, error = r.share()
         colour = "#1b7837" if r.met else "#a02020"
@@ -313,7 +315,7 @@ def draw(results: list[Result], path: Path) -> None:
     axes.set_xlim(0, 118)
     axes.set_xticks(range(0, 101, 20))
     axes.axvline(50, color="grey", linewidth=0.8)
-    axes.set_xlabel("skins inside the interval (%), with standard error; green: the median is inside")
+    axes.set_xlabel("skins inside (%), with standard error; green: median inside")
     figure.savefig(path, dpi=110)
 
 
@@ -327,6 +329,7 @@ def main() -> int:
     draw(results, pictures / "verdicts.png")
     text = (ROOT / "jobs/studies/page.txt").read_text(encoding="utf-8").format(
         summary=summarise(results), skins=len(results[0].values), definitions=compare_definitions(folder),
+        waves=", ".join(r.study["name"] for r in results if r.met and r.springs is not None and not r.springs_met),
         **{kind: format_table([r for r in results if r.study["kind"] == kind]) for kind in ("number", "order")})
     (ROOT / "docs/explanation/user-studies.md").write_text(text, encoding="utf-8")
     print(summarise(results))
