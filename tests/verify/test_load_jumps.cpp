@@ -286,6 +286,38 @@ TEST_CASE("rare frames do not change the steady state", "[layered][jumps]") {
     }
 }
 
+TEST_CASE("the steady state of a period with few samples is that of many", "[layered][jumps]") {
+    // The windows around the break of a closed circle overlap if a period has fewer than 20 steps.
+    Layer layer = test::tissue(1500.0, 2.6);
+    layer.thickness_m = 9.4e-3;
+    layer.c_s_m_s = 2.8;
+    Case c = small_case({{layer}, Base::rigid});
+    c.scene().load.footprint = GaussianFootprint{10.2e-3};
+    const double radius_m = 3e-3, draw_Hz = 200.0;
+    c.scene().load.modulation.trajectory.parts = {
+        Travel{Arc{{}, radius_m, 0.0, 2.0 * pi}, ConstantSpeed{2.0 * pi * radius_m * draw_Hz},
+               AtEnd::repeat}};
+    c.domain.edges = DomainEdges::open;
+    c.time = {80, 1.0 / (80.0 * draw_Hz), Regime::periodic};
+    const test::FrameStore frames = test::frames_of(c);
+    for (const auto& [count, is_chosen] :
+         {std::pair{8, true}, std::pair{10, true}, std::pair{16, true}, std::pair{10, false}}) {
+        Case few = c;
+        few.time = {count, 1.0 / (count * draw_Hz), Regime::periodic};
+        if (!is_chosen) few.solver = LayeredOptions{.time_step_s = few.time.interval_s};
+        const test::FrameStore found = test::frames_of(few);
+        double most = 0.0, difference = 0.0;
+        for (std::ptrdiff_t n = 0; n < count; ++n) {
+            const auto& u = frames.at(80 / count * (n + 1) - 1);
+            most = std::max(most, largest(u));
+            for (std::size_t i = 0; i < u.size(); ++i)
+                difference = std::max(difference, std::abs(u[i] - found.at(n)[i]));
+        }
+        INFO(count << " samples: " << difference / most);
+        CHECK(difference < 1e-4 * most); // the stated accuracy
+    }
+}
+
 TEST_CASE("the work of the load in the steady state is the integral of pressure and velocity",
           "[layered][jumps]") {
     // A sum over the points of the grid and over frames, with velocities by differences of the

@@ -48,9 +48,12 @@ void distribute(const double* values, const double* coefficients, const std::ptr
                 std::ptrdiff_t nodes, std::ptrdiff_t taps, double* samples, std::ptrdiff_t count) {
     for (std::ptrdiff_t n = 0; n < nodes; ++n, coefficients += 2 * taps) {
         const Vector value = load_in_turns(values + 2 * n);
-        const std::ptrdiff_t before_end = std::min(taps, count - first[n]);
-        add_product(value, coefficients, 2 * before_end, samples + 2 * first[n]);
-        add_product(value, coefficients + 2 * before_end, 2 * (taps - before_end), samples);
+        // A period may have fewer samples than there are taps.
+        for (std::ptrdiff_t l = 0, at = first[n]; l < taps; at = 0) {
+            const std::ptrdiff_t before_end = std::min(taps - l, count - at);
+            add_product(value, coefficients + 2 * l, 2 * before_end, samples + 2 * at);
+            l += before_end;
+        }
     }
 }
 

@@ -12,9 +12,9 @@
 namespace shearwake::layered {
 namespace {
 
-/// Half-width in steps of the window around a break, and the width of its erfc edges: the samples'
-/// weight is 6e-6 at the break and 1 - 6e-6 at the ends of the window.
-constexpr double window = 10.0, edge = 1.6;
+/// The width in steps of the erfc edges of the window around a break: the samples' weight is 6e-6
+/// at the break and 1 - 6e-6 at the ends of the window.
+constexpr double window = break_window_steps, edge = 1.6;
 /// Distances in steps from a break at which the load is evaluated for its jumps.
 constexpr double nearest = 2e-5, apart = 1.0 / 64.0;
 
@@ -132,18 +132,23 @@ double TimeNodes::taper(double t_s) const {
     return std::pow(std::cos(0.5 * std::numbers::pi * x), 2);
 }
 
-/// The share of the load that the samples represent.
+/// The share of the load that the samples represent. In the periodic regime the breaks repeat:
+/// those of all periods count, so that the share is smooth also if a period has few samples.
 double TimeNodes::smooth_share(double t_s) const {
-    const double period_s = static_cast<double>(samples_) * time_.step_s;
+    const double period_s = std::isinf(duration_s_) ? static_cast<double>(samples_) * time_.step_s
+                                                    : std::numeric_limits<double>::infinity();
     double share = 1.0;
-    for (const Break& each : breaks_) {
-        double distance_s = std::abs(t_s - each.time_s);
-        if (std::isinf(duration_s_)) {
-            distance_s = std::fmod(distance_s, period_s);
-            distance_s = std::min(distance_s, period_s - distance_s);
-        }
+    const auto pass_break = [&](double distance_s) {
         const double steps = distance_s / time_.step_s;
         if (steps < window) share *= 1.0 - 0.5 * std::erfc((steps - 0.5 * window) / edge);
+        return steps < window;
+    };
+    for (const Break& each : breaks_) {
+        const double distance_s = std::fmod(std::abs(t_s - each.time_s), period_s);
+        for (double away_s = distance_s; pass_break(away_s); away_s += period_s)
+            ;
+        for (double away_s = period_s - distance_s; pass_break(away_s); away_s += period_s)
+            ;
     }
     return share;
 }

@@ -19,6 +19,8 @@ double roll_off(double of_highest);
 
 /// The number of samples to which the contribution of a node is distributed, see TimeNodes.
 inline constexpr std::ptrdiff_t taps = 24;
+/// Half-width in steps of the window around a break in which the load has nodes of its own.
+inline constexpr double break_window_steps = 10.0;
 /// Coefficients c_l, l = -11 ... 12, for which sum_l c_l e^{i x l} approximates e^{i x share}, 0 <=
 /// share < 1, at frequencies x [rad per sample] below 0.8 pi. They minimise the error weighted with
 /// the roll-off and with 1/x^3, the spectrum of the response to a jump. Not collective.

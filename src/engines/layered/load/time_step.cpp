@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engines/layered/load/jump_tail.hpp"
+#include "engines/layered/load/time_nodes.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
 #include "engines/layered/response/stack_response.hpp"
 #include "problem/case/edges.hpp"
@@ -249,6 +250,11 @@ std::ptrdiff_t samples_for_breaks(const Case& c, std::ptrdiff_t least) {
         return least;
     const BreakError error = break_error(c, c.time.interval_s / static_cast<double>(least));
     if (error.relative(c.time.interval_s) == 0.0) return least;
+    // In a period of fewer steps, the windows around a break and its repetition overlap.
+    if (c.time.regime == Regime::periodic)
+        count =
+            std::max(count, static_cast<std::ptrdiff_t>(std::ceil(
+                                2.0 * break_window_steps / static_cast<double>(c.time.frames))));
     while (c.time.interval_s > shortest_step_s * static_cast<double>(count) &&
            error.relative(c.time.interval_s / static_cast<double>(count)) > step_accuracy)
         count += std::max<std::ptrdiff_t>(1, count / 4);
