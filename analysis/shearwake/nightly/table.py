@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 LARGEST_B = 20_000_000  # read in 300 MB; 10000 cases need 5 MB
-# Columns that depend on the machine, not on the physics; as in src/reduce/tolerance.cpp.
+# Columns that depend on the machine, not on the physics; as in src/reduce/diff.cpp.
 NOT_COMPARED = ("wall_s", "host", "hosts", "note")
 
 

@@ -18,7 +18,7 @@ namespace shearwake::h5 {
 
 /// Owner of an HDF5 identifier. A failed call throws FileFailure with the innermost message of
 /// HDF5. An object that all ranks of a team have open is closed by close_shared() only: closing is
-/// collective, so the destructor abandons it when a failure has left it open (abandoned_files.hpp).
+/// collective, so the destructor abandons it when a failure has left it open (guard.hpp).
 class Id {
 public:
     using Close = herr_t (*)(hid_t);

@@ -30,7 +30,7 @@ std::array<double, taps> interpolation(double share);
 /// integral of p e^{-i omega t} over one period, at all frequencies below the roll-off.
 ///
 /// Where the load is smooth this is the sum over the samples of the transform. Towards a break
-/// (problem/load/breaks.hpp) the weights of the samples fall smoothly to zero within ten samples,
+/// (problem/load/load.hpp) the weights of the samples fall smoothly to zero within ten samples,
 /// and Gauss nodes on each side of the break integrate the rest. The contribution of a node is
 /// distributed to samples by interpolation(), so that one discrete transform serves all. After the
 /// last frame, where the load no longer matters, a cos^2 taper over half of the rest of the period

@@ -54,7 +54,7 @@ private:
 /// The spectrum of the moving footprint, averaged over the steps before and after each time with
 /// weights that fall linearly to zero: u+ - 2 u + u- of a free mass is dt^2 times this average of
 /// its acceleration. Where the load is smooth, three samples give f + (dt^2/12) f'', which is of
-/// fourth order. Near a break (problem/load/breaks.hpp), for example the end of a path, Gauss nodes
+/// fourth order. Near a break (problem/load/load.hpp), for example the end of a path, Gauss nodes
 /// between the breaks integrate. At the start the average is one-sided, because u(dt) is half of
 /// the first difference. Not collective.
 class MovingLoad {
