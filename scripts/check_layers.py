@@ -20,7 +20,9 @@ unused entries, and must not form a cycle. To include a header of a library, or 
 functions, a component must list the library. Tests may include every component, but no component may
 include tests.
 """
+import ast
 import functools
+import graphlib
 import re
 import sys
 from pathlib import Path
@@ -129,6 +131,7 @@ class Tree:
         yield from self.errors_of_lists()
         yield from self.errors_of_sizes()
         yield from self.cycles()
+        yield from python_cycle(self.root / "analysis" / "shearwake")
         for top in ("src", "tests"):
             for path in sorted((self.root / top).rglob("*")):
                 if path.suffix in (".cpp", ".hpp"):
@@ -281,6 +284,22 @@ class Tree:
                 if match:
                     yield path, number, f"{match.group(0)}: {component.folder} does not list {found}"
                     break
+
+
+def python_cycle(package):
+    """The modules that import each other, also within functions or for type hints."""
+    graph = {path: set() for path in package.rglob("*.py")}
+    for path in graph:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                parent = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+                for name in [*(parent / alias.name for alias in node.names), parent]:
+                    graph[path] |= graph.keys() & {name.with_suffix(".py")}
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        ring = " -> ".join(str(path.relative_to(package)) for path in reversed(error.args[1]))
+        yield error.args[1][0], 1, f"modules import each other: {ring}"
 
 
 def library(header):

@@ -9,9 +9,7 @@ show its result as PNG below 150 KB. The name `modulations` draws those of docs/
 With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib.
 SHEARWAKE names another program than build/shearwake.
 """
-import os
 import re
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -19,11 +17,12 @@ from typing import Any
 
 from PIL import Image
 
+from shearwake import program
+
 from . import diagrams, laboratory_figures, mach_cone
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
 WIDTHS_px, LIMIT_B = (900, 800, 700, 600), 150_000
 
 # The figure of the report that shows the result of a job, by its file name without .png.
@@ -123,9 +122,8 @@ DURATIONS_ms = {"DTP": 500.0, "STP": 500.0, "custom": 200.0}  # 14 ms otherwise
 
 def run(job: str, out: Path) -> None:
     overrides = [word for value in OVERRIDES.get(job, []) for word in ("-S", value)]
-    subprocess.run([PROGRAM, "optimise" if job in OPTIMISED else "run", str(ROOT / "jobs" / f"{job}.toml"), "--out", str(out), "--allow-mixed",
-                    *overrides], check=True)
-    subprocess.run([PROGRAM, "report", str(out)], check=True)
+    program.call(["optimise" if job in OPTIMISED else "run", str(ROOT / "jobs" / f"{job}.toml"), "--out", str(out), "--allow-mixed", *overrides])
+    program.call(["report", str(out)])
 
 
 def store(source: Path, target: Path) -> None:
@@ -178,8 +176,7 @@ def draw_modulations() -> None:
             job.write_text(MODULATION_JOB.format(block=block, duration_ms=DURATIONS_ms.get(name, 14.0)),
                            encoding="utf-8")
             picture = Path(folder) / "picture.png"
-            subprocess.run([PROGRAM, "show", "--modulation", str(job), "--picture", str(picture)], check=True,
-                           stdout=subprocess.DEVNULL)
+            program.call(["show", "--modulation", str(job), "--picture", str(picture)])
             store(picture, DOCS / "explanation" / path)
 
 

@@ -2,8 +2,6 @@
 """Pictures of jobs/lens-letter.toml and jobs/read-back.toml: a lens with its field, and a scan that is measured and fitted."""
 import csv
 import json
-import os
-import subprocess
 import tempfile
 import tomllib
 from pathlib import Path
@@ -19,14 +17,11 @@ from matplotlib.patches import Polygon
 from shearwake.report import style
 from shearwake.report.load import load, surface
 
+from .scan_studies import shearwake
+
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
 DPI = 200
 Picture = tuple[Any, np.ndarray]  # the edges in mm, and the values with y upwards
-
-
-def shearwake(*arguments: object) -> None:
-    subprocess.run([PROGRAM, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
 
 def square_map(path: Path) -> Picture:

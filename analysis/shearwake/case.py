@@ -10,20 +10,19 @@ import math
 import tomllib
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import TYPE_CHECKING, Any, Iterable, Protocol, Sequence
 
 import numpy as np
 
 from . import checksum, stored
 from .errors import HOW, NotRecorded, NotValid, level_of_caller, suggestion
-from .plan import Column, first_line
+from .plan import Column, Table, first_line
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
     from .plot import Plot
-    from .sweep import Sweep
 
 REQUIRED: Any = object()  # in place of a default: there is none
 
@@ -36,6 +35,25 @@ def warn_of_invalid(warnings_of: Sequence[list[dict[str, str]]], what: str, stac
         warnings.warn(f"{what} not valid: {next(iter(reasons))}{more}", NotValid, stacklevel=stacklevel)
 
 
+class SweepInterface(Protocol):
+    """What cases and datasets need of a sweep."""
+
+    swept_keys: list[str]
+    cases: list[Case]
+    _by_id: dict[str, Case]
+
+    @property
+    def columns(self) -> list[Column]: ...
+
+    @property
+    def reduced(self) -> Table | None: ...
+
+    @property
+    def _files(self) -> set[str]: ...
+
+    def warn_of_invalid(self, cases: Iterable[Case], stacklevel: int = 3) -> None: ...
+
+
 class Case:
     """A case: its settings, its values in the table, and the contents of its file.
 
@@ -45,7 +63,7 @@ class Case:
     reading of its file warns with NotValid if another program has changed it through HDF5; only verify() finds all changes.
     """
 
-    def __init__(self, path: Path, entry: dict[str, Any], sweep: Sweep | None = None) -> None:
+    def __init__(self, path: Path, entry: dict[str, Any], sweep: SweepInterface | None = None) -> None:
         self.path = path
         self.id: str = entry["id"]
         self.settings: dict[str, Any] = entry["settings"]
@@ -282,7 +300,7 @@ class Case:
     def dataset(self, group: str = "/") -> xr.Dataset:
         """A group of the file as a Dataset that is read when its values are needed. Its attribute `valid` is 0 if the readings of
         the case are not valid, which NotValid warns of, else 1. Raises NotRecorded."""
-        from .dataset import of_group
+        from .lazy import of_group
         try:
             found = of_group(self._file(), group)
         except KeyError:

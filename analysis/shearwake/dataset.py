@@ -6,40 +6,19 @@ import functools
 import operator
 import re
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 import xarray as xr
 
 from . import stored
+from .case import Case, SweepInterface
 from .errors import HOW, NotRecorded, suggestion
 from .keys import cf_unit, short_keys, split_unit
 from .lazy import Cells, Columns, axis_of, lazy, union
 
-if TYPE_CHECKING:
-    from .case import Case
-    from .sweep import Sweep
-
 MAIN = {"traces": "u_z", "surface": "u_z", "mean": "u_z_squared"}  # the variable that the name of a group stands for
 OWN_TIME = ("surface", "volume", "sensor")  # groups whose times are not those of the quantities over time
-
-
-def of_group(path: Path, group: str) -> xr.Dataset:
-    """A group of a case file. Its axes are read now, its other variables when they are needed."""
-    items = stored.items(path, group)
-    file = np.empty((), dtype=object)
-    file[()] = path
-    with stored.opened(path) as content:
-        axes = {item.path: axis_of(content, item.path, item.shape[0]) for name, item in items.items() if item.dims == (name,)}
-    variables, coordinates = {}, {}
-    for name, item in items.items():
-        if item.dims == (name,):
-            coordinates[name] = xr.Variable(item.dims, axes[item.path], item.attributes)
-            continue
-        own = [axes.get(axis, np.arange(length)) for axis, length in zip(item.axis_paths, item.shape)]
-        variables[name] = lazy(Cells(file, item.path, list(item.axis_paths), own), list(item.dims), item.attributes)
-    return xr.Dataset(variables, coordinates)
 
 
 @dataclass
@@ -69,7 +48,7 @@ def key_attributes(key: str) -> dict[str, str]:
     return {"key": key, "long_name": key, **({"units": cf_unit(unit)} if (unit := split_unit(key)[1]) else {})}
 
 
-def grid_of(sweep: Sweep, cases: Sequence[Case]) -> Grid:
+def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
     """Arranges the cases. A key that follows from another one is a coordinate of the dimension of that key."""
     names = short_keys(sweep.swept_keys)
     chief: dict[str, str] = {}  # key -> the key of its dimension
@@ -172,7 +151,7 @@ def value_of(column: str, case: Case) -> float:
 VALID, RATIO_VALID = operator.attrgetter("validity"), operator.attrgetter("ratio_validity")
 
 
-def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset:
+def of_sweep(sweep: SweepInterface, names: Sequence[str], references: bool) -> xr.Dataset:
     """See Sweep.dataset."""
     grid = grid_of(sweep, sweep.cases)
     if references:
@@ -192,10 +171,10 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
         builder.variables[name] = lazy(Columns(grid.cells, of), grid.dims, {
             "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
             "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
-    return xr.Dataset(builder.variables, builder.coordinates, {"title": sweep.title, "job": sweep.name})
+    return xr.Dataset(builder.variables, builder.coordinates)
 
 
-def add_named(builder: Builder, sweep: Sweep, name: str) -> None:
+def add_named(builder: Builder, sweep: SweepInterface, name: str) -> None:
     """Adds what a name of Sweep.dataset stands for. Raises KeyError and NotRecorded."""
     column = next((c for c in sweep.columns if c.name == name), None)
     if column is not None:

@@ -93,13 +93,13 @@ class Engine:
 
     def __init__(self, ranks: int = 1, *, launch: Sequence[str] | None = None, time_limit_s: float | None = None) -> None:
         limit = [] if time_limit_s is None else ["--time-limit", f"{time_limit_s:g}"]
-        self._command = program.launched(["serve", *limit], ranks, launch)
+        self._options: tuple[list[str], int, Sequence[str] | None] = (["serve", *limit], ranks, launch)
         self._lock, self._number = threading.Lock(), 0
         self._start()
 
     def _start(self) -> None:
-        self._process = subprocess.Popen(self._command, env=program.environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                         stderr=subprocess.PIPE, start_new_session=True)
+        self._process = program.start(*self._options, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                      start_new_session=True)
         self._errors = b""
         self._reader = threading.Thread(target=self._read_errors, daemon=True)
         self._reader.start()
@@ -139,22 +139,33 @@ class Engine:
         starts another one. Warns with NotValid if the readings are not valid. Raises JobError with all errors, CasesFailed if the case cannot be computed, and EnvironmentFailed if the
         process has ended."""
         text = (job if isinstance(job, Job) and not tables else Job(job.tables if isinstance(job, Job) else job, **tables)).text
-        with self._lock:
-            if self._process.poll() is not None:
-                self._start()
-            self._number += 1
-            try:
-                self._send({"type": "compute", "id": self._number, "job": text})
-                message, content = self._receive()
-            except BaseException:
-                self._kill()
-                raise
+        message, content = self.request(text)
         if message["type"] == "result":
             warn_of_invalid([message["warnings"]], f"case {message['case']} is", stacklevel=3)
             return Evaluation(message, content)
         found = [Diagnostic(d["severity"], "<Job>", d["line"], d["column"], d["message"]) for d in message.get("diagnostics", [])]
         lines = "\n".join(str(d) for d in found if d.severity == "error")
         raise program.error_of(EXIT_CODES.get(message.get("code", ""), 1), lines or message.get("message", ""), found)
+
+    def request(self, job: str) -> tuple[dict[str, Any], bytes]:
+        """Sends the text of a job and returns the answer (docs/reference/serve.md) with its arrays. Raises ProgramError if the
+        process has ended, which the next request starts again."""
+        with self._lock:
+            if self._process.poll() is not None:
+                self._start()
+            self._number += 1
+            try:
+                self._send({"type": "compute", "id": self._number, "job": job})
+                while (answer := self._receive())[0].get("id", self._number) != self._number:
+                    pass  # of an earlier request, whose call was interrupted
+                return answer
+            except BaseException:
+                self._kill()
+                raise
+
+    def cancel(self) -> None:
+        """Ends the request of another thread, whose answer is of the type `cancelled`. Raises ProgramError."""
+        self._send({"type": "cancel"})
 
     def _read_errors(self) -> None:
         assert self._process.stderr

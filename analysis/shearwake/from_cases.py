@@ -3,15 +3,18 @@
 
 Cases that were never computed have no file and are missing from the plan. A damaged file remains in the plan
 without settings.
+
+Usage: python3 -m shearwake.from_cases DIR    writes DIR/tables/plan.json, which `shearwake reduce` and `shearwake report` then read
 """
 from __future__ import annotations
 
 import json
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
 
-from .checksum import open_case
+from .checksum import open_case, sealed
 
 ATTRIBUTES = ("case_id", "settings", "is_reference", "reference_id", "job", "title")
 
@@ -99,3 +102,13 @@ def plan_of_cases(folder: Path) -> dict[str, Any]:
             "swept_keys": keys, "cases": entries,
             "table": {"x": x, "series": options["table"].get("series",
                                                              series_of(ordinary, keys, x))}}
+
+
+def main(folder: Path) -> None:
+    plan = plan_of_cases(folder)
+    (folder / "tables").mkdir(exist_ok=True)
+    (folder / "tables" / "plan.json").write_text(sealed(plan), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -15,7 +15,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from .errors import AxesDiffer, GridsDiffer
-from .stored import opened, text
+from .stored import items, opened, text
 
 SAME = 1e-9  # relative to the largest value; axis values closer than this are equal
 
@@ -143,3 +143,20 @@ class Columns(BackendArray):
         chosen = self.cells[np.ix_(*[np.atleast_1d(part) for part in rows])] if rows else self.cells
         values = np.array([math.nan if case is None else self.value(case) for case in chosen.flat], dtype=float)
         return values.reshape([len(part) for part in rows if part.ndim])
+
+
+def of_group(path: Path, group: str) -> xr.Dataset:
+    """A group of a case file. Its axes are read now, its other variables when they are needed."""
+    found = items(path, group)
+    file = np.empty((), dtype=object)
+    file[()] = path
+    with opened(path) as content:
+        axes = {item.path: axis_of(content, item.path, item.shape[0]) for name, item in found.items() if item.dims == (name,)}
+    variables, coordinates = {}, {}
+    for name, item in found.items():
+        if item.dims == (name,):
+            coordinates[name] = xr.Variable(item.dims, axes[item.path], item.attributes)
+            continue
+        own = [axes.get(axis, np.arange(length)) for axis, length in zip(item.axis_paths, item.shape)]
+        variables[name] = lazy(Cells(file, item.path, list(item.axis_paths), own), list(item.dims), item.attributes)
+    return xr.Dataset(variables, coordinates)

@@ -11,7 +11,6 @@ from typing import Any
 
 from .checksum import read_json
 from .errors import NotAnOutputFolder
-from .from_cases import plan_of_cases
 from .inputs import text_of
 
 
@@ -49,6 +48,7 @@ def plan_object(folder: Path) -> dict[str, Any]:
     for file in (path, reduced):
         if file.exists():
             return read_json(text_of(file))
+    from .from_cases import plan_of_cases  # here, since the program runs this module
     return plan_of_cases(folder)
 
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
 
-    from .case import Case
-
 COLOURS = "RdBu_r"
 LABEL = "$u_z$ (µm), positive into the tissue"
 PLAYED_s = 6.0  # duration of an animation at the default speed
@@ -24,7 +22,7 @@ INTERVAL_ms = 40.0  # between pictures of an animation
 class Plot:
     """Draws a case. Each function returns the axes, so that they can be changed, or the animation."""
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: wake.CaseInterface) -> None:
         self.case = case
 
     def surface(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Axes:

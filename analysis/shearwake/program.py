@@ -17,6 +17,11 @@ OF_LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDI_", "HYDRA_", "MPI_LOCAL
 OF_USERS = ("OMPI_MCA_", "OMPI_ALLOW_RUN_AS_ROOT", "PMIX_MCA_", "PRTE_MCA_", "PRTE_ALLOW_RUN_AS_ROOT", "HYDRA_LAUNCHER",
             "HYDRA_HOST_FILE")
 OF_RANKS = ("OMPI_MCA_orte_", "OMPI_MCA_ess", "OMPI_MCA_pmix", "OMPI_MCA_initial_wdir")
+# For ranks that share cores with other programs, and for root in a container: Open MPI 4 (OMPI) and 5 (PRTE) otherwise refuse more
+# ranks than cores, bind them to cores and refuse root. MPICH does not and ignores these variables.
+SHARED_CORES = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+                "OMPI_MCA_hwloc_base_binding_policy": "none", "PRTE_MCA_hwloc_default_binding_policy": "none",
+                "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 def find() -> str:
@@ -76,6 +81,12 @@ def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | N
     if prefix and not shutil.which(prefix[0]):
         raise ProgramNotFound(f"{prefix[0]} is not on the PATH; several ranks need it (Debian: openmpi-bin)")
     return [*prefix, find(), *arguments]
+
+
+def start(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | None = None, stdin: int = subprocess.DEVNULL,
+          **options: Any) -> subprocess.Popen[Any]:
+    """Starts a command. `options` are those of subprocess.Popen."""
+    return subprocess.Popen(launched(arguments, ranks, launch), env=environment(), stdin=stdin, **options)
 
 
 def call(arguments: Sequence[str], accept: Sequence[int] = (0,), ranks: int = 1,

@@ -87,10 +87,9 @@ def run_and_watch(arguments: Sequence[str], ranks: int, launch: Sequence[str] | 
         log, said = Path(folder) / "progress.jsonl", Path(folder) / "text"
         log.touch()
         with open(said, "w", encoding="utf-8") as text:
-            command = program.launched([*arguments, "--log-json", str(log)], ranks, launch)
             # In a group of its own, so that the interrupt of a terminal does not kill it before it has stopped.
-            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=text, stderr=text, start_new_session=True,
-                                       env=program.environment())
+            process = program.start([*arguments, "--log-json", str(log)], ranks, launch, stdout=text, stderr=text,
+                                    start_new_session=True)
         try:
             watch(process, log, report)
         except BaseException:

@@ -14,9 +14,6 @@ import numpy as np
 from .checksum import Damaged
 from .inputs import open_self_contained
 
-# Of the classes of case files that state no colours.
-FIRST_COLOURS = {"SA1": "#009E73", "RA": "#0072B2", "PC": "#D55E00"}
-
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[h5py.File]:
@@ -119,10 +116,8 @@ def receptor_classes(path: Path) -> np.ndarray:
 def receptor_colours(path: Path) -> dict[str, str]:
     """The colours of the classes of receptors. Raises OSError, Damaged and KeyError."""
     with opened(path) as file:
-        attributes = file["afferents/class"].attrs
-        if "colours" not in attributes:  # in a file of an older version
-            return dict(FIRST_COLOURS)
-        return dict(entry.split(": ") for entry in text(attributes["colours"]).split(", "))  # "SA1: #009E73, RA: #0072B2"
+        colours = text(file["afferents/class"].attrs["colours"])
+        return dict(entry.split(": ") for entry in colours.split(", "))  # "SA1: #009E73, RA: #0072B2"
 
 
 def describe(group: str, name: str, item: h5py.Dataset) -> Item:

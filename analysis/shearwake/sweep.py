@@ -172,7 +172,7 @@ class Sweep:
         from .dataset import of_sweep
         if not names:
             raise NotRecorded("name at least one column, quantity or group: sweep.dataset(\"eta_t\", \"traces\")")
-        return of_sweep(self, names, references)
+        return of_sweep(self, names, references).assign_attrs(title=self.title, job=self.name)
 
     def warn_of_invalid(self, cases: Iterable[Case], stacklevel: int = 3) -> None:
         """Warns with NotValid, at a caller of this function, if the readings of some complete cases are not valid."""

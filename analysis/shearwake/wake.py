@@ -5,16 +5,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .case import Case
 
 LINE = "#111111"
 AWAY = 4.0  # distance from the focus, in focal radii, beyond which the field is the wake
 LEAST = 0.2  # smallest end of the colour scale relative to the peak
+
+
+class CaseInterface(Protocol):
+    """What pictures need of a case."""
+
+    id: str
+
+    @property
+    def is_valid(self) -> bool: ...
+
+    @property
+    def focus(self) -> dict[str, np.ndarray]: ...
+
+    @property
+    def over_time(self) -> dict[str, np.ndarray]: ...
+
+    def setting(self, *keys: str, default: Any = ...) -> Any: ...
+
+    def value(self, column: str, default: Any = ...) -> float: ...
+
+    def array(self, name: str, index: Any = ()) -> np.ndarray: ...
+
+    def snapshot(self, index: int = -1) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]: ...
 
 
 def halo(width: float = 2.5, colour: str = "white") -> list[Any]:
@@ -23,14 +43,14 @@ def halo(width: float = 2.5, colour: str = "white") -> list[Any]:
     return [patheffects.withStroke(linewidth=width, foreground=colour)]
 
 
-def offsets_mm(case: Case) -> np.ndarray:
+def offsets_mm(case: CaseInterface) -> np.ndarray:
     """Offsets of simultaneous foci from the moving point; zero for a single focus."""
     x = case.setting("load", "modulation", "foci_x_m", default=[0.0])
     y = case.setting("load", "modulation", "foci_y_m", default=[0.0])
     return 1e3 * np.column_stack([x, y])
 
 
-def runs_straight_on(case: Case) -> bool:
+def runs_straight_on(case: CaseInterface) -> bool:
     """Whether a single focus moves once along a straight line, so that it draws no shape."""
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
@@ -44,7 +64,7 @@ def runs_straight_on(case: Case) -> bool:
     return bool(off.max() < 1e-6 * length and (on >= 0).all())
 
 
-def passing_ms(case: Case, x_m: float, y_m: float) -> float | None:
+def passing_ms(case: CaseInterface, x_m: float, y_m: float) -> float | None:
     """The time at which the moving focus is nearest to a point if it passes it exactly once, else None."""
     radius = case.setting("measure", "focal_radius_m")
     distance = np.hypot(case.focus["focus_x"] - x_m, case.focus["focus_y"] - y_m)
@@ -53,24 +73,24 @@ def passing_ms(case: Case, x_m: float, y_m: float) -> float | None:
     return None if entries != 1 or covered.all() else 1e3 * case.focus["time"][distance.argmin()]
 
 
-def is_passed(case: Case, x_m: float, y_m: float) -> bool:
+def is_passed(case: CaseInterface, x_m: float, y_m: float) -> bool:
     """Whether the focal disc ever covers a point."""
     distance = np.hypot(case.focus["focus_x"] - x_m, case.focus["focus_y"] - y_m)
     return bool((distance <= case.setting("measure", "focal_radius_m")).any())
 
 
-def last_pressed(case: Case) -> int:
+def last_pressed(case: CaseInterface) -> int:
     """Index of the last frame with a force, since a path that has ended exerts none."""
     pressed: Any = np.flatnonzero(case.focus["force"]) if "force" in case.focus else ()
     return int(pressed[-1]) if len(pressed) else len(case.focus["time"]) - 1
 
 
-def is_over(case: Case, t_s: float) -> bool:
+def is_over(case: CaseInterface, t_s: float) -> bool:
     """Whether the load has ended before this time."""
     return int(np.argmin(np.abs(case.focus["time"] - t_s))) > last_pressed(case) + 1
 
 
-def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+def focus_at(case: CaseInterface, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Position of the focus in mm, its unit direction of motion (None at rest) and its path up to time t_s.
     After the end of the load, the last values."""
     time = case.focus["time"]
@@ -82,7 +102,7 @@ def focus_at(case: Case, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.
     return path[now], step / length if length > 1e-9 else None, path[: now + 1]
 
 
-def strongest_focus_mm(case: Case, t_s: float, displacement: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+def strongest_focus_mm(case: CaseInterface, t_s: float, displacement: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
     """The position of the focus; of several simultaneous foci that with the largest displacement(x_mm, y_mm), the first
     of those that differ by rounding only."""
     foci = focus_at(case, t_s)[0] + offsets_mm(case)
@@ -99,12 +119,12 @@ def fronts(focus: np.ndarray, direction: np.ndarray, angle_deg: float, length: f
         yield np.array([focus, focus + length * turned])
 
 
-def front_length(case: Case, focus: np.ndarray, path: np.ndarray, angle_deg: float) -> float:
+def front_length(case: CaseInterface, focus: np.ndarray, path: np.ndarray, angle_deg: float) -> float:
     """Length of a Mach line, whose far end was emitted at the start of the path."""
     return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
 
 
-def draw_theory(axes: Any, case: Case, t_s: float, width: float = 1.0) -> bool:
+def draw_theory(axes: Any, case: CaseInterface, t_s: float, width: float = 1.0) -> bool:
     """Draws path, focal disc and Mach lines; after the end of the load only the path. Returns whether Mach
     lines were drawn."""
     focus, direction, path = focus_at(case, t_s)
@@ -130,7 +150,7 @@ def draw_theory(axes: Any, case: Case, t_s: float, width: float = 1.0) -> bool:
     return True
 
 
-def scale_end(shots: list[tuple[Case, float, np.ndarray, np.ndarray, np.ndarray]]) -> float:
+def scale_end(shots: list[tuple[CaseInterface, float, np.ndarray, np.ndarray, np.ndarray]]) -> float:
     """End of the colour scale of snapshots (case, t_s, x_mm, y_mm, u_um): the largest |u| away from the focus, so that the
     wake is visible, but at least LEAST times the peak, so that the focus remains distinguishable."""
     outside = []

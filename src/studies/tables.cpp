@@ -70,7 +70,7 @@ bool contains_cases(const schedule::OutputFolder& folder) {
 /// The path of plan.json or, without it, of tables/plan.json, which is made from the case files.
 std::filesystem::path plan_of(const schedule::OutputFolder& folder) {
     if (std::filesystem::exists(folder.plan()) || !contains_cases(folder)) return folder.plan();
-    if (run_python_module("shearwake.report.from_cases", {folder.root.string()}) != 0)
+    if (run_python_module("shearwake.from_cases", {folder.root.string()}) != 0)
         throw UsageError("cannot reconstruct the plan from the case files in " +
                              folder.cases().string(),
                          ExitCode::environment);

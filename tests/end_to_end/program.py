@@ -17,7 +17,7 @@ from pathlib import Path
 
 import xxhash
 
-from shearwake.nightly.ranks import environment, launch
+from shearwake import program as launcher
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
@@ -108,8 +108,12 @@ LONG = without_reference(
     ("frames = true", "snapshots_ms = [4.0]"))
 
 
+def environment():
+    return {**launcher.environment(), **launcher.SHARED_CORES}
+
+
 def command(*arguments, ranks=1):
-    return [*launch(ranks), str(PROGRAM), *map(str, arguments)]
+    return launcher.launched(list(map(str, arguments)), ranks)
 
 
 @functools.cache

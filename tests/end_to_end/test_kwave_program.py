@@ -10,7 +10,7 @@ import numpy
 import pytest
 
 from attacks import times
-from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, environment, launch
+from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, command, environment
 
 DATA = ROOT / "tests" / "data" / "kwave"
 CASES = ("homogeneous", "ewp_3d", "p0_pml_outside", "stress_lossy", "dirichlet", "plane_wave")
@@ -35,7 +35,7 @@ def put(file, name, values, kind="long"):
 
 class KWaveTest(ProgramTest):
     def run_file(self, file, *options, ranks=1, expect=0):
-        done = subprocess.run([*launch(ranks), PROGRAM, "kwave", "-i", file, "-o", self.folder / "out.h5", *options],
+        done = subprocess.run(command("kwave", "-i", file, "-o", self.folder / "out.h5", *options, ranks=ranks),
                               cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False, timeout=PATIENCE_s)
         self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
         return done.stdout + done.stderr

@@ -5,17 +5,12 @@ import re
 import subprocess
 import unittest
 
-import h5py
-import numpy as np
-
 import program
 from study import InFolder, shearwake
 
-from shearwake import stored
-
 AFFERENTS = ('[sweep]\n', '[afferents]\nwhere = "grid"\nextent_mm = [20.0, 20.0]\npitch_mm = 10.0\n\n[sweep]\n')
-# Files that name classes without listing them: those of older case files, and examples in docstrings.
-NAMED = {"analysis/shearwake/stored.py", "analysis/shearwake/case.py"}
+# Files that name classes without listing them, in examples in docstrings.
+NAMED = {"analysis/shearwake/case.py"}
 
 
 def table():
@@ -37,14 +32,6 @@ class ReceptorClasses(InFolder):
         expected = {name: properties["colour"] for name, properties in table().items()}
         self.assertEqual(case.receptor_colours(), expected)
         self.assertLessEqual(set(case.receptor_classes()), set(expected))
-
-    def test_older_case_files_have_the_same_colours(self):
-        with h5py.File("older.h5", "w") as file:
-            file["afferents/class"] = np.zeros(1)
-            file["afferents/class"].attrs["long_name"] = "0: SA1, 1: RA, 2: PC"
-        expected = table()
-        for name, colour in stored.receptor_colours("older.h5").items():
-            self.assertEqual(colour, expected[name]["colour"])
 
     def test_other_sources_do_not_list_the_classes(self):
         names = "|".join(table())

@@ -32,7 +32,7 @@ def add_afferents(path, counts, moves=True, felt="pins"):
         group["x"], group["y"], group["hand_x"], group["hand_y"] = x, 0 * x, x + 0.12, 0 * x + 0.01
         group["afferent"], group["row"] = np.arange(len(x)), np.zeros(len(x))
         group["class"], group["spike_count"] = [2.0, 2.0, 2.0, 1.0, 1.0], np.array(counts, float)
-        group["class"].attrs["long_name"] = "0: SA1, 1: RA, 2: PC"
+        group["class"].attrs.update(fixed({"long_name": "0: SA1, 1: RA, 2: PC", "colours": "SA1: #009E73, RA: #0072B2, PC: #D55E00"}))
         group["spike_time"] = np.concatenate(
             [0.005 * np.arange(1, n + 1) for n in counts] or [np.zeros(0)])
         pins = file.create_group("pins")

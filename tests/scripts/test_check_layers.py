@@ -160,6 +160,12 @@ class LayerCheck(unittest.TestCase):
         self.assert_rejected({"src/lower/CMakeLists.txt": lists.format("upper"),
                               **self.low('#include "upper/up.hpp"')}, "lower -> upper -> lower")
 
+    def test_rejects_python_modules_that_import_each_other(self):
+        package = {"analysis/shearwake/case.py": "def plot():\n    from .sub import plot\n", "analysis/shearwake/sub/plot.py": "import os\n"}
+        self.assertEqual(self.check(package)[0], 0)
+        self.assert_rejected({**package, "analysis/shearwake/sub/plot.py": "from ..case import plot\n"},
+                             "case.py -> sub/plot.py -> case.py")
+
 
 if __name__ == "__main__":
     unittest.main()

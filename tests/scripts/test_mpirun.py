@@ -6,14 +6,14 @@ import subprocess
 import unittest
 from unittest import mock
 
-from program import PATIENCE_s, ROOT, ProgramTest, descendants, environment, launch
+from program import PATIENCE_s, ROOT, ProgramTest, descendants, environment
 
 # Removes its file when it receives the signal.
 RANK = ("sh", "-c", "trap 'rm -f rank-$$; exit 0' USR1; touch rank-$$; while :; do sleep 0.05; done")
 
 
 def start_of_python(*words):
-    return [*launch(2), *words]
+    return ["mpirun", "-n", "2", *words]
 
 
 def start_of_scripts(*words):

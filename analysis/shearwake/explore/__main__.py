@@ -15,16 +15,15 @@ import webbrowser
 from aiohttp import web
 
 from .. import program
-from ..errors import ProgramNotFound
-from .engine import Engine
+from ..engine import Engine
+from ..errors import ShearwakeError
 from .page import keys_of
 from .server import Explorer
 
 
 async def serve(arguments: argparse.Namespace) -> None:
     token = secrets.token_urlsafe(24)
-    explorer = Explorer(Engine(program.launched(["serve"], arguments.ranks)), token, arguments.out, keys_of(arguments.program),
-                        arguments.public_port)
+    explorer = Explorer(Engine(arguments.ranks), token, arguments.out, keys_of(), arguments.public_port)
     runner = web.AppRunner(explorer.application(), access_log=None)
     await runner.setup()
     try:
@@ -58,7 +57,7 @@ def main() -> None:
     try:
         with contextlib.suppress(KeyboardInterrupt):
             asyncio.run(serve(arguments))
-    except (OSError, ProgramNotFound) as error:
+    except (OSError, ShearwakeError) as error:
         sys.exit(f"the page cannot be served: {error}")
 
 

@@ -4,16 +4,16 @@
 Usage: python3 -m shearwake.explore.demo --program PATH PAGE.html
 """
 import argparse
-import asyncio
 import base64
 import gzip
+import os
 import sys
 from pathlib import Path
 
 import numpy as np
 
 from . import page
-from .engine import Engine
+from ..engine import Engine, Evaluation
 
 LARGEST_B = 5_000_000
 STORED = ("time", "depth", "force", "focus_x", "focus_y", "eta")  # in addition to the surface
@@ -68,16 +68,13 @@ def job_of(preset: str, fwhm: float, modulation: str) -> str:
     return JOB.format(preset=preset, fwhm=fwhm, modulation=modulation, spacing=round(fwhm / 3.6, 2))
 
 
-def stored(title: str, job: str, message: dict, arrays: bytes) -> dict:
+def stored(title: str, job: str, found: Evaluation) -> dict:
     """One setting for the page: its header, and its arrays compressed, with the surface in steps of 1/1023 of its peak."""
-    header = {name: message[name] for name in ("case", "spacing_m", "fwhm_m", "foci_m", "surface_wave_m_s", "seconds", "warnings",
+    header = {name: found.message[name] for name in ("case", "spacing_m", "fwhm_m", "foci_m", "surface_wave_m_s", "seconds", "warnings",
                                                "columns")}
-    selected, parts, offset = [], [], 0
-    for array in message["arrays"]:
-        kind = np.dtype(array["type"]).newbyteorder("<")
-        count = int(np.prod(array["shape"], dtype=int))
-        values = np.frombuffer(arrays, kind, count, offset)
-        offset += count * kind.itemsize
+    selected, parts = [], []
+    for array in found.message["arrays"]:
+        values = found.arrays[array["name"]]
         if array["name"] == "u_z":
             peak_m = float(np.abs(values).max())
             parts.append(np.rint(1023.0 * values / (peak_m or 1.0)).astype("<i2").tobytes())
@@ -91,20 +88,11 @@ def stored(title: str, job: str, message: dict, arrays: bytes) -> dict:
     return {"title": title, "settings": {}, "job": job, "header": header, "peak_m": peak_m, "data": data}
 
 
-async def compute(program: str) -> list[dict]:
-    """All settings. Exits with a message if one of them cannot be computed."""
-    engine = Engine([program, "serve"])
-    await engine.start()
-    found = []
-    for number, (title, preset, fwhm, modulation) in enumerate(SETTINGS):
-        job = job_of(preset, fwhm, modulation)
-        await engine.send(type="compute", id=number, job=job)
-        message, arrays = await engine.receive()
-        if message["type"] != "result":
-            sys.exit(f"{title}: {message.get('message', message)}")
-        found.append(stored(title, job, message, arrays))
-    await engine.close()
-    return found
+def compute() -> list[dict]:
+    """All settings. Raises ProgramError if one of them cannot be computed."""
+    with Engine() as engine:
+        return [stored(title, job := job_of(preset, fwhm, modulation), engine.evaluate(job))
+                for title, preset, fwhm, modulation in SETTINGS]
 
 
 def main() -> None:
@@ -112,7 +100,8 @@ def main() -> None:
     parser.add_argument("--program", required=True)
     parser.add_argument("page", type=Path)
     arguments = parser.parse_args()
-    text, _ = page.document({"stored": asyncio.run(compute(arguments.program)), "note": NOTE, **page.keys_of(arguments.program)})
+    os.environ["SHEARWAKE"] = arguments.program
+    text, _ = page.document({"stored": compute(), "note": NOTE, **page.keys_of()})
     if len(text.encode()) > LARGEST_B:
         sys.exit(f"the demonstration has {len(text.encode())} bytes; at most {LARGEST_B} are allowed")
     arguments.page.parent.mkdir(parents=True, exist_ok=True)

@@ -3,8 +3,9 @@
 import base64
 import hashlib
 import json
-import subprocess
 from pathlib import Path
+
+from .. import program
 
 HERE = Path(__file__).resolve().parent
 UPLOT = HERE.parent / "report" / "page" / "uplot"
@@ -39,9 +40,9 @@ def ranges(schema: dict) -> dict[str, dict[str, Limits]]:
     return found
 
 
-def keys_of(program: str) -> dict[str, dict]:
+def keys_of() -> dict[str, dict]:
     """The presets of media, the classes of receptors and the limits of keys, from the schema that the program prints."""
-    schema = json.loads(subprocess.run([program, "schema"], capture_output=True, check=True, encoding="utf-8").stdout)
+    schema = json.loads(program.call(["schema"]).stdout)
     tables = {name: table["properties"] for name, table in schema["properties"].items() if "properties" in table}
     return {"presets": tables["medium"]["preset"]["x-presets"], "receptors": tables["afferents"]["classes"]["x-classes"],
             "ranges": ranges(schema)}

@@ -15,7 +15,7 @@ from aiohttp import WSMsgType, web
 import shearwake
 
 from . import page
-from .engine import Client, Desk, Engine
+from .engine import Client, Desk
 from .sweeps import NotASweep, Sweeps
 
 LONGEST_MESSAGE_B = 900_000  # below the limit of serve, also after quoting
@@ -53,7 +53,7 @@ class Outbox:
 
 
 class Explorer:
-    def __init__(self, engine: Engine, token: str, folder: str, keys: dict[str, dict], public_port: int = 0) -> None:
+    def __init__(self, engine: shearwake.Engine, token: str, folder: str, keys: dict[str, dict], public_port: int = 0) -> None:
         self.desk, self.sweeps, self.token, self.keys = Desk(engine), Sweeps(folder), token, keys
         self.port = 0  # set when the server listens
         self.public_port = public_port  # to which the browser connects, if it is another one

@@ -3,21 +3,18 @@
 are probably not intended."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from .structures import BadInput
-
-if TYPE_CHECKING:
-    from .study import Study
+from .structures import BadInput, Simulation
 
 LARGEST_SPACING_m, LARGEST_SIZE_m = 0.1, 1.0  # of a body part; larger values are probably not in m
 LEAST_DENSITY_kg_m3, LARGEST_DENSITY_kg_m3 = 10.0, 3e4  # no tissue, liquid or metal lies outside
 ABOVE = 0.01  # share of the energy of a source above the supported frequency that causes a warning
 
 
-def first_node(bad: Any, study: Study) -> str:
+def first_node(bad: Any, study: Simulation) -> str:
     """The first node where `bad` is true, counted from 1 in the grid of kgrid; empty for uniform values."""
     if not np.ndim(bad):
         return ""
@@ -25,7 +22,7 @@ def first_node(bad: Any, study: Study) -> str:
     return f" at node ({', '.join(str(int(n)) for n in node)})"
 
 
-def check_range(values: Any, field: str, study: Study, positive: bool = False) -> None:
+def check_range(values: Any, field: str, study: Simulation, positive: bool = False) -> None:
     """All values must be 0 or more, or positive."""
     bad = values <= 0.0 if positive else values < 0.0
     if np.any(bad):
@@ -34,7 +31,7 @@ def check_range(values: Any, field: str, study: Study, positive: bool = False) -
                        f"{'greater than 0' if positive else '0 or more'}")
 
 
-def check_medium(study: Study) -> None:
+def check_medium(study: Simulation) -> None:
     c_p, c_s = study.medium["c_p_m_s"], study.medium["c_s_m_s"]
     bad = np.asarray(c_s > c_p)
     if np.any(bad):
@@ -51,7 +48,7 @@ def positive_root(a: Any, b: Any) -> Any:
         return 8.0 / (b + np.sqrt(b * b + 16.0 * a))
 
 
-def step_limits(study: Study) -> tuple[float, float]:
+def step_limits(study: Simulation) -> tuple[float, float]:
     """(dt of the stiffest material alone, dt that is stable for any arrangement of these materials) in s. With the
     largest wave number K of the grid (an odd number of points has no wave of two points), dt^2 c^2 K^2 + 2 dt K^2 E/rho <= 4 for compressional waves (c_p,
     E = chi + 2 eta) and shear waves (c_s, E = eta); the C++ counterpart is engines/pstd/scene/case_step.hpp."""
@@ -66,7 +63,7 @@ def step_limits(study: Study) -> tuple[float, float]:
     return float(alone), float(safe)
 
 
-def check_time_step(study: Study) -> None:
+def check_time_step(study: Simulation) -> None:
     alone_s, safe_s = step_limits(study)
     step_s = study.time_step_s
     if step_s > alone_s:
@@ -79,7 +76,7 @@ def check_time_step(study: Study) -> None:
                            "stable")
 
 
-def check_plausible(study: Study) -> None:
+def check_plausible(study: Simulation) -> None:
     """Warns of values that are probably in other units than k-Wave expects. Raises BadInput for a grid that is in
     millimetres, since no job can have its size."""
     for axis, spacing_m, points in zip("xyz", study.spacing_m, study.points):
@@ -97,13 +94,13 @@ def check_plausible(study: Study) -> None:
                                   "about 1000 in tissue")
 
 
-def in_layer(study: Study, nodes: np.ndarray) -> np.ndarray:
+def in_layer(study: Simulation, nodes: np.ndarray) -> np.ndarray:
     """Which nodes lie inside the absorbing layer."""
     thick = np.where(study.layer_strength > 0.0, study.layer_points, 0.0)
     return np.any((nodes < thick) | (nodes >= study.points - thick), axis=1)
 
 
-def check_layer_nodes(study: Study, plane: int) -> None:
+def check_layer_nodes(study: Simulation, plane: int) -> None:
     """Warns if the layer absorbs at sources, sensor or measured plane."""
     groups = [(f"source.{source['field']}", source["nodes"]) for source in study.sources]
     for name, nodes in [*groups, ("sensor.mask", study.sensor_nodes)]:
@@ -116,7 +113,7 @@ def check_layer_nodes(study: Study, plane: int) -> None:
                               "(options.PMLSize); --plane selects another plane")
 
 
-def supported_frequency_Hz(study: Study) -> float:
+def supported_frequency_Hz(study: Simulation) -> float:
     """The frequency whose shortest wave has two points per wavelength, as k-Wave reports it. Fluids have no shear
     waves."""
     c_p, c_s = np.broadcast_arrays(study.medium["c_p_m_s"], study.medium["c_s_m_s"])
@@ -134,7 +131,7 @@ def energy_spectrum(series: np.ndarray, steps: int) -> np.ndarray:
     return energy
 
 
-def check_spectrum(study: Study) -> None:
+def check_spectrum(study: Simulation) -> None:
     """Warns if the grid does not represent a part of a source's spectrum."""
     supported_Hz = supported_frequency_Hz(study)
     for source in study.sources:

@@ -127,8 +127,8 @@ def read_results(file: h5py.File, study: Study, records: set[str], order: str) -
 
 def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool) -> None:
     """Runs the program and shows its progress on one line. Raises ProgramError with its message."""
-    with subprocess.Popen(program.launched(arguments, ranks, launch), env=program.environment(), stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", errors="replace") as running:
+    with program.start(arguments, ranks, launch, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+                       errors="replace") as running:
         assert running.stdout and running.stderr
         try:
             for line in running.stdout:

@@ -2,14 +2,11 @@
 """The sensor of a study: its nodes, and what it records from the names in k-Wave's sensor.record."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from .structures import BadInput, Structure
-
-if TYPE_CHECKING:
-    from .study import Study
+from .structures import BadInput, Simulation, Structure
 
 FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 GRID = ("max_all", "min_all", "final")  # suffixes of records of the entire grid
@@ -35,7 +32,7 @@ def recorded_fields(record: Iterable[str]) -> list[str]:
     return [name for name in NAMES if name in names]
 
 
-def read_sensor(study: Study, sensor: Structure) -> None:
+def read_sensor(study: Simulation, sensor: Structure, nodes_of: Callable[[np.ndarray, str], tuple[np.ndarray, np.ndarray]]) -> None:
     """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each."""
     study.sensor_fields = recorded_fields(sensor.texts("record", ["p"]))
     study.sensor_nodes, study.sensor_weights, study.cuboids = np.zeros((0, 3), dtype=int), None, None
@@ -48,7 +45,7 @@ def read_sensor(study: Study, sensor: Structure) -> None:
         return
     mask = np.atleast_1d(sensor.array("mask"))
     if mask.ndim == 3:
-        study.sensor_nodes, _ = study.nodes_of(mask, "sensor.mask")
+        study.sensor_nodes, _ = nodes_of(mask, "sensor.mask")
     elif mask.ndim in (1, 2) and mask.shape[0] == 6:
         read_corners(study, mask)
     elif mask.shape[0] == 3:
@@ -65,7 +62,7 @@ def read_sensor(study: Study, sensor: Structure) -> None:
         study.notes.append("sensor.record 'u_split_field' is not recorded: as in k-Wave, it is not available for cuboids")
 
 
-def read_corners(study: Study, mask: np.ndarray) -> None:
+def read_corners(study: Simulation, mask: np.ndarray) -> None:
     """Corners of cuboids, counted from 1."""
     if np.any(between := mask % 1.0 != 0.0):
         raise BadInput(f"sensor.mask contains the corner {mask[between].flat[0]:g}; the corners of cuboids must be whole "
@@ -81,7 +78,7 @@ def read_corners(study: Study, mask: np.ndarray) -> None:
         for box in study.cuboids]) + study.first
 
 
-def read_points(study: Study, from_centre: np.ndarray) -> None:
+def read_points(study: Simulation, from_centre: np.ndarray) -> None:
     """Cartesian points between the nodes, in spacings from the central node, (point, axis)."""
     points, centre = study.points - 2 * study.first, (study.points - 2 * study.first) // 2
     interpolation = study.options.text("CartInterp", "linear")
@@ -107,7 +104,7 @@ def read_points(study: Study, from_centre: np.ndarray) -> None:
     study.notes.append("sensor.mask: values at Cartesian points are interpolated linearly between nodes")
 
 
-def check_inside(study: Study, nodes: np.ndarray) -> None:
+def check_inside(study: Simulation, nodes: np.ndarray) -> None:
     """Nodes (node, axis) must lie in the grid of the study, without an absorbing layer outside of it."""
     if not np.all((nodes >= 0) & (nodes < study.points - 2 * study.first)):  # also for NaN
         raise BadInput("sensor.mask has points outside of the grid")

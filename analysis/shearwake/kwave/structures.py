@@ -98,3 +98,27 @@ def text_of(value: Any) -> str | None:
                                                                (value < 0xd800)):
         return "".join(chr(int(code)) for code in value.ravel())
     return None
+
+
+class Simulation:
+    """Grid, absorbing layer, medium, sources and sensor of a simulation, in SI units."""
+
+    points: np.ndarray
+    spacing_m: np.ndarray
+    first: np.ndarray  # index of the first point of kgrid in the enlarged grid
+    layer_points: np.ndarray
+    layer_strength: np.ndarray
+    layer_ratio: float
+    layer_speed_m_s: float
+    medium: dict[str, np.ndarray]
+    time_step_s: float
+    steps: int
+    sources: list[dict[str, Any]]
+    sensor_fields: list[str]
+    sensor_nodes: np.ndarray
+    sensor_weights: np.ndarray | None  # (point, 8) of Cartesian points
+    sensor_start: int
+    cuboids: np.ndarray | None  # (cuboid, 6), counted from 0
+    options: Structure
+    notes: list[str]
+    warnings: list[str]

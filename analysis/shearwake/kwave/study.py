@@ -10,7 +10,7 @@ import numpy as np
 
 from .checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
 from .record import FIELDS, read_sensor
-from .structures import BadInput, Structure, text_of
+from .structures import BadInput, Simulation, Structure, text_of
 
 PSTD_CFL = 0.1  # of pstdElastic3D: kspaceFirstOrder_setDefaults.m
 # The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
@@ -100,32 +100,14 @@ def smoothed(values: np.ndarray, restores_maximum: bool = False) -> np.ndarray:
     return found * (np.max(np.abs(values)) / np.max(np.abs(found))) if restores_maximum else found
 
 
-class Study:
-    """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
-
-    points: np.ndarray
-    spacing_m: np.ndarray
-    layer_points: np.ndarray
-    layer_strength: np.ndarray
-    layer_ratio: float
-    layer_speed_m_s: float
-    medium: dict[str, np.ndarray]
-    time_step_s: float
-    steps: int
-    sources: list[dict[str, Any]]
-    sensor_fields: list[str]
-    sensor_nodes: np.ndarray
-    sensor_weights: np.ndarray | None  # (point, 8) of Cartesian points
-    sensor_start: int
-    cuboids: np.ndarray | None  # (cuboid, 6), counted from 0
-    notes: list[str]
-    warnings: list[str]
+class Study(Simulation):
+    """Reads a simulation from the structures of k-Wave."""
 
     def __init__(self, parts: dict[str, Structure], notes: list[str]) -> None:
         self.notes, self.warnings = list(notes), []
         for structure in parts.values():
             check_fields(structure, self.notes)
-        self.first = np.zeros(3, dtype=int)  # index of the first point of kgrid in the enlarged grid
+        self.first = np.zeros(3, dtype=int)
         self.options = parts.get("options") or Structure({}, "options")
         self.read_grid(parts["kgrid"])
         self.read_medium(parts["medium"])
@@ -136,7 +118,7 @@ class Study:
         self.sources = []
         self.read_sources(parts["source"])
         check_spectrum(self)
-        read_sensor(self, parts.get("sensor") or Structure({}, "sensor"))
+        read_sensor(self, parts.get("sensor") or Structure({}, "sensor"), self.nodes_of)
 
     # ---- the grid and its layer
 

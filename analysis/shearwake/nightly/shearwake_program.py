@@ -5,7 +5,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from .ranks import environment, launch
+from .. import program
 
 BENCHES = {"layered": (), "spectral": ("--grid", "192x128x25", "--steps", "20")}
 LOWER_BOUND = re.compile(r"^\s*lower bound: (?P<name>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) "
@@ -27,10 +27,10 @@ class Program:
 
     def __call__(self, *arguments: str | Path, ranks: int = 1, limit_s: float = 3600) -> Outcome:
         """Runs the program to its end or to the time limit; the output is appended to the log."""
-        command = [*launch(ranks), self.path, *map(str, arguments)]
+        command = [*(["mpirun", "-n", str(ranks)] if ranks > 1 else []), self.path, *map(str, arguments)]
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
-                              env=environment(), pass_fds=self.inherited) as process:
+                              env={**program.environment(), **program.SHARED_CORES}, pass_fds=self.inherited) as process:
             try:
                 output, _ = process.communicate(timeout=limit_s)
                 outcome = Outcome(process.returncode, output)

@@ -14,27 +14,27 @@ import gc
 import json
 import os
 import sys
+import tempfile
 import traceback
 from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
 from ..errors import NotAnOutputFolder
 from . import layout, style, warnings_of
-from .figure import Figure
+from .figure import Figure, small_picture
 from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                       fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                       fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume)
-from .in_one_piece import in_one_piece
-from .in_two import in_two
 from .load import Selection, load
 from .page import topics
+from .page.chart import chart_data
 from .page.page import page
 from .page.player import player
-from .progress import Progress
+from .progress import Progress, parallel_map
 from .ranking import caution
 from .summary import summary
-from .unchanged import Drawn
 from .words import OTHERS, counted, some_of
 
 USAGE = 2        # exit code of the program for wrong arguments
@@ -77,29 +77,19 @@ def of_few(selection: Selection) -> list[tuple[str, Callable[..., Any]]]:
             ("spectrograms", fig_spectrogram.figures)]
 
 
-def attempt(name: str, problems: list[Any], draw: Callable[..., Any], *arguments: Any) -> Any:
-    """Returns the result of `draw`. If it fails, adds a sentence to the problems and returns None, so that the
-    other figures are drawn."""
+def draw_group(name: str, draw: Callable[..., Any], selection: Selection, *folder: Path) -> tuple[Any, list[str]]:
+    """The result of `draw`. If it fails, None and a sentence that states why, so that the other figures are drawn."""
     try:
-        return draw(*arguments)
+        result = draw(selection, *folder)
+        for figure in () if isinstance(result, str) else result:
+            figure.still = small_picture(folder[0] / f"{figure.name}.png", 2 if figure.charts else 1)
+            figure.charts = [chart_data(chart) for chart in figure.charts]
+        return result, []
     except OSError:
         raise  # for example a full disk, on which nothing else can be written
     except Exception as error:
         traceback.print_exc()
-        problems.append(f"The figures of the {name} could not be drawn: {error}")
-        return None
-
-
-def draw_one(drawn: Drawn, name: str, draw: Callable[..., Any], *arguments: Any) -> tuple[Any, list[str], Any, OSError | None]:
-    """The result of attempt(), its sentences, the entry of the group for the next report, and an error for which the report
-    stops."""
-    problems: list[str] = []
-    selection, more = arguments
-    try:
-        result = attempt(name, problems, drawn.draw, name, draw, selection, *more)
-    except OSError as error:
-        return None, problems, None, error
-    return result, problems, drawn.new.get(name), None
+        return None, [f"The figures of the {name} could not be drawn: {error}"]
 
 
 def shown_caption(selection: Selection, figure: Figure, made: list[Figure]) -> str:
@@ -114,8 +104,7 @@ def shown_caption(selection: Selection, figure: Figure, made: list[Figure]) -> s
     return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""
 
 
-def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
-             progress: Progress) -> tuple[list[Figure], str, list[str]]:
+def draw_all(selection: Selection, some: Selection, folder: Path, progress: Progress) -> tuple[list[Figure], str, list[str]]:
     """The figures, of which those with a panel or a line per case show only the cases `some`, the player of the surface,
     and a sentence for each part that could not be drawn."""
     figures: list[Figure] = []
@@ -126,17 +115,13 @@ def draw_all(selection: Selection, some: Selection, folder: Path, drawn: Drawn,
     all_cases = len(groups)
     groups += [(name, draw, some) for name, draw in of_few(selection)]
     missing = sum(not case.is_complete for case in selection.cases)
-    tasks = [("surface over time", player, selection, ()), *((name, draw, cases, (folder,)) for name, draw, cases in groups)]
-    results = in_two([functools.partial(draw_one, drawn, *task) for task in tasks],
-                     lambda n: progress.show(f"figures {n + 1} of {len(tasks)} ({tasks[n][0]})"))
-    for (name, *_), (_, found, entry, error) in zip(tasks, results):
-        if error:
-            raise error
+    tasks = [("surface over time", player, selection), *((*group, folder) for group in groups)]
+    results = parallel_map([functools.partial(draw_group, *task) for task in tasks],
+                           lambda n: progress.show(f"figures {n} of {len(tasks)}"))
+    for _, found in results:
         problems += found
-        if entry:
-            drawn.new[name] = entry
-    (moving, *_), *others = results
-    for n, ((name, _, cases), (result, *_)) in enumerate(zip(groups, others)):
+    (moving, _), *others = results
+    for n, ((name, _, cases), (result, _)) in enumerate(zip(groups, others)):
         made = result or []
         for figure in made:
             if figure.cases is None:
@@ -176,11 +161,16 @@ def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path,
     some = selected(selection, only)
     folder = Path(directory) / "report"
     path = folder / "index.html"
-    with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
-        drawn = Drawn(folder, part)
-        figures, moving, problems = draw_all(selection, some, part, drawn, progress)
-        drawn.save()
+    folder.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".", dir=folder) as name:  # each file is replaced once it is complete
+        part = Path(name)
+        figures, moving, problems = draw_all(selection, some, part, progress)
         (part / path.name).write_text(page(selection, figures, problems, moving), encoding="utf-8")
+        new = sorted(part.iterdir(), key=lambda file: file.name == path.name)
+        for file in new:
+            file.replace(folder / file.name)
+    for old in {*folder.glob("*.png"), *folder.glob("*.pdf")} - {folder / file.name for file in new}:
+        old.unlink()
     progress.end()
     return path, summary(selection), problems, selection
 
@@ -206,7 +196,7 @@ def main(arguments: list[str]) -> int:
     except NoCase as error:
         print(f"report: {error}", file=sys.stderr)
         return USAGE
-    except (NotAnOutputFolder, OSError) as error:
+    except (NotAnOutputFolder, OSError, BrokenProcessPool) as error:  # BrokenProcessPool: a process was killed
         print(f"report: {error}", file=sys.stderr)
         return ENVIRONMENT
     for problem in problems:

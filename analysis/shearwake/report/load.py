@@ -19,7 +19,7 @@ from ..checksum import verify_case
 from ..errors import NotAnOutputFolder, NotRecorded
 from ..plan import first_line
 from ..sweep import Sweep, case_of_file
-from .in_two import in_two
+from .progress import parallel_map
 
 # What reading a case raises if it has no file, or if the file is damaged or lacks the data.
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, IndexError, TypeError, ArithmeticError, NotRecorded)
@@ -179,8 +179,8 @@ def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) 
     stored = [case for case in sweep.every_case
               if case.is_complete or table.rows.get(case.id, {}).get("status") == "complete"]  # also without its file
     parts = [stored[n::PARTS] for n in range(min(PARTS, len(stored)))]
-    found = in_two([functools.partial(contents, part) for part in parts],
-                   lambda n: report(f"reading part {n + 1} of {len(parts)} of the cases"))
+    found = parallel_map([functools.partial(contents, part) for part in parts],
+                         lambda n: report(f"{n} of {len(parts)} parts of the cases read"))
     for part, (of_cases, examined) in zip(parts, found):
         inputs.examined |= examined
         for case, of_case in zip(part, of_cases):

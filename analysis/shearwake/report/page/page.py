@@ -88,7 +88,7 @@ def badge(found: list[warnings_of.Kind], shown: int, stated: set[int]) -> str:
 
 def json_script(data: list[dict[str, Any]]) -> str:
     """JSON within a page, in which no text can end the script."""
-    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/").replace("<!", "<\\u0021")
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, default=lambda value: value.tolist()).replace("</", "<\\/").replace("<!", "<\\u0021")
     return f'<script type="application/json">{text}</script>'
 
 
