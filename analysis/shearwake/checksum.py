@@ -87,7 +87,7 @@ def recorded_line(path: str | os.PathLike[str]) -> re.Match[bytes] | None:
 def open_case(path: str | os.PathLike[str]) -> h5py.File:
     """Verifies a case file and opens it for reading. Raises Damaged and OSError."""
     verify_case(path)
-    return open_self_contained(Path(path), require_numbers=True)
+    return open_self_contained(Path(path))
 
 
 def sealed(value: Any, end: str = "\n") -> str:

@@ -20,7 +20,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
     """A case file, open for reading. Raises OSError if the file does not exist or may not be read, and Damaged, with the path,
     if it or what is read from it is damaged."""
     try:
-        with open_self_contained(path, require_numbers=True) as file:
+        with open_self_contained(path) as file:
             yield file
     except (FileNotFoundError, PermissionError):
         raise

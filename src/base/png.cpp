@@ -12,10 +12,6 @@ namespace shearwake::image {
 namespace {
 
 constexpr std::uint32_t largest_side = 4096;
-/// Four channels of 16 bits, and the filters of the shortest rows.
-constexpr std::size_t most_B_per_pixel = 9;
-/// The library decompresses all data, also those after the last pixel: to 500 MB, in a second.
-constexpr std::size_t most_remarks_B = 500'000;
 
 /// Frees what the library keeps for a picture.
 struct Png {
@@ -39,14 +35,6 @@ DecodedImage decode_png(std::string_view bytes) {
         decoded.problem =
             fmt::format("it has {} x {} pixels, but at most {} x {} are supported", png.image.width,
                         png.image.height, largest_side, largest_side);
-        return decoded;
-    }
-    const std::size_t pixels = std::size_t{png.image.width} * png.image.height;
-    if (bytes.size() > most_B_per_pixel * pixels + most_remarks_B) {
-        decoded.problem = fmt::format(
-            "it has {:.1f} MB, more than its {} x {} pixels explain; save it without "
-            "remarks and profiles",
-            1e-6 * static_cast<double>(bytes.size()), png.image.width, png.image.height);
         return decoded;
     }
     png.image.format = PNG_FORMAT_GRAY;

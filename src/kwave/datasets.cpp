@@ -12,9 +12,6 @@
 namespace shearwake::kwave {
 namespace {
 
-/// Values of a dataset per stored byte: gzip shortens constant data by at most this factor.
-constexpr hsize_t most_compression = 1100, always_allowed_B = 64'000'000;
-
 std::string text_of(const Shape& shape) {
     return fmt::format("({}, {}, {})", shape[0], shape[1], shape[2]);
 }
@@ -89,10 +86,6 @@ h5::Id Reader::open(const std::string& name, Kind kind, const Shape& expected) c
     hsize_t values = 1;
     for (const hsize_t extent : shape)
         values *= extent;
-    const hsize_t stored_B = H5Dget_storage_size(dataset.raw());
-    if (4 * values > std::max(always_allowed_B, most_compression * stored_B))
-        throw UsageError(
-            fmt::format("{} declares {} values, but stores only {} bytes", name, values, stored_B));
     const bool is_field = shape == Shape{n_[2], n_[1], n_[0]};
     require_memory(name, 4.0 * static_cast<double>(values) / (is_field ? ranks_ : 1));
     return dataset;

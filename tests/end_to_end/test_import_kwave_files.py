@@ -6,7 +6,6 @@ import unittest
 
 import h5py
 import numpy
-import pytest
 import scipy.io
 import scipy.sparse
 
@@ -121,46 +120,6 @@ class Files(FilesTest):
 
 
 class Errors(FilesTest):
-    def test_arrays_that_grow_by_decompression_are_refused(self):
-        structures = study()
-        structures["medium"]["density"] = numpy.zeros((230, 200, 200))  # 74 MB, of which 70 kB are stored
-        scipy.io.savemat(self.folder / "small.mat", structures, do_compression=True)
-        self.refused("small.mat", "kB for more than 64 MB", "save them without compression")
-
-    @pytest.mark.long
-    def test_structures_that_contain_themselves_or_an_array_many_times_are_refused(self):
-        """A few links and references lead to any number of values."""
-        path = self.folder / "study.h5"
-
-        def groups(file):  # 10^10 paths
-            inner = file["kgrid"]
-            for level in range(10):
-                outer = file.create_group(f"#refs#/{level}")
-                for number in range(10):
-                    outer[f"link{number}"] = inner
-                inner = outer
-            file["medium/link"] = inner
-
-        def cells(file):
-            inner = file["kgrid/Nx"]
-            for level in range(10):
-                outer = file.create_dataset(f"#refs#/cell{level}", (10, 1), dtype=h5py.ref_dtype)
-                outer[:, 0] = [inner.ref] * 10
-                inner = outer
-            file["sensor/cells"] = inner
-
-        def again(file):
-            file["#refs#/large"] = numpy.zeros(4_000_000)
-            for number in range(4000):
-                file["sensor"][f"link{number}"] = file["#refs#/large"]
-
-        for change, words in ((groups, "more than 20000 fields"), (cells, "more than 20000 fields"), (again, "same arrays repeatedly")):
-            save(path, study())
-            with h5py.File(path, "r+") as file:
-                change(file)
-            with self.subTest(words=words):
-                self.refused("study.h5", words)
-
     def test_sparse_matrices_that_would_be_large_are_refused(self):
         structures = study()
         structures["source"]["u_mask"] = scipy.sparse.csc_matrix(([1.0], ([0], [0])), shape=(100_000, 100_000))

@@ -9,7 +9,7 @@ import h5py
 import numpy
 import pytest
 
-from attacks import times
+from limits import times
 from program import PATIENCE_s, PROGRAM, ROOT, ProgramTest, command, environment
 
 DATA = ROOT / "tests" / "data" / "kwave"

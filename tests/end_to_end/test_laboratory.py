@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A virtual experiment is exported, measured, fitted and compared; hostile data are refused with a reason."""
+"""A virtual experiment is exported, measured, fitted and compared; damaged data are refused with a reason."""
 import csv
 import json
 import re
@@ -122,7 +122,7 @@ class Measure(LaboratoryTest):
         self.assertIn("a scan contains the surface only", failed.stderr)
 
     @pytest.mark.long
-    def test_hostile_files_are_refused_with_a_reason(self):
+    def test_damaged_files_are_refused_with_a_reason(self):
         job, case = self.scanned(LINE)
         exported = self.folder / "scan.uff"
         self.shearwake("export", case, "--out", exported)

@@ -7,7 +7,7 @@ import unittest
 
 import jsonschema
 
-from attacks import times
+from limits import times
 from program import JOB, ROOT, ProgramTest, changed
 
 JOBS = sorted((ROOT / "jobs").glob("*.toml"))

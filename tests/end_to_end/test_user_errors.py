@@ -6,7 +6,7 @@ import unittest
 
 import pytest
 
-from attacks import accepted_or_refused
+from limits import accepted_or_refused
 from program import JOB, PROGRAM, SWEEP, ProgramTest, changed
 
 COMMANDS = ["check", "plan", "run", "status", "reduce", "report", "show", "bench"]

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import pytest
 
-from attacks import times
+from limits import times
 from program import JOB, ProgramTest, case_files, plan, table
 
 from shearwake.checksum import LINE_LENGTH

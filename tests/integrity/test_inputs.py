@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Malicious or absurd input: unbounded quantities, devices, links to other files, and texts with a special meaning
+"""Absurd input: unbounded quantities, devices, links to other files, and texts with a special meaning
 in a terminal, a table, a page or a shell."""
 import os
 import shutil
 import subprocess
 import sys
 import unittest
-import zlib
+from pathlib import Path
 
 import h5py
 import numpy
 import pytest
 
-from attacks import accepted_or_refused
+from limits import accepted_or_refused
 from program import PATIENCE_s, ROOT, ProgramTest, case_files, changed, command, environment, seal, without_reference
 
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
+LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
+MAP = ('base = "rigid"\n', 'base = "rigid"\nmap = "input.h5"\n')
 PSTD = ('engine = "layered"', 'engine = "pstd"')
 ABSURD = {
     "thickness_mm = 1e308, pstd": [("thickness_mm = 20.0", "thickness_mm = 1e308"), PSTD],
@@ -139,27 +141,38 @@ class Files(ProgramTest):
         done = self.shearwake("respond", "motion.h5", expect=2)
         self.says(done.said, 'the link "traces" leads to another file')
 
-    def test_datasets_that_claim_far_more_than_they_store_are_refused(self):
-        with h5py.File(self.folder / "motion.h5", "w") as file:
-            file.create_dataset("trace_mm", (4, 50_000_000), "f8", chunks=(4, 1000), compression="gzip")
-            file["pin_xy_mm"] = numpy.zeros((4, 2))
-            file.attrs["fs_hz"] = 1000.0
-        done = self.shearwake("respond", "motion.h5", expect=2)
-        self.says(done.said, '"trace_mm" contains 200000000 numbers (1600 MB)', "at most 64 MB, or 100 times what is stored")
+    def test_files_that_cannot_be_read_are_errors_of_the_job(self):
+        for name, changes in (("input.csv", [LINE]), ("input.csv", [('[sweep]', '[sweep]\nlist = "input.csv"')]), ("input.h5", [SPECTRAL, MAP])):
+            self.write_job(changed(*changes))
+            path = self.folder / name
+            for kind, make in (("missing", lambda path: None), ("folder", Path.mkdir), ("pipe", os.mkfifo),
+                               ("loop", lambda path: path.symlink_to(path)), ("other contents", lambda path: path.write_bytes(b"\x89PNG"))):
+                make(path)
+                with self.subTest(changes=changes, kind=kind):
+                    said, _ = accepted_or_refused(self, command("check", "job.toml", "--elsewhere"), (3,), kind)
+                    self.assertIn(name, said)
+                if kind == "folder":
+                    path.rmdir()
+                elif kind != "missing":
+                    path.unlink()
 
-    @pytest.mark.long
-    def test_chunks_that_are_larger_than_they_state_are_refused(self):
-        """The bytes of a chunk of 64 kB decompress to 1 GB, and a dataset of 64 kB has a chunk of 1 GB."""
-        bomb = zlib.compressobj(9)
-        content = b"".join(bomb.compress(bytes(1 << 24)) for _ in range(60)) + bomb.flush()
-        for chunk, words in ((8000, "a chunk cannot be decompressed, or only with more memory"), (125_000_000, "has chunks of 1000 MB, more than the dataset")):
-            with h5py.File(self.folder / "motion.h5", "w") as file:
-                file["pin_xy_mm"], file.attrs["fs_hz"] = numpy.zeros((1, 2)), 1000.0
-                file.create_dataset("trace_mm", (1, 8000), "f8", chunks=(1, chunk), maxshape=(1, None), compression="gzip")
-                file["trace_mm"].id.write_direct_chunk((0, 0), content)
-            with self.subTest(chunk=chunk):
-                said, _ = accepted_or_refused(self, command("respond", "motion.h5"), (2,), str(chunk))
-                self.says(said, "motion.h5", words)
+    def test_truncated_and_foreign_hdf5_files_are_refused_with_a_reason(self):
+        axis = numpy.linspace(-0.04, 0.04, 5)
+        with h5py.File(self.folder / "map.h5", "w") as file:
+            file["x_m"], file["y_m"], file["z_m"] = axis, axis, numpy.array([0.001, 0.01])
+            file["c_s_m_s"] = numpy.full((5, 5, 2), 5.0)
+        with h5py.File(self.folder / "motion.h5", "w") as file:
+            file["trace_mm"], file["pin_xy_mm"], file.attrs["fs_hz"] = numpy.zeros((2, 50)), numpy.eye(2), 1000.0
+        self.write_job(changed(SPECTRAL, ('base = "rigid"\n', 'base = "rigid"\nmap = "map.h5"\n')))
+        for name, call in (("map.h5", ("check", "job.toml", "--elsewhere")), ("motion.h5", ("respond", "motion.h5", "-S", 'afferents.where="fingertip"'))):
+            good = (self.folder / name).read_bytes()
+            self.shearwake(*call)
+            for content in (good[:len(good) // 2], good[:100], b"no HDF5\n", b""):
+                (self.folder / name).write_bytes(content)
+                with self.subTest(name=name, bytes=len(content)):
+                    done = self.shearwake(*call, expect=None)
+                    self.assertIn(done.returncode, (2, 3), done.said)
+                    self.says(done.said, name, "it cannot be read as HDF5")
 
     def test_case_files_that_point_to_other_files_are_not_read(self):
         """With the checksum that everybody can compute."""

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import pytest
 
-from attacks import times
+from limits import times
 from faults import both_engines, table_bytes
 from program import PATIENCE_s, ProgramTest, case_files, command, faulty_environment, journal
 

@@ -11,7 +11,7 @@ import unittest
 import h5py
 import pytest
 
-from attacks import times
+from limits import times
 from kwave import reference, save, structures_of
 from program import PATIENCE_s, ROOT, UNRECORDED, ProgramTest, changed, command, environment, faulty_environment, table
 

@@ -3,7 +3,6 @@
 import tempfile
 import unittest
 from pathlib import Path
-from unittest import mock
 
 import numpy as np
 
@@ -24,11 +23,7 @@ def some_scan(points=5, samples=30):
 
 
 class ScanTest(unittest.TestCase):
-    """Reads files in this process, which takes a twentieth of the time."""
-    reads = staticmethod(lambda read, path, *_: read(path))
-
     def setUp(self):
-        self.enterContext(mock.patch("shearwake.laboratory.scan_files.in_child", self.reads))
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)

@@ -2,14 +2,12 @@
 """Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
 from __future__ import annotations
 
-import struct
-import zlib
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
-from ..inputs import ALLOWED_B, MOST_COMPRESSION, BadLink, open_self_contained
+from ..inputs import BadLink, open_self_contained
 
 from .structures import BadInput, Structure, Unreadable, kind_of, text_of
 from .variables import NAMES, chosen_variables
@@ -22,7 +20,6 @@ EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p
 ACOUSTIC = ("c0", "rho0", "c_ref", "rho0_sgx", "pml_x_size", "p_source_flag", "p0_source_flag", "sensor_mask_type")
 MOST_IN_RANGE = 1e7  # numbers of a range, which takes 24 bytes in a file
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
-MOST_ITEMS = 20_000  # arrays, cells and fields of all structures
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
 
@@ -65,34 +62,14 @@ def characters(values: np.ndarray) -> str | list[str]:
     return rows[0] if len(rows) == 1 else rows
 
 
-class Budget:
-    """Limits the number of items that are read and the size of those that are read repeatedly, since any number of links and
-    references can lead to one item."""
-
-    def __init__(self) -> None:
-        self.items, self.again_B = MOST_ITEMS, ALLOWED_B
-        self.seen: set[int] = set()
-
-    def spend(self, item: Any) -> None:
-        address = h5py.h5o.get_info(item.id).addr
-        self.items -= 1
-        if address in self.seen and isinstance(item, h5py.Dataset):
-            self.again_B -= item.nbytes
-        self.seen.add(address)
-        if self.items < 0:
-            raise BadInput(f"its structures have more than {MOST_ITEMS} fields and cells")
-        if self.again_B < 0:
-            raise BadInput(f"its structures refer to the same arrays repeatedly, more than {ALLOWED_B // 1_000_000} MB in all")
-
-
-def of_octave(group: h5py.Group, level: int, left: Budget) -> Any:
+def of_octave(group: h5py.Group, level: int) -> Any:
     """A value in the format of Octave: datasets or groups `type` and `value`."""
     kind, value = decoded(group["type"][()]), group["value"]
     if isinstance(value, h5py.Group):
         if "cell" in kind:
-            return [of_hdf5(value[name], left, level + 1) for name in sorted(value) if name != "dims"]
+            return [of_hdf5(value[name], level + 1) for name in sorted(value) if name != "dims"]
         if "struct" in kind:
-            return {name: of_hdf5(value[name], left, level + 1) for name in value}
+            return {name: of_hdf5(value[name], level + 1) for name in value}
         return Unreadable(f"Octave has stored it as {kind}")
     if group.attrs.get("OCTAVE_EMPTY_MATRIX") is not None or value.attrs.get("OCTAVE_EMPTY_MATRIX") is not None:
         return None
@@ -108,14 +85,14 @@ def of_octave(group: h5py.Group, level: int, left: Budget) -> Any:
     return of_array(np.asarray(value[()]).T)
 
 
-def of_dataset(item: h5py.Dataset, level: int, left: Budget) -> Any:
+def of_dataset(item: h5py.Dataset, level: int) -> Any:
     kind = class_of(item)
     if item.attrs.get("MATLAB_empty", 0) or item.shape is None or item.size == 0:
         return None
     if kind not in ("", "char", "cell", "logical", "double", "single") and not kind.startswith(("int", "uint")):
         return Unreadable(OBJECT)
     if h5py.check_ref_dtype(item.dtype):
-        return [of_hdf5(item.file[reference], left, level + 1) for reference in item[()].T.ravel() if reference] or None
+        return [of_hdf5(item.file[reference], level + 1) for reference in item[()].T.ravel() if reference] or None
     if kind == "char":
         return characters(item[()])
     if item.dtype.kind == "V":
@@ -124,17 +101,16 @@ def of_dataset(item: h5py.Dataset, level: int, left: Budget) -> Any:
     return of_array(np.asarray(item[()]).T)
 
 
-def of_hdf5(item: Any, left: Budget, level: int = 0) -> Any:
-    left.spend(item)
+def of_hdf5(item: Any, level: int = 0) -> Any:
     if level > DEEPEST:
         raise BadInput(f"{item.name} is nested deeper than {DEEPEST} levels")
     if isinstance(item, h5py.Dataset):
-        return of_dataset(item, level, left)
+        return of_dataset(item, level)
     if "type" in item and "value" in item:
-        return of_octave(item, level, left)
+        return of_octave(item, level)
     fields = {name: of_array(value) for name, value in item.attrs.items()
               if not name.startswith(("MATLAB_", "OCTAVE_", "H5PATH"))}
-    fields.update({name: of_hdf5(item[name], left, level + 1) for name in item})
+    fields.update({name: of_hdf5(item[name], level + 1) for name in item})
     return fields
 
 
@@ -155,8 +131,7 @@ def read_hdf5(path: Path) -> tuple[dict[str, Any], list[str]]:
             raise BadInput(f"{path} is an input file of the acoustic C++ code of k-Wave (it contains {', '.join(acoustic)}), which has "
                            "no shear waves; save the structures kgrid, medium and source of a simulation for pstdElastic3D instead")
         chosen, notes = chosen_variables(path, [name for name in file if not name.startswith("#")])
-        left = Budget()
-        structures = {name: of_hdf5(file[variable], left) for name, variable in chosen.items()}
+        structures = {name: of_hdf5(file[variable]) for name, variable in chosen.items()}
         if not has_known_order(file) and is_cubic(structures.get("kgrid")):
             notes.append("kgrid.Nx and Nz are equal: the arrays of the file are taken as (z, y, x), as MATLAB and k-Wave store them; "
                          "compare the places below")
@@ -183,7 +158,7 @@ def of_mat(value: Any, level: int = 0) -> Any:
     if level > DEEPEST:
         raise BadInput(f"a cell is nested deeper than {DEEPEST} levels")
     if hasattr(value, "toarray"):  # a sparse matrix
-        if 8 * np.prod(value.shape, dtype=float) > max(ALLOWED_B, 8 * MOST_COMPRESSION * value.nnz):
+        if np.prod(value.shape, dtype=float) > max(MOST_IN_RANGE, 100 * value.nnz):
             return Unreadable(f"it is a sparse matrix of {value.shape[0]} x {value.shape[1]} numbers")
         value = value.toarray()
     if type(value).__name__ in ("MatlabOpaque", "MatlabFunction", "MatlabObject"):
@@ -229,34 +204,6 @@ def variables_of(path: Path) -> list[str]:
     return [name for name in names if name not in ("", "None") and not name.startswith("__")]
 
 
-COMPRESSED = 15  # the type of a variable
-
-
-def refuse_claims(path: Path) -> None:
-    """Raises BadInput if a compressed variable of the .mat file contains more than ALLOWED_B and MOST_COMPRESSION times what it
-    stores. Damaged files are left to SciPy."""
-    with open(path, "rb") as file:
-        order = ">" if file.read(128)[126:] == b"MI" else "<"
-        while len(tag := file.read(8)) == 8:
-            kind, stored = struct.unpack(order + "II", tag)
-            if kind != COMPRESSED:
-                file.seek(stored, 1)
-                continue
-            most, found, unpacked = max(ALLOWED_B, MOST_COMPRESSION * stored), 0, zlib.decompressobj()
-            end = file.tell() + stored
-            while file.tell() < end and (rest := file.read(min(1 << 16, end - file.tell()))):
-                while rest and found <= most:
-                    try:
-                        found += len(unpacked.decompress(rest, 1 << 22))
-                    except zlib.error:
-                        return
-                    rest = unpacked.unconsumed_tail
-            if found > most:
-                raise BadInput(f"a variable of {path} stores {stored / 1e3:.3g} kB for more than {most / 1e6:.0f} MB; at most "
-                               f"{ALLOWED_B / 1e6:.0f} MB, or {MOST_COMPRESSION} times what is stored, are read: if its arrays are "
-                               "meant to be uniform, save them without compression (-v7.3 -nocompression, or -v6)")
-
-
 def read_mat(path: Path) -> tuple[dict[str, Any], list[str]]:
     try:
         import scipy.io
@@ -264,7 +211,6 @@ def read_mat(path: Path) -> tuple[dict[str, Any], list[str]]:
         raise BadInput(f"{path} is not an HDF5 file; .mat files of versions before 7.3 require SciPy (Debian: "
                        "python3-scipy). In MATLAB, save(file, '-v7.3', ...) writes HDF5") from problem
     try:
-        refuse_claims(path)
         chosen, notes = chosen_variables(path, variables_of(path))
         found = scipy.io.loadmat(path, variable_names=list(chosen.values()))
     except (OSError, BadInput):

@@ -194,9 +194,6 @@ def read_mat5(path: Path) -> Scan:
 
     try:
         content = scipy.io.loadmat(path)
-    except MemoryError as error:
-        raise BadScan("it cannot be read as a MATLAB file: it needs more memory than the limit for a file of this size") \
-            from error
     except Exception as error:  # noqa: BLE001 - scipy raises many types for damaged files
         raise BadScan(f"it cannot be read as a MATLAB file: {(str(error).splitlines() or [repr(error)])[0]}") \
             from error

@@ -23,7 +23,6 @@ TIME, UNKNOWN, GENERAL_QUANTITY = 17, 0, 1
 DISPLACEMENT, VELOCITY, ACCELERATION = 8, 11, 12
 SINGLE, DOUBLE = 2, 4
 HEADER_LINES = 11
-LONGEST_LINE, MOST_LINES = 10_000, 500_000  # of a data set
 # Units per metre of the systems of data set 164; None: stated in its second record.
 PER_METRE = {1: 1.0, 2: 1.0 / 0.3048, 3: 1.0, 4: 1.0 / 0.3048, 5: 1e3, 6: 1e2, 7: 1.0 / 0.0254, 8: 1e3, 9: None, 10: 1e3}
 TITLE = "velocity along the line of sight"  # of the data sets that this program writes
@@ -97,9 +96,7 @@ class Lines:
             file.seek(0)
 
     def next(self) -> str | None:
-        line = self.file.readline(LONGEST_LINE + 1)
-        if len(line) > LONGEST_LINE:
-            raise BadScan(f"a line has more than {LONGEST_LINE} characters")
+        line = self.file.readline()
         return line.removesuffix(b"\n").rstrip(b"\r").decode("latin-1") if line else None
 
     def read(self, count: int) -> bytes:
@@ -131,8 +128,6 @@ def body(lines: Lines) -> list[str]:
         if is_mark(line):
             return content
         content.append(line)
-        if len(content) > MOST_LINES:
-            raise BadScan(f"a data set has more than {MOST_LINES} lines; store larger ones in binary form")
     raise BadScan("the file is truncated: a data set has no end")
 
 

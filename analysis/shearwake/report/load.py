@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import inputs
 from ..case import Case
 from ..checksum import verify_case
 from ..errors import NotAnOutputFolder, NotRecorded
@@ -181,19 +180,18 @@ def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) 
     parts = [stored[n::PARTS] for n in range(min(PARTS, len(stored)))]
     found = parallel_map([functools.partial(contents, part) for part in parts],
                          lambda n: report(f"{n} of {len(parts)} parts of the cases read"))
-    for part, (of_cases, examined) in zip(parts, found):
-        inputs.examined |= examined
+    for part, of_cases in zip(parts, found):
         for case, of_case in zip(part, of_cases):
             vars(case).update(of_case)
     return Selection(sweep, sweep.every_case, sweep.x)
 
 
-def contents(cases: list[Case]) -> tuple[list[dict[str, Any]], set[tuple[int, ...]]]:
-    """What was read of cases or is wrong with them, for the process that owns them, and the files whose links were examined."""
+def contents(cases: list[Case]) -> list[dict[str, Any]]:
+    """What was read of cases or is wrong with them, for the process that owns them."""
     for case in cases:
         try:
             case.verify()
             traces(case), surface_times(case), case.focus
         except UNREADABLE as error:
             case.damage = first_line(error)
-    return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases], inputs.examined
+    return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases]

@@ -71,9 +71,6 @@ namespace shearwake::storage {
 namespace {
 
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-/// Limits of compressed and unwritten datasets, whose declared size costs nothing:
-/// always_allowed_B, or this multiple of what is stored.
-constexpr std::size_t most_compression = 100;
 
 /// Whether all groups on the path and the dataset exist; H5Lexists checks only one step.
 bool exists(hid_t file, const std::string& path) {
@@ -195,15 +192,6 @@ NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view u
                                          most_numbers));
         count *= extent;
     }
-    const std::size_t stored_B = H5Dget_storage_size(dataset.raw());
-    if (static_cast<double>(count * sizeof(double)) >
-        std::max(always_allowed_B, static_cast<double>(most_compression * stored_B)))
-        throw UsageError(fmt::format(
-            "the dataset \"{}\" contains {} numbers ({:.0f} MB), but stores only {:.3g} kB; at "
-            "most {:.0f} MB, or {} times what is stored, are read: store it without compression if "
-            "this size is intended",
-            path, count, static_cast<double>(count) * 8e-6, static_cast<double>(stored_B) * 1e-3,
-            always_allowed_B * 1e-6, most_compression));
     block.values.resize(count);
     if (count > 0)
         h5::check(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
