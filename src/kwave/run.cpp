@@ -197,8 +197,6 @@ void resume(const Job& job, const storage::CheckpointOwner& owner, pstd::Stepper
     });
     if (!job.world.broadcast(exists)) return;
     storage::CheckpointFileReader reader(path, job.world);
-    if (const std::string damage = reader.damage(); !damage.empty())
-        throw UsageError(fmt::format("{} is damaged: {}", path.string(), damage));
     stepper.restore(reader);
     recorder.restore(reader);
     reader.close();

@@ -30,21 +30,6 @@ long steps_in(double step) {
     return std::lround(step);
 }
 
-/// Verifies the arrays of a checkpoint whose attributes are valid; empty if they are. Collective.
-std::string damage_of(const fs::path& path, const Comm& team) {
-    std::string damage;
-    try {
-        fail_together_with_files(team, [&] {
-            storage::CheckpointFileReader file(path, team);
-            damage = file.damage();
-            file.close();
-        });
-        return damage;
-    } catch (const CaseFailure& failure) {
-        return fmt::format("is damaged ({})", failure.what());
-    }
-}
-
 } // namespace
 
 CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
@@ -60,27 +45,20 @@ CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
 void CaseCheckpoints::find_newest() {
     const auto paths = paths_of(stem_);
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        bool is_candidate = false; // according to rank 0, which checks the files
+        bool is_usable = false; // according to rank 0, which checks the files
         storage::CheckpointFacts facts;
-        const auto pass_over = [&](const std::string& reason) {
-            hooks_.report(
-                fmt::format("checkpoint {} {}: it is not used", paths[i].string(), reason));
-        };
         on_root(team_, [&] {
             if (!fs::exists(paths[i])) return;
             const std::string reason = storage::checkpoint_error(paths[i], owner_, facts);
-            is_candidate = reason.empty();
-            if (!is_candidate) pass_over(reason);
+            is_usable = reason.empty();
+            if (!is_usable)
+                hooks_.report(
+                    fmt::format("checkpoint {} {}: it is not used", paths[i].string(), reason));
         });
-        if (!team_.broadcast(is_candidate)) continue;
+        if (!team_.broadcast(is_usable)) continue;
         facts.sequence = team_.broadcast(facts.sequence);
         facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
-        if (newest_ && newest_->facts.sequence > facts.sequence) continue;
-        const std::string damage = damage_of(paths[i], team_);
-        if (damage.empty())
-            newest_ = {paths[i], facts};
-        else if (team_.is_root())
-            pass_over(damage);
+        if (!newest_ || newest_->facts.sequence <= facts.sequence) newest_ = {paths[i], facts};
     }
 }
 
@@ -185,11 +163,9 @@ void CaseCheckpoints::discard() {
     earlier_seconds_ = 0.0;
 }
 
-bool has_checkpoint(const fs::path& stem, const storage::CheckpointOwner& owner) {
-    storage::CheckpointFacts facts;
-    for (const fs::path& path : paths_of(stem))
-        if (fs::exists(path) && storage::checkpoint_error(path, owner, facts).empty()) return true;
-    return false;
+bool has_checkpoint(const fs::path& stem) {
+    return std::ranges::any_of(paths_of(stem),
+                               [](const fs::path& path) { return fs::exists(path); });
 }
 
 double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner) {

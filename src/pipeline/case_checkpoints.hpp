@@ -93,11 +93,10 @@ private:
     std::optional<Clock::time_point> stop_seen_; // on the root
 };
 
-/// Whether a case has a checkpoint from which a run can resume, according to its attributes. Not
-/// collective.
-bool has_checkpoint(const std::filesystem::path& stem, const storage::CheckpointOwner& owner);
+/// Whether a file of a checkpoint exists, which may be damaged. Not collective.
+bool has_checkpoint(const std::filesystem::path& stem);
 
-/// Seconds for which a case was computed until its newest checkpoint; 0 without one. Not
+/// Seconds for which a case was computed until its newest undamaged checkpoint; 0 without one. Not
 /// collective.
 double seconds_saved(const std::filesystem::path& stem, const storage::CheckpointOwner& owner);
 

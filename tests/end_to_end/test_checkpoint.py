@@ -11,7 +11,7 @@ import pytest
 
 import test_failures
 from program import (PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal,
-                     plan_ids, table, without_reference)
+                     plan_ids, seal, table, without_reference)
 
 # Two cases of 400 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
 STEPPED = without_reference(
@@ -190,7 +190,7 @@ class Checkpoint(SavedCase):
             file.seek(place + 1000)
             file.write(b"damage")
         said = self.resume()
-        self.says(said, newest.name, "is damaged (now does not match its checksum)", "not used")
+        self.says(said, newest.name, "is damaged (its bytes do not match its checksum)", "not used")
         self.assert_resumed(100)
         self.assertLess(self.events("resumed")[0]["step"], newest_step)
         self.assertEqual(self.largest_difference(), 0.0)
@@ -201,7 +201,7 @@ class Checkpoint(SavedCase):
         os.truncate(first, first.stat().st_size // 2)
         second.write_bytes(b"words " * 1000)
         second.with_name(second.name + ".part.data.0").touch()  # of OMPIO, if the kill falls into a write
-        self.says(self.resume(), first.name, second.name, "is damaged")
+        self.says(self.resume(), first.name, second.name, "does not end in its checksum")
         self.assertEqual(self.events("resumed"), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
@@ -227,6 +227,7 @@ class Checkpoint(SavedCase):
             if path.suffix == ".h5":
                 with h5py.File(path, "r+") as file:
                     file.attrs["git_id"] = numpy.bytes_("0123456789ab")
+                seal(path)
         self.says(self.resume(), "written by another program, 0123456789ab")
         self.assertEqual(self.events("resumed"), [])
 

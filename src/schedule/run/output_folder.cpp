@@ -173,8 +173,7 @@ void clear_half_written(const OutputFolder& folder, const Plan& plan,
         const std::string& id = plan.cases[number].id;
         const std::filesystem::path part = folder.case_file(id).string() + ".part";
         if (!std::filesystem::exists(part) || !claims.claim(number)) continue;
-        if (!pipeline::has_checkpoint(folder.checkpoints(id), {id, pipeline::program_git_id()}))
-            std::filesystem::remove(part);
+        if (!pipeline::has_checkpoint(folder.checkpoints(id))) std::filesystem::remove(part);
         claims.release(number);
     }
     for (const auto& place :

@@ -6,25 +6,11 @@
 #include "storage/hdf5/h5.hpp"
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 
 namespace shearwake::storage {
-
-/// A checksum of the rows of an array that does not depend on which rank holds which row: the sum,
-/// modulo 2^64, of a hash of each row and its position. It detects accidental, not intentional
-/// changes.
-class RowChecksum {
-public:
-    void add(std::ptrdiff_t row, const double* values, std::ptrdiff_t length);
-    /// The checksum over all ranks, as sixteen hexadecimal digits. Collective.
-    std::string over(const Comm& comm) const;
-
-private:
-    std::uint64_t sum_ = 0;
-};
 
 /// A checkpoint belongs to a case (whose id is the hash of its canonical text) and to the program
 /// that wrote it, since another version may store its state differently.
@@ -55,8 +41,8 @@ public:
     void put(const std::string& name, double value) override;
     /// The scalar that was put under this name; 0 if there is none.
     double scalar(const std::string& name) const;
-    /// Writes owner, facts and scalars, and finally the attribute that marks the file as complete;
-    /// flushes and renames it.
+    /// Writes owner, facts and scalars, and finally the line with the checksum of all bytes
+    /// (checksum.hpp); flushes and renames the file.
     void commit(const CheckpointOwner& owner, const CheckpointFacts& facts);
 
 private:
@@ -64,24 +50,21 @@ private:
     Comm team_;
     h5::Id file_;
     std::map<std::string, double> scalars_;
-    std::map<std::string, std::string> checksums_; // of the arrays
     bool committed_ = false;
 };
 
-/// The reason why a file is not a checkpoint of this owner, as a phrase that follows its name. If
-/// its attributes are valid, returns an empty string and fills `facts`. Not collective.
+/// The reason why a file is not an undamaged checkpoint of this owner, as a phrase that follows its
+/// name. Reads the file once and verifies its checksum before HDF5 opens it. If it can be used,
+/// returns an empty string and fills `facts`. Not collective.
 std::string checkpoint_error(const std::filesystem::path& path, const CheckpointOwner& owner,
                              CheckpointFacts& facts);
 
-/// A complete checkpoint, opened by the team. Collective, as the writer. Abandoned by the
-/// destructor if it is not closed (h5::Id).
+/// A checkpoint for which checkpoint_error() is empty, opened by the team. Collective, as the
+/// writer. Abandoned by the destructor if it is not closed (h5::Id).
 class CheckpointFileReader : public StateReader {
 public:
     CheckpointFileReader(const std::filesystem::path& path, const Comm& team);
 
-    /// Reads everything once and verifies the checksums. Returns the damaged part, or nothing.
-    /// Equal on all ranks.
-    std::string damage() const;
     void get(const std::string& name, const DistributedRows& rows, double* values) const override;
     double get(const std::string& name) const override;
     void close();

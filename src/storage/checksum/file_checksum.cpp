@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <sys/stat.h>
@@ -62,6 +63,7 @@ public:
 
     std::uintmax_t size() const { return size_; }
     int fd() const { return fd_; }
+    [[noreturn]] void refuse(int error) const { cannot_read(path_, error); }
     /// Reads up to `length` bytes from `offset`.
     std::size_t read(std::uintmax_t offset, char* into, std::size_t length) const {
         std::size_t done = 0;
@@ -69,7 +71,7 @@ public:
             const ssize_t got =
                 ::pread(fd_, into + done, length - done, static_cast<off_t>(offset + done));
             if (got < 0 && errno == EINTR) continue;
-            if (got < 0) cannot_read(path_, errno);
+            if (got < 0) refuse(errno);
             if (got == 0) break;
             done += static_cast<std::size_t>(got);
         }
@@ -87,29 +89,37 @@ private:
     std::uintmax_t size_ = 0;
 };
 
-std::string hex_128(XXH128_hash_t hash) {
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
-std::string line_of(XXH128_hash_t hash, std::uintmax_t bytes) {
-    return fmt::format("{}{}{}{:020}{}", line_begin, hex_128(hash), line_middle, bytes, line_end);
-}
-
-XXH128_hash_t hash_of(const Input& file, std::uintmax_t bytes) {
-    ::posix_fadvise(file.fd(), 0, 0, POSIX_FADV_SEQUENTIAL);
-    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
-                                                                                XXH3_freeState);
-    if (!state) throw std::bad_alloc();
-    XXH3_128bits_reset(state.get());
-    std::vector<char> piece(piece_B);
-    for (std::uintmax_t at = 0; at < bytes;) {
-        const std::size_t got =
-            file.read(at, piece.data(), std::min<std::uintmax_t>(piece_B, bytes - at));
-        if (got == 0) break; // truncated in the meantime
-        XXH3_128bits_update(state.get(), piece.data(), got);
-        at += got;
+/// An incremental hash of bytes of a file.
+class ByteHash {
+public:
+    ByteHash() : state_(XXH3_createState(), XXH3_freeState) {
+        if (!state_) throw std::bad_alloc();
+        XXH3_128bits_reset(state_.get());
     }
-    return XXH3_128bits_digest(state.get());
+    /// Adds the bytes [from, to).
+    void add(const Input& file, std::uintmax_t from, std::uintmax_t to) {
+        if (from >= to) return;
+        std::vector<char> piece(std::min<std::uintmax_t>(piece_B, to - from));
+        for (std::uintmax_t at = from; at < to; at += piece.size()) {
+            piece.resize(std::min<std::uintmax_t>(piece.size(), to - at));
+            if (file.read(at, piece.data(), piece.size()) < piece.size()) file.refuse(EIO);
+            XXH3_128bits_update(state_.get(), piece.data(), piece.size());
+        }
+    }
+    std::string text() const {
+        const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
+        return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    }
+
+private:
+    std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
+};
+
+std::string hash_of(const Input& file, std::uintmax_t bytes) {
+    ::posix_fadvise(file.fd(), 0, 0, POSIX_FADV_SEQUENTIAL);
+    ByteHash hash;
+    hash.add(file, 0, bytes);
+    return hash.text();
 }
 
 struct ChecksumLine {
@@ -141,7 +151,8 @@ void append_checksum(const fs::path& path) {
         // Starts writing to the disk while the bytes are hashed.
         ::sync_file_range(file.fd(), 0, 0, SYNC_FILE_RANGE_WRITE);
 #endif
-        line = line_of(hash_of(file, file.size()), file.size());
+        line = fmt::format("{}{}{}{:020}{}", line_begin, hash_of(file, file.size()), line_middle,
+                           file.size(), line_end);
     }
     line.pop_back(); // append_line adds the end of the line
     append_line(path, line, Flush::later);
@@ -190,7 +201,7 @@ IntegrityCheck check_without_line(const fs::path& path, const Input& file) {
     ChecksumLine line;
     const bool is_complete = is_complete_hdf5(file);
     if (is_complete && find_recorded(path, line) && line.bytes == file.size() &&
-        hex_128(hash_of(file, line.bytes)) == line.hash)
+        hash_of(file, line.bytes) == line.hash)
         return check;
     check.damage = is_complete ? "the checksum at its end is missing: another program has opened "
                                  "it for writing and changed it, or it is not a shearwake case "
@@ -230,9 +241,66 @@ IntegrityCheck check_integrity(const fs::path& path) {
     if (!fits)
         check.damage =
             fmt::format("it has {} bytes, but its checksum covers {}", before, line.bytes);
-    else if (hex_128(hash_of(file, line.bytes)) != line.hash)
+    else if (hash_of(file, line.bytes) != line.hash)
         check.damage = "its bytes do not match its checksum";
     return check;
+}
+
+struct PartChecksum::Hashes {
+    struct Field {
+        std::uint64_t added = 0;
+        ByteHash hash;
+    };
+    std::map<std::uint64_t, Field> fields; // by offset
+};
+
+std::string PartChecksum::record(const fs::path& part, std::vector<FieldBytes> fields) {
+    if (!hashes_) hashes_ = std::make_shared<Hashes>();
+    const Input file(part);
+    std::string record;
+    for (const FieldBytes& field : fields) {
+        Hashes::Field& known = hashes_->fields[field.offset];
+        known.hash.add(file, field.offset + known.added, field.offset + field.written);
+        known.added = field.written;
+        record += fmt::format("{} {} {} {}\n", field.offset, field.size, field.written,
+                              known.hash.text());
+    }
+    std::ranges::sort(fields, {}, &FieldBytes::offset);
+    ByteHash rest;
+    std::uint64_t at = 0;
+    for (const FieldBytes& field : fields) {
+        rest.add(file, at, field.offset);
+        at = std::max(at, field.offset + field.size);
+    }
+    rest.add(file, at, file.size());
+    return record + fmt::format("rest {} {}", file.size(), rest.text());
+}
+
+std::vector<FieldBytes> fields_of(const std::string& record) {
+    std::vector<FieldBytes> fields;
+    std::istringstream lines(record);
+    for (std::string line; next_line(lines, line);) {
+        std::istringstream words(line);
+        FieldBytes field;
+        if (words >> field.offset >> field.size >> field.written) fields.push_back(field);
+    }
+    return fields;
+}
+
+std::string bytes_error(const fs::path& part, const std::string& record) {
+    if (record.empty()) return "has no checksum in the checkpoint";
+    try {
+        const std::vector<FieldBytes> fields = fields_of(record);
+        const std::uint64_t size = regular_size_B(part);
+        for (const FieldBytes& field : fields)
+            if (field.offset + field.size > size)
+                return "is shorter than when the checkpoint was saved";
+        if (PartChecksum().record(part, fields) != record)
+            return "is damaged (it does not match the checksum in the checkpoint)";
+        return "";
+    } catch (const Error& error) {
+        return fmt::format("is damaged ({})", error.what());
+    }
 }
 
 namespace {

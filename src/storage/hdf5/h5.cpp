@@ -286,17 +286,6 @@ double number_attribute(hid_t object, const std::string& name) {
     return value;
 }
 
-std::vector<std::string> attribute_names(hid_t object) {
-    std::vector<std::string> names;
-    const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
-        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
-        return 0;
-    };
-    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names),
-          "list attributes");
-    return names;
-}
-
 void make_scale(const Id& coordinate, const std::string& name) {
     check(H5DSset_scale(coordinate.raw(), name.c_str()), "create a dimension scale");
 }

@@ -89,7 +89,6 @@ void put_attribute(hid_t object, const std::string& name, long value);
 bool has_attribute(hid_t object, const std::string& name);
 std::string text_attribute(hid_t object, const std::string& name);
 double number_attribute(hid_t object, const std::string& name);
-std::vector<std::string> attribute_names(hid_t object);
 
 /// Makes the dataset the coordinate of a dimension, or attaches a coordinate to a dimension.
 void make_scale(const Id& coordinate, const std::string& name);
