@@ -104,6 +104,10 @@ std::string advice_on(const std::string& command, const std::string& option) {
         return command + " writes no files; give --out to run";
     if (option == "--ranks" && command == "run")
         return "mpirun -n N shearwake run starts the program on N ranks";
+    if (option.starts_with("--shard") && command == "run")
+        return "runs of the same command in one output folder share its cases, so start the "
+               "command "
+               "without this option several times, or as a Slurm array of equal tasks";
     return "";
 }
 

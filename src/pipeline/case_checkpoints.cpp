@@ -179,11 +179,10 @@ double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner
 }
 
 void remove_checkpoints(const fs::path& stem) {
-    for (const fs::path& path : paths_of(stem)) {
-        // OMPIO leaves the last two if a rank is killed while it writes a checkpoint.
-        for (const char* ending : {"", ".part", ".part.data.0", ".part.metadata.0"})
-            fs::remove(path.string() + ending);
-    }
+    std::error_code missing; // also where no case has ever written one
+    for (const auto& entry : fs::directory_iterator(stem.parent_path(), missing))
+        for (const fs::path& path : paths_of(stem)) // and the parts that a killed run has left
+            if (entry.path().string().starts_with(path.string())) fs::remove(entry.path(), missing);
 }
 
 } // namespace shearwake::pipeline

@@ -10,6 +10,7 @@
 #include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
+#include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
 #include <fmt/format.h>
@@ -52,8 +53,8 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
                                 volumes ? storage::HasVolume::yes : storage::HasVolume::no);
         is_usable = reason.empty();
         if (!is_usable)
-            checkpoints.report(
-                fmt::format("{}.part {}: the case starts from scratch", path.string(), reason));
+            checkpoints.report(fmt::format("{} {}: the case starts from scratch",
+                                           storage::part_path(path).string(), reason));
     });
     if (team.broadcast(is_usable)) return storage::Beginning::resume;
     checkpoints.discard();

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -122,9 +124,44 @@ std::string read_file(const fs::path& path, std::uintmax_t most_B) {
     return text;
 }
 
+namespace {
+
+std::string short_host_name() {
+    char name[256] = {};
+    if (::gethostname(name, sizeof name - 1) != 0) return "unknown";
+    const std::string_view host(name);
+    return std::string(host.substr(0, host.find('.')));
+}
+
+} // namespace
+
+std::string process_name() {
+    return fmt::format("{}-{}", short_host_name(), ::getpid());
+}
+
+bool has_ended(const std::string& process) {
+    const auto dash = process.find_last_of('-');
+    if (dash == std::string::npos || process.substr(0, dash) != short_host_name()) return false;
+    const int pid = std::atoi(process.c_str() + dash + 1);
+    if (pid <= 0) return false;
+    if (::kill(pid, 0) != 0 && errno == ESRCH) return true;
+    // It may have ended without having been waited for, and then has no program.
+    std::error_code error, none;
+    return fs::read_symlink(fmt::format("/proc/{}/exe", pid), error).empty() &&
+           error == std::errc::no_such_file_or_directory && fs::exists("/proc/self/exe", none);
+}
+
+fs::path part_path(const fs::path& path) {
+    return fmt::format("{}.{}.part", path.string(), process_name());
+}
+
+std::string process_in(const fs::path& part) {
+    const std::string process = part.stem().extension().string();
+    return part.extension() != ".part" || process.empty() ? "" : process.substr(1);
+}
+
 void write_file(const fs::path& path, std::string_view text) {
-    // The temporary name is unique, since another run may write the same file at the same time.
-    const fs::path part = fmt::format("{}.{}.part", path.string(), ::getpid());
+    const fs::path part = part_path(path);
     try {
         with_patience([&] {
             Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);

@@ -36,6 +36,19 @@ bool is_csv(const std::filesystem::path& path);
 /// The size of a regular file; throws UsageError (environment) for another kind of file.
 std::uintmax_t regular_size_B(const std::filesystem::path& path);
 
+/// "<host>-<process>", with the host up to its first dot. It names the files of a process, since
+/// other processes write to the same folder at the same time.
+std::string process_name();
+
+/// Whether the process of that name was one of this host and has ended.
+bool has_ended(const std::string& process);
+
+/// The temporary name of a file while this process writes it: `<path>.<host>-<process>.part`.
+std::filesystem::path part_path(const std::filesystem::path& path);
+
+/// The process in a name of part_path(); empty for other names.
+std::string process_in(const std::filesystem::path& part);
+
 /// Writes a file atomically: under a temporary name, flushed to the disk, then renamed.
 void write_file(const std::filesystem::path& path, std::string_view text);
 

@@ -233,6 +233,13 @@ class ProgramTest(Interrupting):
         self.shearwake("run", "job.toml")
         self.shearwake("reduce", self.out)
 
+    def compute_some(self, text=JOB, count=1, words=(), prefix=()):
+        """Runs the first cases of a job and returns the ids of all of them."""
+        self.write_job(text)
+        ids = [case["id"] for case in json.loads(self.shearwake("plan", "job.toml", "--json").stdout)["cases"]]
+        self.shearwake("run", "job.toml", "--only", ",".join(ids[:count]), *words, prefix=prefix)
+        return ids
+
     def start(self, *arguments, ranks=1, faults=None):
         """Starts a command in a separate process group without waiting for its end."""
         process = subprocess.Popen(command(*arguments, ranks=ranks), cwd=self.folder,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Adaptive axes, as users run them: refined curves, extrema, crossings, interruptions, shards and errors."""
+"""Adaptive axes, as users run them: refined curves, extrema, crossings, interruptions, equal commands and errors."""
 import bisect
 import contextlib
 import csv
@@ -11,7 +11,7 @@ import unittest
 
 import pytest
 
-from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, table
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, started, table
 
 SPEED, WAVES, FREQUENCY = "load.modulation.speed_m_s", "medium.layer[1].c_s_m_s", "load.modulation.am_frequency_Hz"
 PLAIN = (("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
@@ -120,29 +120,15 @@ class Adaptive(ProgramTest):
         return self.first_ids()[0]
 
     @pytest.mark.long
-    def test_shards_work_together_and_in_turn(self):
+    def test_equal_commands_work_together(self):
         self.write_job(CURVE)
         self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
-        expected = self.tables_of(self.folder / "whole")
-        shards = [self.start("run", "job.toml", "--shard", f"{k}/2", "--out", "together") for k in (1, 2)]
-        said = [shard.communicate()[0] for shard in shards]
-        # If one shard ends its cases before the other has begun, it cannot know that this will compute its own.
-        for k in range(60):
-            if all(shard.returncode == 0 for shard in shards):
-                break
-            shards[k % 2] = self.shearwake("run", "job.toml", "--shard", f"{k % 2 + 1}/2", "--out", "together", expect=None)
-            self.assertIn(shards[k % 2].returncode, (0, 75), said)
-        self.assertEqual(self.tables_of(self.folder / "together"), expected)
-
-        out = self.folder / "turn"
-        codes = []
-        while len(codes) < 60 and codes[-1:] != [0]:
-            done = self.shearwake("run", "job.toml", "--shard", f"{len(codes) % 2 + 1}/2", "--out", out, expect=None)
-            codes.append(done.returncode)
-            if done.returncode:
-                self.says(done.said, "rerun this command after them", f"--shard {(len(codes) - 1) % 2 + 1}/2")
-        self.assertEqual(set(codes[:-1]), {75})
-        self.assertEqual(self.tables_of(out), expected)
+        runs = [self.start("run", "job.toml", "--out", "together") for _ in range(2)]
+        for run in runs:
+            said = run.communicate()[0]
+            self.assertEqual(run.returncode, 0, said)
+        self.assertEqual(len(started(self.folder / "together")), len(set(started(self.folder / "together"))))
+        self.assertEqual(self.tables_of(self.folder / "together"), self.tables_of(self.folder / "whole"))
 
     @pytest.mark.long
     def test_extrema_are_searched_in_two_dimensions(self):

@@ -226,9 +226,8 @@ class ReadOnly(ProgramTest):
         self.says(said, "cannot create the folder", "out", "Permission denied")
 
     def test_a_read_only_output_folder_is_reported(self):
-        self.write_job()
         nobody = self.as_nobody()
-        self.shearwake("run", "job.toml", "--shard", "1/4", prefix=nobody)
+        self.compute_some(prefix=nobody)
         for folder in (self.out, self.out / "cases"):
             for journal in self.out.glob("journal*.jsonl"):
                 os.chmod(journal, 0o444)
@@ -244,9 +243,8 @@ class ReadOnly(ProgramTest):
         self.says(self.shearwake("reduce", self.out, prefix=nobody, expect=6).said, "Permission denied")
 
     def test_an_unreadable_output_folder_is_reported(self):
-        self.write_job()
         nobody = self.as_nobody()
-        self.shearwake("run", "job.toml", "--shard", "1/4", prefix=nobody)
+        self.compute_some(prefix=nobody)
         os.chmod(self.out, 0o000)
         self.addCleanup(os.chmod, self.out, 0o777)
         for command in (["run", "job.toml"], ["status", self.out], ["reduce", self.out]):
@@ -293,8 +291,7 @@ class FullDisk(ProgramTest):
             self.skipTest("only root can mount a small disk")
         disk = self.mount(12)
         out = disk / "small"
-        self.write_job()
-        self.shearwake("run", "job.toml", "--out", out, "--shard", "1/4")
+        self.compute_some(words=("--out", out))
         for ranks in (1, 2):
             with open(disk / "filler", "wb", buffering=0) as file:
                 try:

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Parts of a sweep: --only, --shard, -S, --out."""
-import fcntl
+"""Parts of a sweep: --only, -S, --out."""
 import json
 import unittest
 
 import jsonschema
 
-from program import ROOT, ProgramTest, assert_same_table, case_files, changed, plan_ids, started, table
+from program import ROOT, ProgramTest, case_files, changed, plan_ids, started, table
 
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
@@ -18,70 +17,35 @@ class Selection(ProgramTest):
         self.write_job()
 
     def test_only_computes_the_selected_cases(self):
-        self.shearwake("run", "job.toml", "--shard", "1/4")
-        ids = plan_ids(self.out)
+        ids = self.compute_some()
         said = self.shearwake("run", "job.toml", "--only", f"{ids[1]},{ids[3]}").said
-        self.says(said, "2 computed now", "2 not selected")
+        self.says(said, "2 computed now", "2 not selected", "1 case of the sweep that this run did not select is not complete",
+                  "next: run the other cases")
         self.assertEqual(started(self.out), [ids[0], *sorted((ids[1], ids[3]), key=started(self.out).index)])
         self.assertEqual({path.stem for path in case_files(self.out)}, {ids[0], ids[1], ids[3]})
         self.says(self.shearwake("status", self.out).said, "3 done", "1 remaining", "shearwake run")
 
     def test_progress_is_logged_as_json(self):
-        for shard in ("1/2", "2/2"):
-            self.shearwake("run", "job.toml", "--shard", shard, "--quiet", "--log-json", "progress.jsonl")
+        for peak in (100, 200):
+            self.shearwake("run", "job.toml", "-S", f"load.peak_Pa={peak}", "--out", f"out/{peak}", "--quiet", "--log-json",
+                           "progress.jsonl")
             lines = (self.folder / "progress.jsonl").read_text(encoding="utf-8").splitlines()
             last = json.loads(lines[-1])
             self.assertEqual({name: last[name] for name in ("total", "done", "failed", "running")},
-                             {"total": 2, "done": 2, "failed": 0, "running": 0})
+                             {"total": 4, "done": 4, "failed": 0, "running": 0})
             self.assertGreater(last["elapsed_s"], 0.0)
             self.assertRegex(last["time"], r"^\d{4}-\d\d-\d\dT")
-            self.assertEqual((last["folder"], last["part"]), ("out/small", shard.replace("/", "-of-")))
+            self.assertEqual(last["folder"], f"out/{peak}")
             self.assertNotEqual(lines[-1], lines[-2])
             jsonschema.Draft202012Validator(SCHEMA).validate(last)
         self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
-    def test_the_next_command_follows_the_last_run(self):
-        def following():
-            return self.shearwake("status", self.out).said.splitlines()[-1]
-
-        self.shearwake("run", "job.toml", "--shard", "1/4", "--quiet")
-        self.says(following(), "for k in 2 3 4; do shearwake run", "--shard $k/4")
-        self.shearwake("run", "job.toml", "--shard", "1/2", "--quiet")  # shards of two sizes
-        self.assertNotIn("--shard", following())
-        (self.out / "journal.1-of-2.jsonl").unlink()
-        self.says(following(), "for k in 2 4; do shearwake run", "--shard $k/4")
-        (self.out / "STOP").touch()
-        self.shearwake("run", "job.toml", expect=75)  # of the complete sweep
-        (self.out / "STOP").unlink()
-        self.assertNotIn("--shard", following())
-
-    def test_shards_whose_cases_failed_are_not_left_to_other_runs(self):
-        self.shearwake("run", "job.toml", "--shard", "1/2", "-S", "load.peak_Pa=1e200", expect=4)
-        said = self.shearwake("run", "job.toml", "--shard", "2/2", "-S", "load.peak_Pa=1e200", expect=4).said
-        self.assertNotIn("run the other shards", said)
-        self.says(self.shearwake("status", self.out).said, "--retry-failed")
-
     def test_an_unknown_id_is_rejected(self):
-        self.shearwake("run", "job.toml", "--shard", "1/4")
+        self.compute_some()
         name = plan_ids(self.out)[2]
         wrong = name[:-1] + ("0" if name[-1] != "0" else "1")
         said = self.shearwake("run", "job.toml", "--only", wrong, expect=2).said
         self.says(said, wrong, f"did you mean {name}")
-
-    def test_shards_together_compute_all_cases(self):
-        whole = self.folder / "whole"
-        self.shearwake("run", "job.toml", "--out", whole)
-        self.shearwake("reduce", whole)
-        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now",
-                  "2 cases of the sweep that this run did not select are not complete", "next: run the other shards")
-        last = self.shearwake("run", "job.toml", "--shard", "2/2").said
-        self.says(last, "2 computed now", "next: shearwake reduce")
-        self.assertNotIn("did not select are not complete", last)
-        self.shearwake("reduce", self.out)
-        self.assertEqual(len(set(started(self.out))), 4)
-        assert_same_table(self, table(whole), table(self.out))
-        for wrong in ("0/2", "3/2", "x", "1/0", "1/2/3", "-1/2"):
-            self.says(self.shearwake("run", "job.toml", f"--shard={wrong}", expect=2).said, "I/N", wrong)
 
     def test_overrides_change_the_plan_and_are_recorded(self):
         self.shearwake("run", "job.toml", "--out", "twice", "-S", "load.peak_Pa=200", "-S",
@@ -98,22 +62,19 @@ class Selection(ProgramTest):
         self.says(said, "twice the load", "load.peak_Pa=200")
 
     def test_status_prints_the_command_with_the_overrides(self):
-        self.shearwake("run", "job.toml", "--out", "part", "-S", "load.peak_Pa=200", "--shard", "1/2")
+        (self.folder / "part").mkdir()
+        (self.folder / "part" / "STOP").touch()
+        self.shearwake("run", "job.toml", "--out", "part", "-S", "load.peak_Pa=200", expect=75)
+        (self.folder / "part" / "STOP").unlink()
         said = self.shearwake("status", "part").said
         command = next(line for line in said.splitlines() if line.startswith("next: shearwake "))
         words = command.removeprefix("next: shearwake ").replace("'", "").split()
-        self.assertEqual(words[-2:], ["--shard", "2/2"])
-        self.says(self.shearwake(*words).said, "2 computed now", "0 already complete", "2 not selected")
+        self.says(self.shearwake(*words).said, "4 computed now", "0 already complete")
 
-    def test_status_prints_a_command_for_the_shards_that_are_left(self):
-        self.shearwake("run", "job.toml", "--shard", "2/4")
-        said = self.shearwake("status", "out/small").said
-        self.says(said, "next: for k in 1 3 4; do shearwake run out/small/job.toml --out out/small --shard $k/4; done")
-        lock = self.out / "locks" / "1-of-4"
-        with open(lock, "w", encoding="utf-8") as held, open(self.out / "locks" / "run", "a", encoding="utf-8") as run:
-            fcntl.flock(held, fcntl.LOCK_EX)  # as the run of shard 1 holds them
-            fcntl.flock(run, fcntl.LOCK_EX)
-            self.says(self.shearwake("status", "out/small").said, "next: for k in 3 4; do")
+    def test_the_former_option_is_rejected_with_advice(self):
+        for words in (["--shard", "1/3"], ["--shard=1/3"]):
+            said = self.shearwake("run", "job.toml", *words, expect=2).said
+            self.says(said, "unknown option: --shard", "start the command without this option several times", "Slurm array")
 
     def test_an_invalid_override_is_rejected(self):
         self.says(self.shearwake("run", "job.toml", "-S", "load.peek_Pa=200", expect=3).said,
@@ -122,7 +83,7 @@ class Selection(ProgramTest):
         self.assertFalse(self.out.exists())
 
     def test_a_folder_of_another_plan_is_rejected(self):
-        self.shearwake("run", "job.toml", "--shard", "1/4")
+        self.compute_some()
         before = (self.out / "plan.json").read_bytes()
         said = self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).said
         self.says(said, "another plan", "--out")

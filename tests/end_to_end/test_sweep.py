@@ -198,16 +198,15 @@ class Sweep(ProgramTest):
             ("duration_ms = 4.0", "duration_ms = 4000.0"), ("frames = true", "")))
         log = self.folder / "log.jsonl"
 
-        def partial(path):
-            return [line["partial"] for line in map(json.loads, path.read_text(encoding="utf-8").splitlines())] \
-                if path.exists() else []
+        def partial(folder, name):
+            return [json.loads(line)["partial"] for path in folder.glob(name) for line in path.read_text(encoding="utf-8").splitlines()]
 
         run = self.start("run", "job.toml", "--force", "--log-json", log.name)
-        self.wait_for(lambda: any(partial(self.out / "progress.json")), "progress within a case")
-        shares = partial(self.out / "progress.json")
+        self.wait_for(lambda: any(partial(self.out, "progress.*.json")), "progress within a case")
+        shares = partial(self.out, "progress.*.json")
         os.kill(run.pid, signal.SIGTERM)
         run.communicate()
-        shares += partial(log)
+        shares += partial(self.folder, log.name)
         self.assertTrue(all(0.0 <= share <= 1.0 for share in shares), shares)
         self.assertEqual(shares[-1], 0.0)  # no case is running
 

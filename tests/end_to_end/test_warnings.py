@@ -71,7 +71,7 @@ class Warnings(ProgramTest):
         self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
         self.says(self.shearwake("report", self.out).said, "No result is stated, because no case has valid readings")
         # The index of the folder has the same warnings as the file.
-        (self.out / "index.jsonl").unlink()
+        next(self.out.glob("index*.jsonl")).unlink()
         first = self.notes()
         self.shearwake("reduce", self.out)
         self.assertEqual(self.notes(), first)

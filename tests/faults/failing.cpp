@@ -14,16 +14,21 @@
 //   FAULT_NEW_AT=n        the n-th fails
 //   FAULT_NEW_COUNT=file  their number is written to this file at the end
 // Others:
+//   FAULT_LOCKS=e         locks fail with this error (-1: all are granted), namely those
+//   FAULT_LOCKS_IN=path   of files whose path contains this
 //   FAULT_CLOCK=s         the time of day is wrong by s seconds from the 20th reading on
 //   FAULT_RANK=r          only MPI rank r is affected
 #include <cerrno>
 #include <csignal>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fnmatch.h>
 #include <new>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <time.h>
@@ -44,21 +49,27 @@ long number(const char* name) {
     return text ? atol(text) : 0;
 }
 
-int counts(const char* path) {
-    const char* wanted = getenv("FAULT_PATH");
+int counts(const char* path, const char* variable = "FAULT_PATH") {
+    const char* wanted = getenv(variable);
     char pattern[4096];
     if (!wanted || !path) return 0;
     snprintf(pattern, sizeof pattern, "*%s*", wanted);
     return fnmatch(pattern, path, 0) == 0;
 }
 
-int fd_counts(int fd) {
+int fd_counts(int fd, const char* variable = "FAULT_PATH") {
     char link[64], path[4096];
     snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
     const ssize_t length = readlink(link, path, sizeof path - 1);
     if (length <= 0) return 0;
     path[length] = '\0';
-    return counts(path);
+    return counts(path, variable);
+}
+
+/* With which the locks of a file fail; 0: they work. */
+long lock_error(int fd) {
+    const long error = number("FAULT_LOCKS");
+    return error != 0 && fd_counts(fd, "FAULT_LOCKS_IN") ? error : 0;
 }
 
 long ahead_s = 0;
@@ -130,6 +141,28 @@ int rename(const char* from, const char* to) {
     if (f == 2) end();
     return f ? failed() : REAL(rename)(from, to);
 }
+
+int flock(int fd, int operation) {
+    const long error = lock_error(fd);
+    if (error == 0) return REAL(flock)(fd, operation);
+    errno = static_cast<int>(error);
+    return error > 0 ? -1 : 0;
+}
+
+int fcntl(int fd, int command, ...) {
+    va_list arguments;
+    va_start(arguments, command);
+    void* argument = va_arg(arguments, void*);
+    va_end(arguments);
+    const bool locks = command == F_SETLK || command == F_SETLKW || command == F_OFD_SETLK ||
+                       command == F_OFD_SETLKW;
+    const long error = locks ? lock_error(fd) : 0;
+    if (error == 0) return REAL(fcntl)(fd, command, argument);
+    errno = static_cast<int>(error);
+    return error > 0 ? -1 : 0;
+}
+
+int fcntl64(int fd, int command, ...) __attribute__((alias("fcntl")));
 
 int clock_gettime(clockid_t clock, struct timespec* out) {
     static long asked = 0;

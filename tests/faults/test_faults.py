@@ -69,8 +69,7 @@ class Stops(FaultTest):
             self.assertEqual(len(started(self.out)), complete)
 
     def test_the_journal_records_measured_and_estimated_times(self):
-        self.write_job(LONG)
-        self.shearwake("run", "job.toml", "--shard", "1/12")
+        self.compute_some(LONG, 1)
         times = [line for line in journal(self.out) if line["event"] == "finished"]
         self.assertEqual(len(times), 1)
         self.assertEqual(times[0]["engine"], "layered")
@@ -298,31 +297,14 @@ class Failing(FaultTest):
 
 
 class Folders(FaultTest):
-    def test_a_shard_that_is_running_is_rejected_and_other_shards_are_not(self):
-        self.write_job(MANY)
-        first = self.start_and_stop("run", "job.toml", "--shard", "1/3")
-        for words in (["--shard", "1/3"], []):
-            said = self.shearwake("run", "job.toml", *words, expect=2).said
-            self.says(said, "is being computed by another run", "--shard")
-        # Parts that overlap share the work case by case.
-        second = self.start("run", "job.toml", "--shard", "1/6")
-        self.says(self.shearwake("status", self.out).said, "a run is active")
-        self.signal_and_continue(first)
-        for process in (first, second):
-            said = process.communicate(timeout=PATIENCE_s)[0]
-            self.assertIn(process.returncode, (0, 75), said)
-        self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 already complete")
-        self.assertEqual(len(started(self.out)), 10, "a case was computed twice")
-
     def test_results_of_another_version_are_rejected_unless_allowed(self):
-        self.write_job(LONG)
-        self.shearwake("run", "job.toml", "--shard", "1/6")
+        self.compute_some(LONG, 1)
         with h5py.File(case_files(self.out)[0], "r+") as file:
             file.attrs["git_id"] = numpy.bytes_("0123456")
         seal(case_files(self.out)[0])
-        said = self.shearwake("run", "job.toml", "--shard", "2/6", expect=2).said
+        said = self.shearwake("run", "job.toml", expect=2).said
         self.says(said, "another version of this program, 0123456", "--allow-mixed", "--out")
-        self.shearwake("run", "job.toml", "--shard", "2/6", "--allow-mixed")
+        self.shearwake("run", "job.toml", "--allow-mixed")
         starts = [line for line in journal(self.out) if line["event"] == "run_started"]
         self.assertTrue(starts[-1]["allow_mixed"])
         self.says(self.shearwake("reduce", self.out).said, "two versions of the program", "0123456")

@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_file_writer.hpp"
+#include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "support/shared_folder.hpp"
 
@@ -47,7 +48,7 @@ TEST_CASE("writes the slabs of all ranks as one surface", "[mpi]") {
     on_root(world, [&] {
         fine = storage::is_complete(folder.file("00ff.h5"), "00ff") &&
                !storage::is_complete(folder.file("00ff.h5"), "0") &&
-               !std::filesystem::exists(folder.file("00ff.h5.part"));
+               !std::filesystem::exists(storage::part_path(folder.file("00ff.h5")));
         const storage::CaseSummary summary = storage::read_case_summary(folder.file("00ff.h5"));
         fine = fine && summary.scalars.at(0).values.at(0) == 0.25 &&
                summary.numbers.at("ranks") == 2.0;
@@ -68,7 +69,7 @@ TEST_CASE("leaves no file behind without commit", "[mpi]") {
     { const storage::CaseFileWriter writer(folder.file("a.h5"), world, {}); }
     world.barrier();
     CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
-    CHECK_FALSE(std::filesystem::exists(folder.file("a.h5.part")));
+    CHECK_FALSE(std::filesystem::exists(storage::part_path(folder.file("a.h5"))));
     // If no file can be created, all ranks throw together.
     CHECK_THROWS_AS(storage::CaseFileWriter(folder.file("none/a.h5"), world, {}), Error);
 }

@@ -121,11 +121,11 @@ TEST_CASE("leaves no file and keeps the previous checkpoint without commit", "[m
         storage::CheckpointFileWriter writer(path, world);
         writer.put("step", 18.0);
         bool part = true;
-        on_root(world, [&] { part = std::filesystem::exists(path.string() + ".part"); });
+        on_root(world, [&] { part = std::filesystem::exists(storage::part_path(path)); });
         CHECK(part);
     }
     world.barrier();
-    CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
+    CHECK_FALSE(std::filesystem::exists(storage::part_path(path)));
     CHECK(storage::CheckpointFileReader(path, world).get("step") == 17.0);
 }
 

@@ -125,7 +125,8 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
         reason = storage::part_error(path, record, {}, storage::HasVolume::yes);
         without = storage::part_error(path, record, {}, storage::HasVolume::no);
         unrecorded = storage::part_error(path, "", {}, storage::HasVolume::yes);
-        const std::string part = path.string() + ".part", sound = storage::read_file(part);
+        const auto part = storage::part_path(path);
+        const std::string sound = storage::read_file(part);
         std::string damaged = sound;
         damaged[40] = static_cast<char>(damaged[40] ^ 1); // in HDF5's own metadata
         storage::write_file(part, damaged);

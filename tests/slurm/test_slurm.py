@@ -140,12 +140,11 @@ class Slurm(unittest.TestCase):
         for pid in ranks:
             os.kill(pid, signal.SIGCONT)
 
-        shards, table = self.submit(array, "--shards", 3, "--time", "10")
+        tasks, table = self.submit(array, "--array", 3, "--time", "10")
         self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the array and its table")
-        self.assertEqual(set(self.state(shards)), {"COMPLETED"})
+        self.assertEqual(set(self.state(tasks)), {"COMPLETED"})
         self.assert_same(array)
-        self.assertEqual({path.name for path in array.glob("journal*")},
-                         {f"journal.{i}-of-3.jsonl" for i in (1, 2, 3)})
+        self.assertEqual(len(list(array.glob("journal*"))), 3)
 
         job, _ = self.submit(cancelled, "--ranks", 2, "--time", "10")
         self.stopped_ranks(cancelled)

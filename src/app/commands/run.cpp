@@ -13,8 +13,6 @@ void add_run(CLI::App& app, Action& action) {
     add_study_options(command, arguments);
     add_value(command, "--only", arguments.only, "ID[,ID]", "only these cases, by id")
         ->delimiter(',');
-    add_value(command, "--shard", arguments.shard, "I/N",
-              "only every N-th case, starting from the I-th");
     add_value(command, "--checkpoint-interval", arguments.checkpoints.interval_s, "S",
               "seconds between checkpoints of a running case (default 300; 0: only when "
               "the run is stopped)")

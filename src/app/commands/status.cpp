@@ -8,11 +8,10 @@
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/progress.hpp"
 #include "schedule/run/run.hpp"
-#include "schedule/run/select_cases.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 #include "studies/tables.hpp"
 
 #include <algorithm>
@@ -32,17 +31,16 @@ using Json = nlohmann::ordered_json;
 
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
-    double seconds = 0.0;          // of the complete cases
-    std::vector<std::size_t> open; // positions in the plan of the cases to do
+    double seconds = 0.0; // of the complete cases
     std::vector<std::string> damaged;
     std::vector<std::string> not_valid; // complete cases whose readings are not valid
-    bool is_active = false;             // a run currently computes into the folder
-    bool is_preparing = false;          // it chooses time steps and has not started its cases
-    std::string host;                   // of that run; empty: this host, or unknown
-    int teams = 1;                      // of that run, or of the last one
-    double elapsed_s = 0.0;             // of the running cases together
+    std::size_t active_runs = 0;
+    bool is_preparing = false;                          // all of them choose time steps
+    int teams = 1;                                      // of the active runs, or of the last one
+    double elapsed_s = 0.0;                             // of the running cases together
     std::optional<schedule::RecordedProgress> progress; // of the active runs
 
+    bool is_active() const { return active_runs > 0; }
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
     /// Computing time of all teams together that remains, in s. Of the running cases, the elapsed
@@ -55,42 +53,37 @@ struct Tally {
     /// Time in s until the teams have computed all cases; nothing if it is unknown.
     std::optional<double> time_left_s() const {
         if (to_do() == 0) return 0.0;
-        if (progress && progress->left >= static_cast<long>(to_do())) return progress->left_s;
+        if (progress && progress->cases_per_second > 0.0)
+            return static_cast<double>(to_do()) / progress->cases_per_second;
         if (!(seconds > 0.0)) return std::nullopt;
         const auto rounds = static_cast<double>(std::max<std::size_t>(1, to_do()));
         return work_left_s() / std::min(static_cast<double>(teams), rounds);
     }
 };
 
-/// Number of teams of the active runs, or of the last run if none is active. A killed run leaves no
-/// final entry in the journal, but the lock of its part has been released.
-int teams_of(const storage::JournalContents& journal, const schedule::OutputFolder& folder) {
-    int active = 0; // in runs of parts, which exclude a run of the complete sweep
-    for (const auto& [part, teams] : journal.teams_of_parts) {
-        const auto lock = folder.part_lock(part);
-        if (!part.empty() && std::filesystem::exists(lock) &&
-            storage::is_locked(lock).value_or(true))
-            active += teams;
+/// What the active `runs` state. A killed run leaves no final entry in the journal.
+void add_runs(const std::vector<std::string>& runs, const storage::JournalContents& journal,
+              const schedule::OutputFolder& folder, Tally& tally) {
+    tally.active_runs = runs.size();
+    tally.is_preparing = !runs.empty();
+    int teams = 0;
+    for (const std::string& run : runs) {
+        const auto open = journal.runs.find(run);
+        if (open == journal.runs.end()) continue; // it has only begun
+        teams += open->second.teams;
+        tally.is_preparing = tally.is_preparing && open->second.is_preparing;
     }
-    return std::max(1, active > 0 ? active : journal.teams);
+    tally.teams = std::max(1, teams > 0 ? teams : journal.teams);
+    tally.progress = schedule::recorded_progress(folder, runs);
 }
 
 Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& journal,
                const schedule::OutputFolder& folder, storage::CaseIndex& index) {
     Tally tally;
-    tally.teams = teams_of(journal, folder);
+    const std::vector<std::string> runs = storage::active_runs(folder.locks());
+    add_runs(runs, journal, folder, tally);
     const double now_s = static_cast<double>(std::time(nullptr));
-    // A killed run leaves no final entry in the journal, but its lock has been released.
-    tally.is_active = std::filesystem::exists(folder.run_lock())
-                          ? storage::is_locked(folder.run_lock()).value_or(false)
-                          : journal.running;
-    if (!tally.is_active) {
-        const auto holder = storage::holder_in(folder.run_lock().parent_path());
-        tally.is_active = holder.has_value();
-        if (holder) tally.host = holder->host;
-    }
-    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
-        const storage::IndexedCase& c = plan.cases[i];
+    for (const storage::IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
         const storage::CaseDigest* digest = index.find(c.id);
@@ -105,17 +98,15 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             ++tally.failed;
             continue;
         }
-        tally.open.push_back(i);
         if (known && entry->second.state == storage::CaseHistory::State::started) {
-            ++(tally.is_active ? tally.running : tally.interrupted);
-            if (tally.is_active)
-                tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
+            const bool is_running =
+                std::ranges::count(runs, storage::claimed_by(folder.locks(), c.id)) > 0;
+            ++(is_running ? tally.running : tally.interrupted);
+            if (is_running) tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
         } else {
             ++tally.left;
         }
     }
-    if (tally.is_active) tally.progress = schedule::recorded_progress(folder);
-    tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
     return tally;
 }
 
@@ -135,17 +126,10 @@ std::string next_step(const schedule::OutputFolder& folder, const State& state) 
         state.journal.resumed_by.empty()
             ? schedule::run_command_line(folder.job(), state.journal.overrides, folder.root)
             : state.journal.resumed_by; // a study of `converge`
-    if (tally.to_do() > 0) {
-        const schedule::ShardStates shards =
-            schedule::shard_states(folder, tally.open, state.journal.part);
-        // A run of the complete sweep is active if no shard is; of a run on another host, the shard
-        // is unknown.
-        const bool may_start = !tally.is_active || (!shards.running.empty() && tally.host.empty());
-        if (may_start && !shards.to_start.empty())
-            return schedule::shards_command_line(run, shards);
-        return tally.is_active ? "wait for the active run" : run;
-    }
-    if (state.points_to_add > 0) return tally.is_active ? "wait for the active run" : run;
+    if (tally.to_do() > 0 || state.points_to_add > 0)
+        return tally.active_runs > 1 ? "wait for the active runs"
+               : tally.is_active()   ? "wait for the active run"
+                                     : run;
     if (tally.failed > 0) return run + " --retry-failed";
     return schedule::reduce_command_line(folder);
 }
@@ -166,7 +150,7 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
 const char* state_of(const State& state) {
     const Tally& tally = state.tally;
     if (tally.is_preparing) return "preparing";
-    if (tally.is_active) return "running";
+    if (tally.is_active()) return "running";
     return tally.to_do() > 0 || state.points_to_add > 0 ? "stopped" : "finished";
 }
 
@@ -193,7 +177,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"failed", tally.failed},
                           {"remaining", tally.left + tally.interrupted},
                           {"interrupted", tally.interrupted},
-                          {"is_active", tally.is_active},
+                          {"is_active", tally.is_active()},
                           {"state", state_of(state)},
                           {"teams", tally.teams},
                           {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
@@ -224,11 +208,11 @@ void print_text(const schedule::OutputFolder& folder, State& state) {
                counted(plan.cases.size(), "case"), tally.done, tally.running, tally.failed,
                tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("{}{}\n",
-               tally.is_preparing ? "; a run is preparing its cases"
-               : tally.is_active  ? "; a run is active"
-                                  : "",
-               tally.host.empty() ? "" : " on " + tally.host);
+    fmt::print("{}\n", tally.is_preparing ? "; a run is preparing its cases"
+                       : tally.active_runs > 1
+                           ? fmt::format("; {} runs are active", tally.active_runs)
+                       : tally.is_active() ? "; a run is active"
+                                           : "");
     print_remaining(tally);
     for (const storage::IndexedCase* c : failed_cases(state))
         fmt::print("failed {} {}: {}{}\n", c->id, storage::settings_text(c->settings),

@@ -26,7 +26,7 @@ std::string counts_text(const Selection& selection, const WorkResult& result) {
                                    selection.complete, result.failed + selection.failed_before);
     if (selection.not_selected > 0)
         text += fmt::format(", {} not selected", selection.not_selected);
-    if (result.elsewhere > 0) text += fmt::format(", {} by other runs", result.elsewhere);
+    if (result.elsewhere > 0) text += fmt::format(", {} computed by other runs", result.elsewhere);
     return text;
 }
 
@@ -85,9 +85,7 @@ std::string next_step(const OutputFolder& folder, const Plan& plan, const Select
                       Ending ending, const RunArguments& arguments) {
     if (ending == Ending::stopped) return run_command_line(arguments);
     if (left_to_others(folder, plan, selection) > 0)
-        return fmt::format("run the other {}, then {}",
-                           arguments.shard.empty() ? "cases" : "shards",
-                           reduce_command_line(folder));
+        return fmt::format("run the other cases, then {}", reduce_command_line(folder));
     return arguments.resumed_by.empty() ? reduce_command_line(folder) : "";
 }
 
@@ -97,8 +95,11 @@ std::string resumable_cases(const OutputFolder& folder, const Plan& plan,
                             const std::vector<std::size_t>& numbers) {
     std::string text;
     std::size_t found = 0;
+    storage::RunWatch runs(folder.locks());
     for (const std::size_t number : numbers) {
         const std::string& id = plan.cases[number].id;
+        const std::string run = storage::claimed_by(folder.locks(), id);
+        if (!run.empty() && runs.look(run) != storage::RunWatch::State::ended) continue;
         const double seconds =
             pipeline::seconds_saved(folder.checkpoints(id), {id, pipeline::program_git_id()});
         if (!(seconds > 0.0) || ++found > most_listed) continue;

@@ -17,9 +17,9 @@ namespace shearwake::schedule {
 
 enum class Ending { regular, stopped };
 
-/// The cases among `numbers` (positions in the plan) that resume from checkpoints in the folder,
-/// with the time that the checkpoints contain: "case ID (12 s computed)"; empty if there are none.
-/// Not collective.
+/// The cases among `numbers` (positions in the plan) that no other run computes and that resume
+/// from checkpoints in the folder, with the time that the checkpoints contain: "case ID (12 s
+/// computed)"; empty if there are none. Not collective.
 std::string resumable_cases(const OutputFolder& folder, const Plan& plan,
                             const std::vector<std::size_t>& numbers);
 

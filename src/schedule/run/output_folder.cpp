@@ -19,6 +19,9 @@
 namespace shearwake::schedule {
 namespace {
 
+/// Another process copies files of a study at most.
+constexpr auto patience_with_others = std::chrono::minutes(1);
+
 /// Whether a run creates files or folders of this name.
 bool is_ours(const std::string& name) {
     constexpr std::array names = {"cases",     "job.toml", "plan.json",        "STOP",
@@ -70,29 +73,54 @@ std::string cases_left_out(const Plan& plan, const OutputFolder& folder) {
                        count == 1 ? "remains" : "remain");
 }
 
-/// Removes temporary files `<name>.<process>.part`, which a killed program has left. Files younger
-/// than a minute may belong to a concurrent run.
-void remove_left_over(const std::filesystem::path& place, storage::RunLock::Sharing beside) {
+/// Whether the process that writes a temporary file has ended. On another host, a file older than a
+/// minute is assumed to be abandoned.
+bool is_abandoned(const std::filesystem::path& part) {
     namespace fs = std::filesystem;
-    std::error_code missing; // the folder does not exist yet, or another run has removed the file
-    for (const auto& entry : fs::directory_iterator(place, missing)) {
-        const fs::path& path = entry.path();
-        if (path.extension() != ".part" || path.stem().extension() == ".h5") continue;
-        const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path, missing);
-        if (beside == storage::RunLock::Sharing::alone || age > std::chrono::minutes(1))
-            fs::remove(path, missing);
+    std::error_code missing;
+    return storage::has_ended(storage::process_in(part)) ||
+           fs::file_time_type::clock::now() - fs::last_write_time(part, missing) >
+               std::chrono::minutes(1);
+}
+
+/// Removes a temporary file that an ended process has left; that of a case remains if a checkpoint
+/// needs it.
+void remove_part(const OutputFolder& folder, const std::filesystem::path& part,
+                 storage::CaseClaims& claims) {
+    std::error_code missing;
+    const std::string name = part.filename().string();
+    const auto end = name.find(".h5.");
+    if (end == std::string::npos) {
+        if (is_abandoned(part)) std::filesystem::remove(part, missing);
+        return;
     }
+    const std::string id = name.substr(0, end);
+    if (claims.claim(id) == storage::CaseClaims::Answer::refused) return;
+    if (!pipeline::has_checkpoint(folder.checkpoints(id))) std::filesystem::remove(part, missing);
+    claims.release(id);
 }
 
 } // namespace
 
-std::filesystem::path OutputFolder::journal(const std::string& part,
-                                            const std::string& host) const {
-    return root / storage::journal_name(part, host);
+std::filesystem::path OutputFolder::journal(const std::string& run, const std::string& host) const {
+    return root / storage::journal_name(run, host);
 }
 
-std::filesystem::path OutputFolder::index(const std::string& part, const std::string& host) const {
-    return root / storage::index_name(storage::journal_name(part, host));
+std::filesystem::path OutputFolder::index(const std::string& run, const std::string& host) const {
+    return root / storage::index_name(storage::journal_name(run, host));
+}
+
+std::vector<std::string> OutputFolder::recorded_runs() const {
+    constexpr std::string_view first = "progress.", last = ".json";
+    std::vector<std::string> runs;
+    std::error_code missing; // a run may end at any time
+    for (const auto& entry : std::filesystem::directory_iterator(root, missing)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(first) && name.ends_with(last) &&
+            name.size() > first.size() + last.size())
+            runs.push_back(name.substr(first.size(), name.size() - first.size() - last.size()));
+    }
+    return runs;
 }
 
 bool OutputFolder::has_lost_plan() const {
@@ -119,6 +147,12 @@ OutputFolder folder_of_results(const std::filesystem::path& path) {
 
 std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend) {
     namespace fs = std::filesystem;
+    if (!fs::exists(folder.plan()) && fs::exists(folder.root) && has_foreign_files(folder))
+        throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
+                                     "another folder with --out",
+                                     folder.root.string()));
+    storage::make_directory(folder.locks());
+    const storage::FolderLock lock(folder.locks(), patience_with_others);
     const std::string text = storage::plan_text(job.plan);
     std::string warning;
     if (fs::exists(folder.plan())) {
@@ -134,9 +168,7 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                                   folder.plan().string());
         }
         if (match == storage::PlanMatch::extended) {
-            storage::make_directory(folder.run_lock().parent_path());
-            // Cases have other numbers in the larger plan, so no other run may be active.
-            const storage::RunLock alone(folder.run_lock(), storage::RunLock::Sharing::alone);
+            if (is_replaced) storage::require_no_run(folder.locks());
             storage::write_file(folder.job(), job.text);
             storage::write_file(folder.plan(), text);
             if (is_replaced) warning = cases_left_out(job.plan, folder);
@@ -152,52 +184,51 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                             folder.root.string(),
                             extend ? "--extend requires the same job.name"
                                    : "--extend keeps the cases that this job contains as well"));
-    } else if (fs::exists(folder.root) && has_foreign_files(folder)) {
-        throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
-                                     "another folder with --out",
-                                     folder.root.string()));
     }
     storage::make_directory(folder.cases());
-    storage::make_directory(folder.run_lock().parent_path());
     if (!fs::exists(folder.plan())) storage::write_file(folder.job(), job.text);
     // The plan is written last, since a folder without a plan counts as new.
     if (!fs::exists(folder.plan())) storage::write_file(folder.plan(), text);
     return warning;
 }
 
-void clear_half_written(const OutputFolder& folder, const Plan& plan,
-                        const std::vector<std::size_t>& work, storage::CaseIndex& index,
-                        storage::RunLock::Sharing beside) {
-    const storage::CaseClaims claims(folder.claims());
-    for (const std::size_t number : work) {
-        const std::string& id = plan.cases[number].id;
-        const std::filesystem::path part = folder.case_file(id).string() + ".part";
-        if (!std::filesystem::exists(part) || !claims.claim(number)) continue;
-        if (!pipeline::has_checkpoint(folder.checkpoints(id))) std::filesystem::remove(part);
-        claims.release(number);
+void remove_left_over(const OutputFolder& folder, storage::CaseClaims& claims,
+                      storage::CaseIndex& index) {
+    namespace fs = std::filesystem;
+    std::error_code missing; // the folder does not exist yet, or another run has removed the file
+    storage::remove_ended_runs(folder.locks());
+    for (const std::string& run : folder.recorded_runs())
+        if (!fs::exists(folder.locks() / (run + ".run"))) fs::remove(folder.progress(run), missing);
+    for (const auto& entry : fs::directory_iterator(folder.root / "checkpoints", missing)) {
+        const std::string name = entry.path().filename().string();
+        if (index.is_complete(name.substr(0, name.find('.')))) fs::remove(entry.path(), missing);
     }
     for (const auto& place :
          {folder.root, folder.cases(), folder.tables(), folder.failure("").parent_path()})
-        remove_left_over(place, beside);
-    if (!std::filesystem::exists(folder.root / "checkpoints")) return;
-    for (const PlannedCase& c : plan.cases)
-        if (index.is_complete(c.id)) pipeline::remove_checkpoints(folder.checkpoints(c.id));
+        for (const auto& entry : fs::directory_iterator(place, missing))
+            if (entry.path().filename().string().find(".part") != std::string::npos)
+                remove_part(folder, entry.path(), claims);
+    for (const auto& entry : fs::directory_iterator(folder.locks(), missing))
+        if (const std::string id = entry.path().stem().string();
+            entry.path().extension() == ".case" && index.is_complete(id) &&
+            claims.claim(id) != storage::CaseClaims::Answer::refused)
+            claims.release(id);
 }
 
 std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& plan,
                                         const std::vector<std::size_t>& work,
-                                        storage::CaseIndex& index) {
-    const storage::CaseClaims claims(folder.claims());
+                                        storage::CaseClaims& claims, storage::CaseIndex& index) {
     std::vector<SetAside> moved;
     for (const std::size_t number : work) {
         const std::string& id = plan.cases[number].id;
         const storage::CaseDigest* digest = index.find(id);
-        if (!digest || !digest->is_lost || !claims.claim(number)) continue;
+        if (!digest || !digest->is_lost || claims.claim(id) == storage::CaseClaims::Answer::refused)
+            continue;
         const std::filesystem::path place = folder.damaged_file(id);
         storage::make_directory(place.parent_path());
         std::error_code error;
         std::filesystem::rename(folder.case_file(id), place, error);
-        claims.release(number);
+        claims.release(id);
         if (!error)
             moved.push_back({id, digest->damage, place});
         else if (error != std::errc::no_such_file_or_directory) // another run has

@@ -3,7 +3,7 @@
 
 #include "config/job.hpp"
 #include "storage/case_file/case_index.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 
 #include <filesystem>
 #include <string>
@@ -17,18 +17,18 @@ struct OutputFolder {
 
     std::filesystem::path job() const { return root / "job.toml"; }
     std::filesystem::path plan() const { return root / "plan.json"; }
-    /// The journal of a part of the sweep, or of an additional host, see journal_name().
-    std::filesystem::path journal(const std::string& part = "", const std::string& host = "") const;
-    /// The index that belongs to the journal of the same part and host.
-    std::filesystem::path index(const std::string& part = "", const std::string& host = "") const;
-    /// The progress of a run at work; removed when it ends. A killed run leaves it.
-    std::filesystem::path progress(const std::string& part) const {
-        return root / (part.empty() ? "progress.json" : "progress." + part + ".json");
+    /// The journal of a run, see journal_name().
+    std::filesystem::path journal(const std::string& run, const std::string& host = "") const;
+    /// The index that belongs to the journal.
+    std::filesystem::path index(const std::string& run, const std::string& host = "") const;
+    /// The progress of an active run; removed when it ends. A killed run leaves it.
+    std::filesystem::path progress(const std::string& run) const {
+        return root / ("progress." + run + ".json");
     }
-    /// Held by every run; a run of a part holds part_lock() in addition.
-    std::filesystem::path run_lock() const { return root / "locks" / "run"; }
-    std::filesystem::path part_lock(const std::string& part) const { return root / "locks" / part; }
-    std::filesystem::path claims() const { return root / "locks" / "cases"; }
+    /// The runs with such a file.
+    std::vector<std::string> recorded_runs() const;
+    /// The files of active runs and of the cases that they compute.
+    std::filesystem::path locks() const { return root / "locks"; }
     /// Runs stop if the user creates this file, and can be resumed after it has been removed.
     std::filesystem::path stop_file() const { return root / "STOP"; }
     /// Whether the folder has been removed: from the first run on it contains a plan. Returns false
@@ -73,18 +73,17 @@ inline OutputFolder output_folder(const std::filesystem::path& out, const std::s
 /// with the default folder of its runs. Not collective.
 OutputFolder folder_of_results(const std::filesystem::path& path);
 
-/// Creates the folder for this job, or checks an existing one. A damaged plan.json is rewritten if
-/// all case files belong to this job; a warning is returned in this case. `extend` replaces another
-/// plan of the same name and keeps all case files; a warning states how many are not in this job.
-/// Throws UsageError if the folder contains another plan or is not writable. Not collective.
+/// Creates the folder for this job, or checks an existing one; it contains locks(). A damaged
+/// plan.json is rewritten if all case files belong to this job; a warning is returned in this case.
+/// `extend` replaces another plan of the same name and keeps all case files; a warning states how
+/// many are not in this job. Throws UsageError if the folder contains another plan or is not
+/// writable. Not collective.
 std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend = false);
 
-/// Removes partial files of the cases to be computed, `work` (positions in the plan), unless a
-/// checkpoint needs them or another run computes the case. Removes the checkpoints of complete
-/// cases. Not collective.
-void clear_half_written(const OutputFolder& folder, const Plan& plan,
-                        const std::vector<std::size_t>& work, storage::CaseIndex& index,
-                        storage::RunLock::Sharing beside);
+/// Removes what ended runs have left: their locks and progress, partial files unless a checkpoint
+/// needs them, and checkpoints of complete cases. Not collective.
+void remove_left_over(const OutputFolder& folder, storage::CaseClaims& claims,
+                      storage::CaseIndex& index);
 
 /// A damaged case file and the path to which it was moved.
 struct SetAside {
@@ -96,6 +95,6 @@ struct SetAside {
 /// inspected. Throws UsageError (environment). Not collective.
 std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& plan,
                                         const std::vector<std::size_t>& work,
-                                        storage::CaseIndex& index);
+                                        storage::CaseClaims& claims, storage::CaseIndex& index);
 
 } // namespace shearwake::schedule

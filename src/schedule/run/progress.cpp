@@ -70,7 +70,7 @@ void Progress::log(const SweepCounts& counts) {
 std::string Progress::json() const {
     const double elapsed_s = seconds_since(began_);
     JsonLine line;
-    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
+    line.add("schema", 1).add("command", "run").add("folder", log_.folder);
     line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
     line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
     line.add("running", counts_.running).add("partial", counts_.partial);
@@ -85,8 +85,7 @@ void Progress::write_log() {
 
 /// Under a temporary name, then renamed. An error is ignored, since only `status` reads the file.
 void Progress::write_state() const {
-    std::filesystem::path part = log_.state;
-    part += ".part";
+    const std::filesystem::path part = storage::part_path(log_.state);
     std::ofstream file(part);
     file << json() << '\n';
     file.close();
@@ -177,43 +176,26 @@ std::vector<double> expected_s(const std::vector<const PlannedCase*>& cases,
     return all;
 }
 
-namespace {
-
-/// Seconds since the run has recorded its progress.
-double age_s(const std::filesystem::path& path) {
-    const auto age =
-        std::filesystem::file_time_type::clock::now() - std::filesystem::last_write_time(path);
-    return std::max(0.0, std::chrono::duration<double>(age).count());
-}
-
-bool is_at_work(const OutputFolder& folder, const std::string& part) {
-    const auto lock = part.empty() ? folder.run_lock() : folder.part_lock(part);
-    return std::filesystem::exists(lock) && storage::is_locked(lock).value_or(true);
-}
-
-void add(RecordedProgress& sum, const std::filesystem::path& path, const nlohmann::json& run) {
-    const auto left_s = run.at("left_s");
-    sum.left +=
-        run.at("total").get<long>() - run.at("done").get<long>() - run.at("failed").get<long>();
-    sum.partial += run.at("partial").get<double>();
-    if (left_s.is_number()) sum.left_s = std::max(sum.left_s, left_s.get<double>() - age_s(path));
-}
-
-} // namespace
-
-std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder) {
+std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder,
+                                                  const std::vector<std::string>& runs) {
     std::optional<RecordedProgress> sum;
-    std::error_code missing; // a run may end at any time
-    for (const auto& entry : std::filesystem::directory_iterator(folder.root, missing)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with("progress.") || !name.ends_with(".json")) continue;
+    for (const std::string& name : runs) {
+        std::error_code missing; // the run may end at any time
+        const auto written = std::filesystem::last_write_time(folder.progress(name), missing);
+        if (missing) continue;
+        const std::chrono::duration<double> age =
+            std::filesystem::file_time_type::clock::now() - written;
         try {
-            const auto run = nlohmann::json::parse(storage::read_file(entry.path()));
-            if (!is_at_work(folder, run.at("part").get<std::string>())) continue;
+            const auto run = nlohmann::json::parse(storage::read_file(folder.progress(name)));
             RecordedProgress more = sum.value_or(RecordedProgress{});
-            add(more, entry.path(), run);
+            more.partial += run.at("partial").get<double>();
+            // Each run estimates the time in which it would compute all of its cases.
+            const double left = run.at("total").get<double>() - run.at("done").get<double>() -
+                                run.at("failed").get<double>();
+            const double left_s = run.at("left_s").is_number() ? run.at("left_s").get<double>() : 0;
+            if (left_s > 0.0) more.cases_per_second += left / std::max(1.0, left_s - age.count());
             sum = more;
-        } catch (const std::exception&) { // the file was removed, or is not from a run
+        } catch (const std::exception&) { // the file was removed
         }
     }
     return sum;

@@ -17,7 +17,7 @@ namespace shearwake::schedule {
 
 /// The progress of a sweep.
 struct SweepCounts {
-    long total = 0; // cases to be computed in this run
+    long total = 0; // cases to be computed in this run, without those that others have computed
     long done = 0;
     long failed = 0;
     long running = 0;
@@ -27,13 +27,12 @@ struct SweepCounts {
 
 /// What the active runs of an output folder have recorded.
 struct RecordedProgress {
-    long left = 0;        // cases that these runs still compute
-    double partial = 0.0; // sum of the complete shares of the running cases
-    double left_s = 0.0;  // until the last of them ends
+    double partial = 0.0;          // sum of the complete shares of the running cases
+    double cases_per_second = 0.0; // of the runs together
 };
-/// The progress of the runs that hold their locks; nothing if none has recorded any. Not
-/// collective.
-std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder);
+/// The progress of these runs; nothing if none has recorded any. Not collective.
+std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder,
+                                                  const std::vector<std::string>& runs);
 
 /// Prints the progress on rank 0: a bar that is redrawn on a terminal, elsewhere a line per minute
 /// and at the end. Not collective.
@@ -44,7 +43,7 @@ public:
     struct Log {
         std::filesystem::path lines; // a line is appended every ten seconds
         std::filesystem::path state; // contains the latest progress while the run is at work
-        std::string folder, part;    // of the run; an empty part: the complete sweep
+        std::string folder;          // of the run
     };
     Progress(Style style, Log log);
 

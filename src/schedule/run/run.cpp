@@ -16,14 +16,14 @@
 #include "schedule/run/worker.hpp"
 #include "simd/instruction_set.hpp"
 #include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
 #include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -66,30 +66,24 @@ bool is_mixed(const Plan& plan, storage::CaseIndex& index, const RunArguments& a
     return false;
 }
 
-/// Locks the folder and reads its state, on rank 0. `locks` must exist until the end of the run.
+/// Prepares the folder and reads its state, on rank 0. `active` shows the run to others until its
+/// end.
 Beginning begin_run(const config::Job& job, const OutputFolder& folder,
-                    const RunArguments& arguments,
-                    std::vector<std::unique_ptr<storage::RunLock>>& locks,
+                    const RunArguments& arguments, std::optional<storage::ActiveRun>& active,
                     storage::RunStart& start) {
     const std::string warning = prepare_output(folder, job, arguments.extend);
-    const std::string part = part_name(arguments);
-    const auto sharing =
-        part.empty() ? storage::RunLock::Sharing::alone : storage::RunLock::Sharing::with_others;
-    // Each run acquires its own lock before it looks for those of others.
-    if (!part.empty())
-        locks.push_back(std::make_unique<storage::RunLock>(folder.part_lock(part),
-                                                           storage::RunLock::Sharing::alone));
-    locks.push_back(std::make_unique<storage::RunLock>(folder.run_lock(), sharing));
-    if (part.empty()) storage::refuse_beside_parts(folder.run_lock().parent_path());
+    active.emplace(folder.locks());
     storage::CaseIndex index(folder.root);
+    storage::CaseClaims claims(folder.locks(), start.run);
     Beginning beginning{.selection = {},
                         .journal = storage::read_journals(folder.root),
                         .damaged = {},
                         .warning = warning};
     beginning.selection = select_cases(job.plan, beginning.journal, index, arguments);
     start.allow_mixed = is_mixed(job.plan, index, arguments);
-    beginning.damaged = set_damaged_aside(folder, job.plan, beginning.selection.work, index);
-    clear_half_written(folder, job.plan, beginning.selection.work, index, sharing);
+    beginning.damaged =
+        set_damaged_aside(folder, job.plan, beginning.selection.work, claims, index);
+    remove_left_over(folder, claims, index);
     index.save();
     return beginning;
 }
@@ -124,12 +118,12 @@ void require_files(const OutputFolder& folder, const Plan& plan,
 /// failures; otherwise failures of files and --fail-fast determine the exit code.
 bool was_stopped(const WorkResult& result) {
     if (result.asked_to_stop) return true;
-    if (result.given_up) return false;
-    return result.put_off > 0 || (result.elsewhere > 0 && result.failed_files == 0);
+    return result.put_off > 0 && !result.given_up;
 }
 
 bool is_stopped(const WorkResult& result, const Selection& selection) {
-    const bool all_ended = result.failed + result.done == static_cast<long>(selection.work.size());
+    const bool all_ended =
+        result.failed + result.done + result.elsewhere == static_cast<long>(selection.work.size());
     return !all_ended && was_stopped(result);
 }
 
@@ -145,14 +139,14 @@ ExitCode code_of(const WorkResult& result, const Selection& selection) {
 /// Collective.
 ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Selection& selection,
                    const WorkResult& result, const RunArguments& arguments, const Comm& world,
-                   Json* document) {
+                   const std::string& run, Json* document) {
     const ExitCode code = code_of(result, selection);
     const char* how = code == ExitCode::stopped_early ? "stopped"
                       : result.failed > 0             ? "with failures"
                                                       : "done";
     const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
     on_root(world, [&] {
-        storage::Journal(folder.journal(part_name(arguments))).run_ended(how, result.times);
+        storage::Journal(folder.journal(run)).run_ended(how, result.times);
         if (arguments.json) {
             const Json members =
                 closing_document(folder, job, selection, result, ending, arguments);
@@ -251,8 +245,9 @@ std::optional<cost::CaseCosts> costs_of(const std::vector<const PlannedCase*>& c
     }
 }
 
-storage::RunStart start_of(const RunArguments& arguments, int ranks) {
-    return {.ranks = ranks,
+storage::RunStart start_of(const RunArguments& arguments, const std::string& run, int ranks) {
+    return {.run = run,
+            .ranks = ranks,
             .overrides = arguments.overrides,
             .git_id = pipeline::program_git_id(),
             .kernels = std::string(simd::name_of(simd::instruction_set())),
@@ -281,16 +276,16 @@ std::string work_text(const config::Job& job, const Selection& selection, const 
 ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
                  Json* document) {
     watch_for_stop_signals(world);
-    const std::string part = part_name(arguments); // usage errors precede warnings
+    const std::string run = world.broadcast(storage::process_name());
+    const auto began = std::filesystem::file_time_type::clock::now();
     const Deadline deadline(arguments.walltime, world);
     const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
                                                     : arguments.out};
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
                                                           : Progress::Style::automatic,
                       {.lines = world.is_root() ? arguments.log_json : "",
-                       .state = world.is_root() ? folder.progress(part) : "",
-                       .folder = folder.root.string(),
-                       .part = part});
+                       .state = world.is_root() ? folder.progress(run) : "",
+                       .folder = folder.root.string()});
     const auto report = [&](const std::string& text) {
         if (world.is_root() && !arguments.quiet) progress.report(text);
     };
@@ -299,20 +294,20 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         on_root(world, [&] { require_resources(job, folder, arguments, world.size(), memory_B); });
     if (world.is_root() && !arguments.quiet) print_warnings(job, arguments, world.size(), progress);
     Beginning beginning;
-    std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run
-    storage::RunStart start = start_of(arguments, world.size());
-    on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
+    std::optional<storage::ActiveRun> active;
+    storage::RunStart start = start_of(arguments, run, world.size());
+    on_root(world, [&] { beginning = begin_run(job, folder, arguments, active, start); });
     print_beginning(beginning, arguments, progress);
     Selection& selection = beginning.selection;
     share(selection, world);
     const std::vector<const PlannedCase*> cases = cases_of(job.plan, selection.work);
-    const storage::Journal journal(folder.journal(part));
+    const storage::Journal journal(folder.journal(run));
     std::optional<cost::CaseCosts> costs =
         costs_of(cases, {folder, deadline, world, journal, start, report});
     if (!costs) {
         WorkResult none;
         none.asked_to_stop = true;
-        return concluded(folder, job, selection, none, arguments, world, document);
+        return concluded(folder, job, selection, none, arguments, world, run, document);
     }
     costs->use(cost::known_rates(world.size(), world));
     Arrangement work;
@@ -331,9 +326,9 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const pipeline::JobFacts facts{job.plan.title, job.text,
                                    fmt::format("{}", fmt::join(arguments.overrides, "\n")),
                                    memory_B};
-    const WorkList list{
-        work.cases, work.numbers, work.bundles,         facts, folder, part, arguments, *costs,
-        deadline,   layout.teams, layout.ranks_per_case};
+    const WorkList list{work.cases, work.numbers, work.bundles, facts,
+                        folder,     run,          began,        arguments,
+                        *costs,     deadline,     layout.teams, layout.ranks_per_case};
     progress.start();
     Worker worker(list, world, team, progress);
     worker.work();
@@ -341,7 +336,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     progress.finish();
 
     on_root(world, [&] { require_files(folder, job.plan, beginning.selection.there, result); });
-    return concluded(folder, job, selection, result, arguments, world, document);
+    return concluded(folder, job, selection, result, arguments, world, run, document);
 }
 
 } // namespace shearwake::schedule

@@ -32,7 +32,6 @@ struct RunArguments : JobArguments {
     std::filesystem::path out; // empty: out/<job name>
     int ranks_per_case = 0;    // 0: choose
     std::vector<std::string> only;
-    std::string shard; // "I/N"
     pipeline::CheckpointSchedule checkpoints;
     bool retry_failed = false;
     bool fail_fast = false;

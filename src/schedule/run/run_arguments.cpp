@@ -59,7 +59,6 @@ std::string command_line(std::string_view command, const RunArguments& arguments
     if (!arguments.only.empty())
         line += fmt::format(" --only {}",
                             shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));
-    if (!arguments.shard.empty()) line += " --shard " + shell_word(arguments.shard);
     if (arguments.force) line += " --force";
     if (arguments.extend) line += " --extend";
     if (arguments.allow_mixed) line += " --allow-mixed";

@@ -3,7 +3,6 @@
 
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
-#include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
@@ -20,8 +19,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Factor on the estimated time of a case, so that no case is started that cannot finish in time.
-constexpr double allowance = 1.2;
 /// Waiting times before a case that failed because of a file is tried again.
 constexpr std::array waits_for_files = {1s, 5s};
 /// After this number of consecutive file errors, further cases would probably fail as well.
@@ -62,11 +59,11 @@ std::string further_host(const Comm& world) {
 
 Worker::Worker(const WorkList& list, const Comm& world, const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
-      journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
+      journal_(list.folder.journal(list.run, host_)), counters_(world, shared_count),
       times_(expected_s(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
              world, {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
     together(world, [&] {
-        if (team_.is_root()) claims_.emplace(list_.folder.claims());
+        if (team_.is_root()) claims_.emplace(list_.folder.locks(), list_.run);
     });
     computed_.reserve(list_.cases.size());
 }
@@ -77,14 +74,18 @@ void Worker::work() {
         long index = -1;
         if (team_.is_root()) index = next();
         index = team_.broadcast(index);
-        if (index < 0) break;
+        if (index == no_case) break;
+        if (index == no_case_yet) {
+            wait();
+            continue;
+        }
         const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
         at_ = static_cast<std::size_t>(index);
         if (team_.is_root()) times_.begin(at_);
         const bool is_done = one_case(*list_.cases[at_]);
         if (!team_.is_root()) continue;
         times_.end(at_);
-        claims_->release(number);
+        claims_->release(list_.cases[at_]->id);
         if (is_done) computed_.push_back(static_cast<double>(number));
     }
     worked_us_ =
@@ -94,65 +95,6 @@ void Worker::work() {
     save_rates();
     counters_.fetch_add(teams_us, worked_us_);
     counters_.fetch_add(teams_ended, 1);
-}
-
-/// The next case for this team; -1 if there is none. Called on the root of the team.
-long Worker::next() {
-    while (true) {
-        look_for_folder();
-        if (stop_asked()) counters_.fetch_add(stopping, 1);
-        if (counters_.read(stopping) != 0) return -1;
-        if (bundle_.count == 0) {
-            const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_bundle, 1));
-            if (taken >= list_.bundles.size()) return -1;
-            bundle_ = list_.bundles[taken];
-        }
-        const std::size_t place = bundle_.first++;
-        --bundle_.count;
-        try {
-            if (claim(place)) return static_cast<long>(place);
-        } catch (const std::exception& error) { // the file system fails, or memory is lacking
-            counters_.fetch_add(begun, 1);
-            record(*list_.cases[place], error.what(), storage::Cause::files);
-        }
-        times_.end(place);
-    }
-}
-
-/// Reserves a case for this team, if it can be begun now and no other run computes it or has
-/// computed it since this run began. On the root of the team.
-bool Worker::claim(std::size_t place) {
-    const PlannedCase& planned = *list_.cases[place];
-    const std::size_t number = list_.numbers[place];
-    if (!in_time(place)) {
-        counters_.fetch_add(put_off, 1);
-        return false;
-    }
-    if (!claims_->claim(number)) {
-        counters_.fetch_add(elsewhere, 1);
-        return false;
-    }
-    if (!storage::is_complete(list_.folder.case_file(planned.id), planned.id)) return true;
-    claims_->release(number);
-    counters_.fetch_add(elsewhere, 1);
-    return false;
-}
-
-double Worker::estimated_s(const PlannedCase& planned) const {
-    return expected_s(planned.physics, before_, list_.ranks_per_case, list_.costs);
-}
-
-/// Whether a case may start now, according to its estimate corrected by measured times, minus the
-/// time that its checkpoint already contains.
-bool Worker::in_time(std::size_t index) {
-    if (!list_.deadline.exists()) return true;
-    const PlannedCase& planned = *list_.cases[index];
-    const bool is_known = list_.costs.time(planned.physics, list_.ranks_per_case).origin !=
-                          cost::Origin::unknown; // otherwise only the case itself can show it
-    const double needed_s = is_known ? allowance * times_.ratio() * estimated_s(planned) : 0.0;
-    const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
-                                                  {planned.id, pipeline::program_git_id()});
-    return list_.deadline.lets_begin(needed_s - before);
 }
 
 /// Computes a case and repeats it after a temporary failure of the file system. A failure of any
@@ -174,7 +116,14 @@ bool Worker::one_case(const PlannedCase& planned) {
         list_.costs.free_engines(); // their data may be incomplete
         const bool passing = error && error->persistence == Persistence::passing;
         if (!team_.all(passing) || attempt == waits_for_files.size()) {
-            if (team_.is_root() && error) record(planned, error->reason, error->cause);
+            if (team_.is_root() && error) {
+                if (claims_->holds(planned.id)) {
+                    record(planned, error->reason, error->cause);
+                } else { // another run has taken it over, since this one has stood still for long
+                    counters_.fetch_add(begun, -1);
+                    deferred_.push_back(at_);
+                }
+            }
             break;
         }
         if (team_.is_root())
@@ -216,7 +165,7 @@ bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] {
         journal_.finished(planned.id, times,
                           storage::checksum_in(list_.folder.case_file(planned.id)));
-        storage::add_to_index(list_.folder.index(list_.part, host_),
+        storage::add_to_index(list_.folder.index(list_.run, host_),
                               list_.folder.case_file(planned.id));
         std::error_code none;
         std::filesystem::remove(list_.folder.failure(planned.id), none);
@@ -297,7 +246,6 @@ void Worker::record_failure(const PlannedCase& planned, const std::string& reaso
     storage::make_directory(list_.folder.failure(planned.id).parent_path());
     RunArguments again = list_.arguments;
     again.only = {planned.id};
-    again.shard.clear();
     std::string text =
         fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
                     "to retry: {} --retry-failed\n\nlog:\n",
@@ -351,12 +299,12 @@ void Worker::tick() {
     if (now - last_tick_ < 50ms) return;
     last_tick_ = now;
     stop_asked(); // looks for the STOP file on behalf of the other teams
-    SweepCounts counts{.total = static_cast<long>(list_.cases.size()),
+    const long by_others = counters_.read(elsewhere);
+    SweepCounts counts{.total = static_cast<long>(list_.cases.size()) - by_others,
                        .done = counters_.read(done),
                        .failed = counters_.read(failed)};
     counts.running = counters_.read(begun) - counts.done - counts.failed;
-    const long ended =
-        counts.done + counts.failed + counters_.read(put_off) + counters_.read(elsewhere);
+    const long ended = counts.done + counts.failed + counters_.read(put_off);
     counts.left_s = times_.wall_left_s(
         static_cast<int>(std::clamp<long>(counts.total - ended, 1, list_.teams)));
     counts.partial = 1e-6 * static_cast<double>(counters_.read(partial_ppm));

@@ -13,7 +13,7 @@
 #include "schedule/run/progress.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/journal/journal.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 
 #include <chrono>
 #include <optional>
@@ -30,7 +30,8 @@ struct WorkList {
     const std::vector<Bundle>& bundles;           // of the cases, in the order in which they start
     const pipeline::JobFacts& facts;
     const OutputFolder& folder;
-    std::string part; // of the sweep; in the names of journal, index and lock
+    std::string run;                       // its name; in those of journal and index, and in claims
+    std::filesystem::file_time_type began; // when the run began
     const RunArguments& arguments;
     cost::CaseCosts& costs;
     const Deadline& deadline;
@@ -40,10 +41,10 @@ struct WorkList {
 /// The outcome of a run. Identical on all ranks.
 struct WorkResult {
     long done = 0;
-    long failed = 0;            // for any reason
+    long failed = 0;            // for any reason, also in another run since this one began
     long failed_files = 0;      // because of files or disks
     long put_off = 0;           // would not have finished in time
-    long elsewhere = 0;         // computed by another run
+    long elsewhere = 0;         // completed by another run since this one began
     bool asked_to_stop = false; // by a signal, the STOP file or the time limit
     bool given_up = false;      // after file errors, or after any failure with --fail-fast
     bool folder_removed = false;
@@ -52,7 +53,9 @@ struct WorkResult {
 };
 
 /// Computes cases on one team. It takes bundles of them from a counter that all teams share until
-/// none is left, the time limit is reached or a stop is requested.
+/// none is left, the time limit is reached or a stop is requested. Cases that another run computes
+/// are deferred: the team waits until they are complete, and computes those that the other run
+/// leaves.
 class Worker {
 public:
     /// Collective over the world.
@@ -83,8 +86,14 @@ private:
         shared_count
     };
 
+    /// Instead of a position in the list of cases.
+    static constexpr long no_case = -1, no_case_yet = -2;
     long next();
-    bool claim(std::size_t place);
+    std::optional<std::size_t> next_in_bundles();
+    enum class Claim { granted, deferred, ended };
+    Claim claim(std::size_t place);
+    bool has_ended_elsewhere(const PlannedCase& planned);
+    void wait();
     bool in_time(std::size_t index);
     /// Includes shared work, unless the previous case of the team has already done it.
     double estimated_s(const PlannedCase& planned) const;
@@ -114,8 +123,9 @@ private:
     RemainingTime times_;
     cost::Rates rates_; // of the cases that this team has computed; on its root
     std::chrono::steady_clock::time_point rates_saved_{};
-    Bundle bundle_{0, 0}; // the remaining cases of the bundle of this team
-    std::size_t at_ = 0;  // position of the running case in the list
+    Bundle bundle_{0, 0};               // the remaining cases of the bundle of this team
+    std::vector<std::size_t> deferred_; // positions in the list
+    std::size_t at_ = 0;                // position of the running case in the list
     const Case* before_ =
         nullptr; // previous case of the team, which may share work with the next one
     std::vector<std::string> case_log_; // messages about the running case

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <hdf5.h>
 #include <variant>
 
@@ -31,7 +32,8 @@ double SurfaceLayout::bytes() const {
 CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& team,
                                SurfaceLayout surface, Beginning beginning,
                                const std::string& record)
-    : path_(path), part_(path.string() + ".part"), team_(team), surface_(std::move(surface)) {
+    : path_(path), part_(team.broadcast(part_path(path).string())), team_(team),
+      surface_(std::move(surface)) {
     if (beginning == Beginning::resume) resumed_ = fields_of(team_.broadcast(record));
     on_root(team_, [&] {
         if (beginning == Beginning::resume) return;
@@ -194,9 +196,27 @@ void CaseFileWriter::flush() {
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 
+void inherit_part(const std::filesystem::path& path) {
+    namespace fs = std::filesystem;
+    const fs::path own = part_path(path);
+    std::vector<fs::path> left; // OMPIO leaves files next to those that it has opened
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
+        if (const std::string name = entry.path().filename().string();
+            name.starts_with(path.filename().string() + ".") &&
+            !name.starts_with(own.filename().string()))
+            left.push_back(entry.path());
+    std::ranges::sort(left, std::greater(), [&](const fs::path& file) {
+        return std::pair(file.extension() == ".part", fs::last_write_time(file, error));
+    });
+    if (!left.empty() && !fs::copy_file(left.front(), own, error)) fs::remove(own, error);
+    for (const fs::path& file : left)
+        fs::remove(file, error);
+}
+
 std::string part_error(const std::filesystem::path& path, const std::string& record,
                        const SurfaceLayout& surface, HasVolume volume) {
-    const std::filesystem::path part = path.string() + ".part";
+    const std::filesystem::path part = part_path(path);
     if (!std::filesystem::exists(part)) return "is missing";
     if (const std::string reason = bytes_error(part, record); !reason.empty()) return reason;
     // Its structure matches what was written.

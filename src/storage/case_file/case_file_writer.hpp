@@ -27,9 +27,9 @@ struct SurfaceLayout {
 /// Whether a case file is created from scratch or that of an earlier run is continued.
 enum class Beginning { fresh, resume };
 
-/// Writes a case file: `<path>.part` until it is committed, then complete and renamed. It is
-/// removed if it is not committed, unless it is left for a later run. xarray can open the result:
-/// every variable has dimension scales, a unit and a long name.
+/// Writes a case file: part_path() of rank 0 until it is committed, then complete and renamed. It
+/// is removed if it is not committed, unless it is left for a later run. xarray can open the
+/// result: every variable has dimension scales, a unit and a long name.
 class CaseFileWriter {
 public:
     /// Collective. Rank 0 creates the file, then all ranks open it through MPI if surface fields
@@ -99,8 +99,12 @@ private:
 
 enum class HasVolume { no, yes };
 
-/// The reason why `<path>.part` cannot be continued, as a phrase that follows its name. Empty if
-/// its bytes match the record in the checkpoint, and it has these surface fields and, if stored, a
+/// Copies the unfinished case file that another process has left to part_path(), so that a process
+/// that still writes to it cannot change the copy, and removes it. Not collective.
+void inherit_part(const std::filesystem::path& path);
+
+/// The reason why part_path() cannot be continued, as a phrase that follows its name. Empty if its
+/// bytes match the record in the checkpoint, and it has these surface fields and, if stored, a
 /// volume. Not collective.
 std::string part_error(const std::filesystem::path& path, const std::string& record,
                        const SurfaceLayout& surface, HasVolume volume = HasVolume::no);

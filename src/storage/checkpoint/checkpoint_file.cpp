@@ -43,7 +43,7 @@ h5::Block block_of(std::ptrdiff_t start, std::ptrdiff_t count, std::ptrdiff_t ro
 } // namespace
 
 CheckpointFileWriter::CheckpointFileWriter(const std::filesystem::path& path, const Comm& team)
-    : path_(path), part_(path.string() + ".part"), team_(team) {
+    : path_(path), part_(team.broadcast(part_path(path).string())), team_(team) {
     on_root(team_, [&] {
         make_directory(path_.parent_path());
         h5::open_file(part_, h5::Access::create).close("close " + part_.string());

@@ -26,8 +26,8 @@ struct CheckpointFacts {
     std::string part;     // checksums of the corresponding unfinished case file; may be empty
 };
 
-/// Writes a checkpoint: `<path>.part` until it is committed; removed if it is not. Collective over
-/// the team; throws CaseFailure or UsageError (environment) on all ranks.
+/// Writes a checkpoint: part_path() of rank 0 until it is committed; removed if it is not.
+/// Collective over the team; throws CaseFailure or UsageError (environment) on all ranks.
 class CheckpointFileWriter : public StateWriter {
 public:
     CheckpointFileWriter(const std::filesystem::path& path, const Comm& team);

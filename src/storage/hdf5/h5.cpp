@@ -143,6 +143,8 @@ Id open_file(const std::filesystem::path& path, Access access) {
     // would not be reported.
     const Id unbuffered = property(H5P_FILE_ACCESS);
     check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "disable the sieve buffer");
+    // Claims protect the files, also on file systems without locks.
+    check(H5Pset_file_locking(unbuffered.raw(), false, true), "disable locks");
     if (access != Access::create) {
         const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
         Id file(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose, "open " + path.string());

@@ -35,17 +35,16 @@ JsonLine event(std::string_view name) {
 void add_line(const Json& line, JournalContents& contents) {
     const std::string name = line.at("event");
     if (name == "damaged") return; // the case is recomputed, which other lines record
-    if (name == "run_prepares" || name == "run_started" || name == "run_ended") {
-        contents.running = name != "run_ended";
-        contents.preparing = name == "run_prepares";
-        if (name == "run_ended") {
-            contents.last_run_ended = line.at("how");
-        } else {
-            contents.overrides = line.value("overrides", std::vector<std::string>{});
-            contents.resumed_by = line.value("resumed_by", std::string());
-            contents.unix_time_s = line.at("unix_s");
-            contents.teams = line.value("teams", 1);
-        }
+    if (name == "run_ended") {
+        contents.runs.clear();
+        return;
+    }
+    if (name == "run_prepares" || name == "run_started") {
+        contents.overrides = line.value("overrides", std::vector<std::string>{});
+        contents.resumed_by = line.value("resumed_by", std::string());
+        contents.unix_time_s = line.at("unix_s");
+        contents.teams = line.value("teams", 1);
+        contents.runs[line.value("run", "")] = {contents.teams, name == "run_prepares"};
         return;
     }
     CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
@@ -69,6 +68,7 @@ Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
 void Journal::run_prepares(const RunStart& start) const {
     JsonLine line = event("run_prepares");
+    line.add("run", start.run);
     line.add("ranks", start.ranks);
     line.add("git_id", start.git_id);
     if (!start.overrides.empty()) line.add("overrides", start.overrides);
@@ -78,6 +78,7 @@ void Journal::run_prepares(const RunStart& start) const {
 
 void Journal::run_started(const RunStart& start) const {
     JsonLine line = event("run_started");
+    line.add("run", start.run);
     line.add("ranks", start.ranks);
     line.add("teams", start.teams);
     line.add("cases_left", start.cases_left);
@@ -163,22 +164,9 @@ JournalContents read_journal(const std::filesystem::path& path) {
     return contents;
 }
 
-std::string journal_name(const std::string& part, const std::string& host) {
-    return fmt::format("journal{}{}{}{}.jsonl", part.empty() ? "" : ".", part,
-                       host.empty() ? "" : "@", host);
+std::string journal_name(const std::string& run, const std::string& host) {
+    return fmt::format("journal.{}{}{}.jsonl", run, host.empty() ? "" : "@", host);
 }
-
-namespace {
-
-/// The part of the sweep in the name of a journal, the opposite of journal_name().
-std::string part_of(const std::string& name) {
-    std::string part = name.substr(std::string("journal").size());
-    part.resize(part.find_last_of('.'));
-    part.resize(std::min(part.size(), part.find('@')));
-    return part.empty() ? part : part.substr(1);
-}
-
-} // namespace
 
 JournalContents read_journals(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> paths;
@@ -196,18 +184,14 @@ JournalContents read_journals(const std::filesystem::path& folder) {
             if (known == all.cases.end() || known->second.unix_time_s <= history.unix_time_s)
                 all.cases[id] = std::move(history);
         }
-        all.running = all.running || one.running;
-        all.preparing = all.preparing || one.preparing;
+        all.runs.merge(one.runs);
         all.unreadable_lines += one.unreadable_lines;
         if (one.unix_time_s >= all.unix_time_s) {
             all.overrides = std::move(one.overrides);
             all.resumed_by = std::move(one.resumed_by);
-            all.last_run_ended = std::move(one.last_run_ended);
             all.unix_time_s = one.unix_time_s;
             all.teams = one.teams;
-            all.part = part_of(path.filename().string());
         }
-        if (one.running) all.teams_of_parts[part_of(path.filename().string())] = one.teams;
     }
     return all;
 }

@@ -13,6 +13,7 @@ enum class Cause { case_itself, files };
 
 /// Data of a run that are recorded when it starts.
 struct RunStart {
+    std::string run; // its name: process_name() of rank 0
     int ranks = 1, teams = 1;
     std::size_t cases_left = 0;
     std::vector<std::string> overrides; // key=value
@@ -37,7 +38,7 @@ struct RunTimes {
 
 /// The journal contains one JSON object per line. Lines are only appended, each in one write, so
 /// that the teams of a run need not communicate. Each line ends in its own checksum; a line that
-/// was changed, or truncated by a kill, is ignored. Each shard, and each additional host of a run,
+/// was changed, or truncated by a kill, is ignored. Each run, and each additional host of a run,
 /// has a separate journal, since network file systems lose lines that two hosts append at the same
 /// time.
 class Journal {
@@ -73,27 +74,28 @@ struct CaseHistory {
     double unix_time_s = 0.0;
 };
 
+/// A run without a recorded end: it is active or was killed.
+struct OpenRun {
+    int teams = 1;
+    bool is_preparing = false; // it has not started its cases yet
+};
+
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
-    bool running = false;               // a run has started, and no end of a run was recorded since
-    bool preparing = false;             // the last run has not started its cases yet
-    std::string last_run_ended;         // how the last run ended
-    std::vector<std::string> overrides; // overrides of the last run, key=value
-    std::string resumed_by;             // RunStart::resumed_by of the last run
-    double unix_time_s = 0.0;           // when the last run started
-    int teams = 1;                      // of the last run
-    std::string part;                   // of the last run; empty: the complete sweep
-    std::map<std::string, int> teams_of_parts; // teams of the runs without an end, by part
-    long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
+    std::map<std::string, OpenRun> runs; // by name
+    std::vector<std::string> overrides;  // overrides of the last run, key=value
+    std::string resumed_by;              // RunStart::resumed_by of the last run
+    double unix_time_s = 0.0;            // when the last run started
+    int teams = 1;                       // of the last run
+    long unreadable_lines = 0;           // number of ignored lines, damaged or truncated by a kill
 };
 
 /// Empty when there is no journal. Throws UsageError (environment) when it cannot be read.
 JournalContents read_journal(const std::filesystem::path& path);
 
-/// The name of the journal of a part of a sweep (empty: the complete sweep) on a further host of
-/// the run (empty: that of rank 0): journal.jsonl, journal.2-of-8.jsonl,
-/// journal.2-of-8@node7.jsonl.
-std::string journal_name(const std::string& part, const std::string& host = "");
+/// The name of the journal of a run on a further host (empty: that of rank 0):
+/// journal.node1-4711.jsonl, journal.node1-4711@node7.jsonl.
+std::string journal_name(const std::string& run, const std::string& host = "");
 
 /// Combines all journals of an output folder; for a case in several journals, the latest entry
 /// counts.

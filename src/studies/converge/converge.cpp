@@ -7,7 +7,7 @@
 #include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 #include "studies/tables.hpp"
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ void copy_known_cases(const schedule::OutputFolder& sweep, const schedule::Outpu
     storage::make_directory(study.cases());
     for (const PlannedCase& c : plan.cases) {
         if (fs::exists(study.case_file(c.id)) || !index.is_complete(c.id)) continue;
-        const fs::path part = study.case_file(c.id).string() + ".copy.part";
+        const fs::path part = storage::part_path(study.cases() / (c.id + ".copy"));
         fs::copy_file(sweep.case_file(c.id), part, fs::copy_options::overwrite_existing);
         storage::publish(part, study.case_file(c.id));
     }
@@ -107,13 +107,15 @@ ExitCode converge_job(const ConvergeArguments& arguments, const Comm& world) {
     job.plan = refined.plan;
     job.diagnostics.clear(); // `run` reports them
     on_root(world, [&] {
-        storage::make_directory(study.run_lock().parent_path());
-        const storage::RunLock lock(study.run_lock(), storage::RunLock::Sharing::alone);
+        storage::make_directory(study.locks());
+        const storage::FolderLock lock(study.locks(), std::chrono::minutes(1));
         // Another selection replaces the plan; the cases that both have remain.
         if (std::filesystem::exists(study.plan()) &&
             storage::compare_plan(storage::read_file(study.plan()), job.plan) !=
-                storage::PlanMatch::same)
+                storage::PlanMatch::same) {
+            storage::require_no_run(study.locks());
             std::filesystem::remove(study.plan());
+        }
         copy_known_cases(sweep, study, job.plan);
     });
     schedule::RunArguments run{arguments};

@@ -230,7 +230,7 @@ std::string uncovered_text(const Case& c, const ConvertedData& data) {
 void write_case(const PlannedCase& planned, const config::Job& job,
                 const schedule::OutputFolder& folder, const std::filesystem::path& prefix,
                 const std::vector<std::string>& notes, const Comm& world) {
-    const storage::Journal journal(folder.journal());
+    const storage::Journal journal(folder.journal(storage::process_name()));
     pipeline::CaseCheckpoints checkpoints(folder.checkpoints(planned.id), {planned.id, ""}, {},
                                           world, journal,
                                           {[] { return false; }, [](const std::string&) {}});

@@ -5,7 +5,7 @@
 #include "schedule/run/run.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "storage/journal/run_lock.hpp"
+#include "storage/journal/claims.hpp"
 #include "studies/optimise/search/search.hpp"
 #include "studies/optimise/study.hpp"
 
@@ -21,11 +21,13 @@ constexpr double most_of_knots_B = 2.5e9; // on the disk at the same time
 
 /// Removes a plan with other cases. Not collective.
 void prepare_plan(const schedule::OutputFolder& folder, const Plan& plan) {
-    storage::make_directory(folder.run_lock().parent_path());
-    const storage::RunLock lock(folder.run_lock(), storage::RunLock::Sharing::alone);
-    if (fs::exists(folder.plan()) &&
-        storage::compare_plan(storage::read_file(folder.plan()), plan) != storage::PlanMatch::same)
+    storage::make_directory(folder.locks());
+    const storage::FolderLock lock(folder.locks(), std::chrono::minutes(1));
+    if (fs::exists(folder.plan()) && storage::compare_plan(storage::read_file(folder.plan()),
+                                                           plan) != storage::PlanMatch::same) {
+        storage::require_no_run(folder.locks());
         fs::remove(folder.plan());
+    }
 }
 
 /// The files of the knots of a case are no longer needed when its forms are known.

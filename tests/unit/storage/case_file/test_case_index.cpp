@@ -61,20 +61,20 @@ TEST_CASE("an index gives the content of the case files without opening them aga
     CHECK(index.find("2")->scalars.at(0).value == 2.0);
 }
 
-TEST_CASE("journals of shards and hosts are combined, and the latest entry counts", "[journal]") {
+TEST_CASE("journals of runs and hosts are combined, and the latest entry counts", "[journal]") {
     const test::TemporaryFolder folder;
-    CHECK(storage::journal_name("") == "journal.jsonl");
-    CHECK(storage::journal_name("2-of-8", "node7") == "journal.2-of-8@node7.jsonl");
-    CHECK(storage::index_name(storage::journal_name("2-of-8")) == "index.2-of-8.jsonl");
-    const storage::Journal first(folder / storage::journal_name("1-of-2")),
-        second(folder / storage::journal_name("2-of-2"));
-    first.run_started({.overrides = {"a=1"}});
+    CHECK(storage::journal_name("node1-8", "node7") == "journal.node1-8@node7.jsonl");
+    CHECK(storage::index_name(storage::journal_name("node1-8")) == "index.node1-8.jsonl");
+    const storage::Journal first(folder / storage::journal_name("node1-8")),
+        second(folder / storage::journal_name("node2-8"));
+    first.run_started({.run = "node1-8", .teams = 2, .overrides = {"a=1"}});
+    second.run_prepares({.run = "node2-8"});
     first.failed("x", "at first", storage::Cause::case_itself);
     second.failed("y", "for good", storage::Cause::files);
     second.finished("x", {1.0, 2.0, "layered"});
     const storage::JournalContents all = storage::read_journals(folder / "");
-    CHECK(all.running);
-    CHECK(all.overrides == std::vector<std::string>{"a=1"});
+    CHECK(all.runs.at("node1-8").teams == 2);
+    CHECK(all.runs.at("node2-8").is_preparing);
     CHECK(all.cases.at("x").state == storage::CaseHistory::State::finished);
     CHECK(all.cases.at("y").cause == storage::Cause::files);
     CHECK(storage::read_journals(folder / "none").cases.empty());

@@ -98,13 +98,11 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     const test::TemporaryFolder folder;
     const storage::Journal journal(folder / "journal.jsonl");
     CHECK(storage::read_journal(folder / "journal.jsonl").cases.empty());
-    journal.run_prepares({.ranks = 2, .overrides = {"a=1"}});
-    CHECK(storage::read_journal(folder / "journal.jsonl").preparing);
-    CHECK(storage::read_journal(folder / "journal.jsonl").running);
-    CHECK(storage::read_journals(folder / "").preparing);
+    journal.run_prepares({.run = "here-1", .ranks = 2, .overrides = {"a=1"}});
+    CHECK(storage::read_journal(folder / "journal.jsonl").runs.at("here-1").is_preparing);
     CHECK(storage::read_journals(folder / "").overrides == std::vector<std::string>{"a=1"});
-    journal.run_started({.ranks = 2, .cases_left = 3});
-    CHECK_FALSE(storage::read_journal(folder / "journal.jsonl").preparing);
+    journal.run_started({.run = "here-1", .ranks = 2, .cases_left = 3});
+    CHECK_FALSE(storage::read_journal(folder / "journal.jsonl").runs.at("here-1").is_preparing);
     journal.started("a", 2);
     journal.finished("a", {0.5, 0.25, "layered"});
     journal.started("b", 2);
@@ -114,7 +112,6 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     journal.checkpointed("c", 40);
     storage::append_line(folder / "journal.jsonl", "{\"event\": \"fini");
     storage::JournalContents contents = storage::read_journal(folder / "journal.jsonl");
-    CHECK(contents.running);
     CHECK(contents.cases.at("a").state == storage::CaseHistory::State::finished);
     CHECK(contents.cases.at("a").times.seconds == 0.5);
     CHECK(contents.cases.at("a").times.estimated_seconds == 0.25);
@@ -124,8 +121,7 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     CHECK(contents.cases.at("c").state == storage::CaseHistory::State::started);
     journal.run_ended("done", {.idle_share = 0.25, .beside_solve_s = 0.01});
     contents = storage::read_journal(folder / "journal.jsonl");
-    CHECK_FALSE(contents.running);
-    CHECK(contents.last_run_ended == "done");
+    CHECK(contents.runs.empty());
     const std::string text = storage::read_file(folder / "journal.jsonl");
     CHECK(text.find("\"idle_share\":0.25,\"beside_solve_s\":0.01") != std::string::npos);
 }
