@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the jobs, compares their tables with the baselines, stores all numbers in the history, and writes
-an HTML page and JUnit XML. scripts/nightly builds the program and then runs this script."""
+an HTML page. scripts/nightly builds the program and then runs this script."""
 import argparse
 import fcntl
 import os
@@ -11,7 +11,9 @@ import sys
 from datetime import datetime, timezone
 from pathlib import Path
 
-from . import junit, night, page
+from .. import program
+from ..errors import ShearwakeError
+from . import night, page
 from .history import History
 from .night import Result, Watched
 from .shearwake_program import Program
@@ -58,10 +60,10 @@ def lock(folder: Path) -> int | None:
     return handle
 
 
-def speeds_of(program: Program, results: list[Result]) -> list[tuple[str, float]]:
+def speeds_of(shearwake: Program, results: list[Result]) -> list[tuple[str, float]]:
     """The speeds of the engines, and per job the time of its median case over the lower bound of engine
     layered."""
-    speeds, layered_s = program.speeds()
+    speeds, layered_s = shearwake.speeds()
     for result in results:
         if layered_s and result.seconds:
             speeds.append((f"{result.name}: median case relative to FFTs of layered", result.seconds / layered_s))
@@ -106,26 +108,26 @@ def broken_build(log: Path, watched: list[Watched]) -> list[Result]:
 
 def the_night(chosen: argparse.Namespace, watched: list[Watched], handle: int) -> tuple[list[Result], list[str]]:
     log = chosen.out / "nightly.log"
-    for name in (log.name, "index.html.part", "junit.xml.part"):
+    for name in (log.name, "index.html.part"):
         (chosen.out / name).unlink(missing_ok=True)  # writing to a pipe would block
-    program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), log, (handle,))
+    os.environ.update(program.SHARED_CORES)
+    shearwake = Program(log, (handle,))
     history = History(chosen.out / "history.sqlite")
     started = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
-    git_id = "not built" if chosen.build_failed else program.git_id()
+    git_id = "not built" if chosen.build_failed else shearwake.git_id()
     number = history.begin(started, git_id, socket.gethostname())
     speeds: list[tuple[str, float]] = []
     if chosen.build_failed:
         results = broken_build(chosen.build_failed, watched)
     else:
-        results = [night.run_job(program, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]
+        results = [night.run_job(shearwake, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]
         if not chosen.no_bench:
-            speeds = speeds_of(program, results)
+            speeds = speeds_of(shearwake, results)
     verdict = verdict_of(results)
     history.finish(number, verdict, [(r.name, r.verdict, r.message) for r in results],
                    [(r.name, *reading) for r in results for reading in r.readings], speeds)
     nights = history.nights(chosen.nights)
     slower = slower_than_before(history, number, nights)
-    junit.write(chosen.out / "junit.xml", results)
     write(chosen.out / "index.html", page.page(verdict, results, history, nights, slower))
     history.close()
     return results, slower
@@ -147,7 +149,7 @@ def main() -> int:
                   file=sys.stderr)
             return 6
         results, slower = the_night(chosen, watched, handle)
-    except (OSError, ValueError) as problem:  # ValueError: tables, plans or histories with other contents
+    except (OSError, ValueError, ShearwakeError) as problem:  # ValueError: tables or histories with other contents
         print(f"the night cannot continue: {problem}", file=sys.stderr)
         return 6
     except sqlite3.Error as problem:
@@ -160,7 +162,7 @@ def main() -> int:
             print("  " + result.message.strip().replace("\n", "\n  "))
     for name in slower:
         print(f"slower: {name}")
-    print(f"page:  {chosen.out / 'index.html'}\nJUnit: {chosen.out / 'junit.xml'}")
+    print(f"page: {chosen.out / 'index.html'}")
     return code_of(results)
 
 

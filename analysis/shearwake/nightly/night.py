@@ -5,8 +5,9 @@ import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..plan import read_plan
 from . import table
-from .shearwake_program import Program
+from .shearwake_program import TIMED_OUT, Program
 
 EQUAL, DIFFERS, NO_BASELINE, BROKEN = "equal", "differs", "no baseline", "broken"
 
@@ -21,15 +22,10 @@ class Watched:
     tolerances: Path
 
     def table(self) -> Path | None:
-        """The path of the run's table (CSV), or None."""
-        plan = self.run / "plan.json"
-        if not plan.is_file():
+        """The path of the run's table (CSV), or None. Raises NotAnOutputFolder."""
+        if not (self.run / "plan.json").is_file():
             return None
-        table.require_size(plan)
-        try:
-            path = self.run / "tables" / (json.loads(plan.read_text(encoding="utf-8"))["name"] + ".csv")
-        except (TypeError, KeyError, RecursionError) as error:
-            raise ValueError(f"{plan} is not a plan: {error!r}") from error
+        path = self.run / "tables" / f"{read_plan(self.run)[0]['name']}.csv"
         return path if path.is_file() else None
 
 
@@ -69,11 +65,11 @@ def watched_jobs(names: list[str], root: Path, out: Path, baselines: Path) -> li
 def compare(program: Program, watched: Watched) -> tuple[int, str, dict]:
     """(exit code, output, differences) of `shearwake diff` for the run and the baseline."""
     options: list[str | Path] = ["--tolerances", watched.tolerances] if watched.tolerances.is_file() else []
-    done = program("diff", watched.run, watched.baseline, "--json", *options)
-    if done.code not in (0, 5):
-        return done.code, done.output, {}
-    differences = json.loads(done.output)
-    return done.code, differences["text"], differences
+    code, output = program("diff", watched.run, watched.baseline, "--json", *options)
+    if code not in (0, 5):
+        return code, output, {}
+    differences = json.loads(output)
+    return code, differences["text"], differences
 
 
 def last_lines(output: str) -> str:
@@ -83,14 +79,14 @@ def last_lines(output: str) -> str:
 def run_job(program: Program, watched: Watched, ranks: int, limit_s: float) -> Result:
     """Runs the complete sweep. The results of earlier nights are removed first."""
     shutil.rmtree(watched.run, ignore_errors=True)
-    done = program("run", watched.job, "--out", watched.run, "--quiet", ranks=ranks, limit_s=limit_s)
-    if done.code not in (0, 4):
-        return Result(watched, BROKEN, done.code if done.code > 0 else 1, "run: " + last_lines(done.output))
-    failed = done.code == 4
-    reduced = program("reduce", watched.run)
+    code, output = program("run", watched.job, "--out", watched.run, "--quiet", ranks=ranks, limit_s=limit_s)
+    if code not in (0, 4):
+        return Result(watched, BROKEN, code if 0 < code < TIMED_OUT else 1, "run: " + last_lines(output))
+    failed = code == 4
+    code, output = program("reduce", watched.run)
     path = watched.table()
-    if reduced.code != 0 or path is None:
-        return Result(watched, BROKEN, reduced.code or 1, "reduce: " + last_lines(reduced.output))
+    if code != 0 or path is None:
+        return Result(watched, BROKEN, code or 1, "reduce: " + last_lines(output))
     result = Result(watched, EQUAL, 0, readings=table.readings(path), seconds=table.median_seconds(path))
     if not watched.baseline.is_file():
         result.verdict, result.code = NO_BASELINE, 6

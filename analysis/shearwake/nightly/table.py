@@ -1,36 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads tables that `shearwake reduce` wrote: their watched numbers and the names of their cases."""
 import csv
+import io
 import math
 import statistics
 from pathlib import Path
 from typing import Any
 
-LARGEST_B = 20_000_000  # read in 300 MB; 10000 cases need 5 MB
+from ..inputs import text_of
+
 # Columns that depend on the machine, not on the physics; as in src/reduce/diff.cpp.
 NOT_COMPARED = ("wall_s", "host", "hosts", "note")
 
 
 def read_rows(path: Path) -> tuple[list[str], list[dict[str, str]]]:
     """The columns and the rows of a table. Raises ValueError."""
-    require_size(path)
     try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            first = file.readline()
-            file.seek(0)
-            reader = csv.DictReader(file, restkey="", restval="", delimiter=next((c for c in ";\t" if c in first and "," not in first), ","))  # as src/base/csv.cpp
-            columns, rows = list(reader.fieldnames or []), list(reader)
+        text = text_of(path, "utf-8-sig")
+        first = text.partition("\n")[0]
+        separator = next((c for c in ";\t" if c in first and "," not in first), ",")  # as src/base/csv.cpp
+        reader = csv.DictReader(io.StringIO(text, newline=""), restkey="", restval="", delimiter=separator)
+        columns, rows = list(reader.fieldnames or []), list(reader)
     except (csv.Error, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is not a table: {error}") from error
     if not {"id", "status"} <= set(columns) or any(any(row.get("", "")) for row in rows):
         raise ValueError(f"{path} is not a table: its columns must be named, and contain id and status")
     return columns, rows
-
-
-def require_size(path: Path) -> None:
-    """Raises ValueError for a file that is too large to be read."""
-    if path.stat().st_size > LARGEST_B:
-        raise ValueError(f"{path} has {path.stat().st_size} bytes, but at most {LARGEST_B} are supported")
 
 
 def swept_columns(columns: list[str]) -> list[str]:

@@ -7,6 +7,7 @@ import os
 import sys
 from pathlib import Path
 
+from ..errors import ShearwakeError
 from . import night, table
 from .shearwake_program import Program
 
@@ -56,8 +57,7 @@ def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
               "baseline is not written", file=sys.stderr)
         return 4
     if watched.baseline.is_file():
-        program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), os.devnull)
-        code, output, _ = night.compare(program, watched)
+        code, output, _ = night.compare(Program(os.devnull), watched)
         print(output, end="")
         if code == 0:
             print("the baseline is up to date")
@@ -84,7 +84,7 @@ def main() -> int:
     except ValueError as problem:
         print(problem, file=sys.stderr)
         return 2
-    except OSError as problem:
+    except (OSError, ShearwakeError) as problem:
         print(f"the baseline cannot be updated: {problem}", file=sys.stderr)
         return 6
 
