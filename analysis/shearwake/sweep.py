@@ -185,10 +185,10 @@ class Sweep:
         return Path(program.call_json(["report", str(self.folder)])["page"])
 
     def compare(self, other: Sweep | str | os.PathLike[str]) -> dict[str, Any]:
-        """The differences of fields, traces and columns from another sweep, as the JSON document of `shearwake compare`. Raises
-        ProgramError."""
+        """The differences of columns, fields and traces from another sweep, as the JSON document of `shearwake compare`, whose
+        member `equal` states whether they are within the default tolerances. Raises ProgramError."""
         folder = other.folder if isinstance(other, Sweep) else Path(other)
-        return program.call_json(["compare", str(self.folder), str(folder)])
+        return program.call_json(["compare", str(self.folder), str(folder)], (0, 1))
 
     def converge(self, ranks: int = 1, *, cases: int = 3, only: Sequence[str] = (), job: str | os.PathLike[str] | None = None,
                  launch: Sequence[str] | None = None) -> Sweep:

@@ -19,13 +19,13 @@ namespace {
 // The only text about them: --help and docs/reference/exit-codes.md show it.
 constexpr std::pair<ExitCode, std::string_view> exit_codes[] = {
     {ExitCode::done, "The command succeeded."},
-    {ExitCode::internal, "An internal error occurred. Please report it."},
+    {ExitCode::internal, "'compare' found a difference. Otherwise an internal error occurred: "
+                         "please report it."},
     {ExitCode::usage, "The command line is invalid, or a folder does not fit the job."},
     {ExitCode::bad_job, "The job file contains errors, which 'check' lists, or a case needs more "
                         "memory than the machine has."},
     {ExitCode::some_cases_failed, "Some cases failed: see failed/, then use 'run --retry-failed'. "
                                   "Or files are damaged: rerun 'run'."},
-    {ExitCode::differs_from_baseline, "The table differs from the baseline."},
     {ExitCode::environment, "A file, a disk or the environment caused an error. Remove the cause "
                             "and rerun the command."},
     {ExitCode::stopped_early, "The run stopped early. Rerun the command to resume it."},
@@ -65,7 +65,7 @@ std::vector<std::string> option_names(const CLI::App& command) {
 const CLI::App* find_command(const CLI::App& app, const std::string& name) {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands({})) {
-        if (command->get_name() == name) return command;
+        if (command->check_name(name)) return command;
         names.push_back(command->get_name());
     }
     for (const char* script : {"import-kwave", "make-map", "submit", "nightly"})
@@ -139,7 +139,7 @@ std::string json_command(const CLI::App& app, std::span<char*> arguments) {
     const auto options = arguments.subspan(2);
     if (std::find(options.begin(), options.end(), wanted) == options.end()) return "";
     for (const CLI::App* command : app.get_subcommands({}))
-        if (command->get_name() == arguments[1] &&
+        if (command->check_name(arguments[1]) &&
             command->get_option_no_throw(std::string(wanted)) != nullptr)
             return command->get_name();
     return "";

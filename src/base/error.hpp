@@ -13,7 +13,6 @@ enum class ExitCode : int {
     usage = 2,
     bad_job = 3,
     some_cases_failed = 4,
-    differs_from_baseline = 5,
     environment = 6,
     stopped_early =
         75, // results are saved; rerun the command to resume (EX_TEMPFAIL of sysexits.h)

@@ -12,7 +12,7 @@
 namespace shearwake::measures {
 
 // The measures of a case: one entry per column of the table and one per series of the case file.
-// Their names, units and descriptions are defined only here. Case files, `reduce`, `diff` and the
+// Their names, units and descriptions are defined only here. Case files, `reduce` and the
 // report use these tables.
 
 /// Where a column is shown in addition to the complete table (CSV).
@@ -33,9 +33,6 @@ struct Measure {
     const char* unit; // "1", "mm2", "um", "mN ms", "uJ", "Hz", "degree"
     const char* meaning;
     Shown shown = Shown::csv;
-    /// Relative tolerance in `diff`. Tables have nine digits, so two rounded numbers may differ by
-    /// 1e-8; the factor of 10 allows for values that are fits to or ratios of other values.
-    double tolerance = 1e-7;
     /// For ratios that `reduce` computes: the measure that is divided by that of the reference
     /// case.
     const char* over_reference_of = "";

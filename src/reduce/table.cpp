@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/table.hpp"
 
-#include "base/csv.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -235,51 +234,6 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
         }
     }
     return extended;
-}
-
-namespace {
-
-/// A row takes as much memory as ten cells at least.
-constexpr std::size_t most_cells = 10'000'000;
-
-[[noreturn]] void fail(const std::string& file, std::size_t line, const std::string& what) {
-    throw UsageError(fmt::format("{}:{}: this is not a valid table: {}", file, line, what),
-                     ExitCode::environment);
-}
-
-bool next(CsvReader& reader, const std::string& file) {
-    try {
-        return reader.next();
-    } catch (const CsvError& error) {
-        fail(file, error.line, error.what());
-    }
-}
-
-} // namespace
-
-std::optional<std::size_t> TextTable::find(std::string_view column) const {
-    return find_in(columns, column);
-}
-
-TextTable read_csv(std::string_view text, const std::string& file_name) {
-    CsvReader reader(text);
-    if (!next(reader, file_name)) fail(file_name, 1, "the file is empty");
-    TextTable table{.columns = reader.cells(), .rows = {}};
-    std::vector<std::string> sorted = table.columns;
-    std::sort(sorted.begin(), sorted.end());
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    if (twice != sorted.end())
-        fail(file_name, 1, fmt::format("two columns are named \"{}\"", *twice));
-    while (next(reader, file_name)) {
-        if (reader.cells().size() != table.columns.size())
-            fail(file_name, reader.line(),
-                 fmt::format("{} cells for {} columns", reader.cells().size(),
-                             table.columns.size()));
-        if (table.rows.size() >= most_cells / std::max<std::size_t>(table.columns.size(), 10))
-            fail(file_name, reader.line(), fmt::format("more than {} cells", most_cells));
-        table.rows.push_back(reader.cells());
-    }
-    return table;
 }
 
 } // namespace shearwake::reduce

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""shearwake compare: cases and sweeps of different grids, engines and pressures."""
+"""shearwake compare: tables, cases and sweeps of different ranks, grids, engines and pressures, and its exit codes."""
 import json
 import subprocess
 import unittest
@@ -7,15 +7,15 @@ import unittest
 import h5py
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, command, environment, without_reference
+from program import SWEEP, ProgramTest, case_files, command, environment, plan_ids, without_reference
 
 JOB = without_reference(("frames = true", "snapshots_ms = [2.0, 4.0]"),
                         (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000")))
 
 
 class Compare(ProgramTest):
-    def compare(self, *arguments):
-        return json.loads(self.shearwake("compare", *arguments, "--json").stdout)
+    def compare(self, *arguments, expect=1):
+        return json.loads(self.shearwake("compare", *arguments, "--json", expect=expect).stdout)
 
     def setUp(self):
         super().setUp()
@@ -36,27 +36,39 @@ class Compare(ProgramTest):
             self.assertAlmostEqual(columns["peak_um"], 0.01, delta=1e-9)
             self.assertAlmostEqual(columns["eta_at_1"], 0.0, delta=1e-9)
             self.assertIn("participation_at_1", columns)  # the same grid
-            self.assertEqual(pair["columns_not_compared"], [])
             # The field and so its change is largest near the focus, which ends at 14 mm.
             self.assertLess(abs(pair["fields"][1]["at_mm"][0] - 12.0), 5.0)
             self.assertEqual(pair["fields"][1]["at_mm"][1], 0.0)
+        self.assertEqual(found["not_compared"], ["wall_s", "note"])
+        moved = [column["column"] for column in found["moved"]]
+        self.says(moved, "peak_um", "surface", "traces")
+        self.assertNotIn("eta_period_1", moved)  # a ratio, in which the strength of the load cancels
+        self.assertTrue(self.compare("other", self.out, "--tolerance", "*=0.011", expect=0)["equal"])
+        (self.folder / "t.toml").write_text('ignore = ["traces"]\n[tolerance]\n"*" = 0.011\nsurface = 1e-3\n', encoding="utf-8")
+        said = self.shearwake("diff", "other", self.out, "--tolerance", "t.toml", expect=1, ranks=2).said
+        self.says(said, "surface  1 % of its largest value", "2 of 2 cases differ", "not compared: wall_s, note, traces",
+                  "1 column changed", "2 cases with different ids")
+        self.shearwake("compare", "other", self.out, "--tolerance", "t.toml", "--tolerance", "surface=0.011")
 
     def test_grids_are_compared_at_their_common_points(self):
         self.shearwake("run", "job.toml", "-S", "domain.spacing_mm=1.0", "--out", "fine", "--quiet")
-        [first, *_] = self.compare(self.out, "fine")["pairs"]
+        found = self.compare(self.out, "fine")
+        [first, *_] = found["pairs"]
         self.assertEqual([g["spacing_mm"] for g in first["grids"]], [1.5, 1.0])
-        self.assertEqual(set(first["columns_not_compared"]),
-                         {f"{m}_{w}_1" for m in ("ipr", "ipr_abs", "participation") for w in ("at", "period")})
+        self.assertEqual(set(found["not_compared"]), {"wall_s", "note", *(f"{m}_{w}_1" for m in ("ipr", "ipr_abs", "participation")
+                                                                      for w in ("at", "period"))})
         for field in first["fields"]:
             self.assertLess(field["relative_l2"], 0.05)  # three points per FWHM
             self.assertGreater(field["relative_l2"], 1e-6)
-        said = self.shearwake("compare", self.out, "fine", "--picture", "map.png").said
-        self.says(said, "the pair whose surfaces differ most", "largest difference", "not compared, because they count")
-        self.assertEqual((self.folder / "map.png").read_bytes()[:4], b"\x89PNG")
+        said = self.shearwake("compare", self.out, "fine", "--page", "page.html", expect=1).said
+        self.says(said, "the pair whose surfaces differ most", "largest difference")
+        page = (self.folder / "page.html").read_text(encoding="utf-8")
+        self.says(page, "data:image/png;base64,iVBOR", "peak_um")
+        self.assertEqual(page.count("\nfirst:  "), 2)  # both pairs
 
     def test_labels_and_stored_warnings_of_both_sides_are_printed(self):
         self.shearwake("run", "job.toml", "-S", "time.duration_ms=20", "--out", "long", "--quiet")
-        said = self.shearwake("compare", "long", self.out).said
+        said = self.shearwake("compare", "long", self.out, expect=1).said
         self.says(said, "not valid, first: waves of", "first:  ", "second: ", "(AM frequency 500\u00a0Hz)")
         warnings = self.compare("long", self.out)["pairs"][0]["warnings"]
         returning = [[w["key"] for w in of_side if w["message"].startswith("waves of")] for of_side in warnings]
@@ -69,7 +81,7 @@ class Compare(ProgramTest):
             file["c_s_m_s"] = 5.0
         for name, words in (("text.h5", "text.h5 is not a case file of shearwake"),
                             ("map.h5", "map.h5 is not a case file of shearwake"),
-                            ("none.h5", "none.h5 is neither a case file nor"), ("out/none", "output folder; run the job first")):
+                            ("none.h5", "none.h5 is neither a case file, a table (CSV) nor"), ("out/none", "output folder; run the job first")):
             said = self.shearwake("compare", name, path, expect=6).said
             self.says(said, words)
             self.assertNotIn("Traceback", said)
@@ -86,12 +98,11 @@ class Compare(ProgramTest):
 
     def test_a_case_equals_itself(self):
         path = case_files(self.out)[0]
-        [pair] = self.compare(path, path)["pairs"]
+        [pair] = self.compare(path, path, expect=0)["pairs"]
         self.assertEqual([f["relative_l2"] for f in pair["fields"]], [0.0, 0.0])
         self.assertTrue(all(c["change"] == 0.0 for c in pair["columns"]))
         said = self.shearwake("compare", path, path).said
-        self.says(said, "2 surfaces: equal", "all columns are equal")
-        self.assertNotIn("change", said[said.index("2 surfaces"):])  # no heading of an empty table
+        self.says(said, "2 surfaces: equal", "no difference")
 
     @pytest.mark.long
     def test_many_frames_are_summarised(self):
@@ -101,12 +112,12 @@ class Compare(ProgramTest):
         self.assertEqual(len(found), 40)
         largest = max(found, key=lambda f: f["largest_um"])
         case_a, case_b = (case_files(self.folder / name)[0] for name in "ab")
-        said = self.shearwake("compare", case_a, case_b).said
+        said = self.shearwake("compare", case_a, case_b, "--page", "page.html", expect=1).said
         lines = [line for line in said.splitlines() if line.startswith("  surface at")]
         self.assertEqual(len(lines), 5)
         self.says(said, f"40 surfaces: relative L2 up to 0.99 %, largest difference {largest['largest_um']:.3g} um",
-                  f"surface at {largest['time_ms']:.6g} ms", "--all lists each")
-        self.assertEqual(self.shearwake("compare", case_a, case_b, "--all").said.count("surface at"), 40)
+                  f"surface at {largest['time_ms']:.6g} ms", "--page lists each")
+        self.assertEqual((self.folder / "page.html").read_text(encoding="utf-8").count("surface at"), 40)
 
     def test_a_reader_that_closes_the_pipe_ends_the_comparison_quietly(self):
         done = subprocess.run(["bash", "-c", 'set -o pipefail; "$@" | true', "bash",
@@ -114,26 +125,50 @@ class Compare(ProgramTest):
                               capture_output=True, encoding="utf-8", check=False)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
 
-    def test_a_picture_without_a_common_surface_is_replaced_by_a_note(self):
+    def test_records_at_other_times_and_depths_are_differences(self):
         self.shearwake("run", "job.toml", "-S", "record.snapshots_ms=[3.0]", "-S", "measure.at_ms=3", "--out", "other", "--quiet")
-        done = self.shearwake("compare", "other", self.out, "--picture", "map.png")
-        self.says(done.said, "surface: no common time", "no picture: the cases have no surface at a common time", "eta")
-        self.assertFalse((self.folder / "map.png").exists())
-        document = self.shearwake("compare", "other", self.out, "--picture", "map.png", "--json")
-        self.assertEqual(json.loads(document.stdout)["pairs"][0]["fields"], [])
-        self.says(document.stderr, "no picture")
-
-    def test_measured_depths_that_differ_are_stated(self):
+        done = self.shearwake("compare", "other", self.out, "--page", "page.html", "--tolerance", "*=1e9", expect=1)
+        self.says(done.said, "surface: no common time", "surface  recorded at 1 and 2 times, of which 0 are common")
+        self.says((self.folder / "page.html").read_text(encoding="utf-8"), "No picture")
         self.shearwake("run", "job.toml", "-S", "measure.depths_mm=[0.5]", "--out", "deep", "--quiet")
-        self.assertEqual(self.compare("deep", self.out)["pairs"][0]["depths_mm"], [[0.5], [0.0]])
-        self.says(self.shearwake("compare", "deep", self.out).said, "measured depths differ: 0.5 mm and 0 mm")
+        self.assertRegex(self.shearwake("compare", "deep", self.out, expect=1).said, "measured depths +other: 0 mm -> 0.5 mm")
         self.assertNotIn("depths", self.shearwake("compare", self.out, self.out).said)
 
-    def test_sweeps_without_common_cases_are_rejected(self):
+    def test_tables_of_other_ranks_are_equal(self):
+        self.shearwake("run", "job.toml", "--out", "two", "--quiet", ranks=2)
+        self.says(self.shearwake("compare", "two", self.out).said, "2 cases", "no difference", "not compared: wall_s, note")
+        self.shearwake("diff", "two/tables/small.csv", self.out, ranks=2)  # the table of the folder alone
+
+    def test_missing_and_extra_cases_are_differences(self):
+        self.shearwake("run", "job.toml", "-S", 'sweep."load.modulation.am_frequency_Hz"=[500]', "--out", "fewer", "--quiet")
+        self.says(self.shearwake("compare", "fewer", self.out, expect=1).said, "missing case: load.modulation.am_frequency_Hz=1000")
+        self.says(self.shearwake("compare", self.out, "fewer", expect=1).said, "extra case: load.modulation.am_frequency_Hz=1000")
+        (self.out / "cases" / f"{plan_ids(self.out)[0]}.h5").unlink()  # it has a row, and a corresponding status
+        self.says(self.shearwake("compare", self.out, "fewer", expect=1).said, "complete -> missing")
+
+    def test_sweeps_without_common_cases_differ(self):
         self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),
                        name="b.toml")
         self.shearwake("run", "b.toml", "--out", "other", "--quiet")
-        self.says(self.shearwake("compare", self.out, "other", expect=2).said, "have no complete case in common")
+        self.says(self.shearwake("compare", self.out, "other", expect=1).said, "missing case: load.peak_Pa=50",
+                  "extra case: load.modulation.am_frequency_Hz=500", "missing column: load.peak_Pa", "0 cases")
+
+
+class Tables(ProgramTest):
+    def test_invalid_tables_and_tolerances_are_errors(self):
+        for name, text in (("bad", "id,a\n1\n"), ("good", "id,eta_1\nx,1\n"), ("empty", "id,eta_1\n"), ("same", "id,wall_s\nx,1\n")):
+            (self.folder / f"{name}.csv").write_text(text, encoding="utf-8")
+        (self.folder / "t.toml").write_text("[tolerance]\neta_1 = -1\n", encoding="utf-8")
+        for words, code, said in (
+                (["bad.csv", "good.csv"], 6, "bad.csv:2: this is not a valid table"), (["none.csv", "good.csv"], 6, "none.csv is neither"),
+                ([self.folder, "good.csv"], 6, "is not an output folder"), (["good.csv"], 2, "B is required"),
+                (["good.csv", "empty.csv"], 2, "empty.csv has no cases"), (["same.csv", "same.csv"], 2, "no column in common"),
+                (["good.csv", "good.csv", "--tolerance", "eta_2=1"], 2, "eta_2; did you mean eta_1?"),
+                (["good.csv", "good.csv", "--tolerance", "eta_1"], 2, "COLUMN=RELATIVE"),
+                (["good.csv", "good.csv", "--tolerance", "t.toml"], 2, "t.toml: eta_1 must be a number of at least 0"),
+                (["good.csv", "good.csv", "--tolerance", "none.toml"], 6, "none.toml does not exist")):
+            with self.subTest(words):
+                self.says(self.shearwake("compare", *words, expect=code).said, said)
 
 
 if __name__ == "__main__":

@@ -41,8 +41,8 @@ class InstructionSets(ProgramTest):
         names = self.available()
         for name in names:
             self.run_with(name, name)
-        for name in names[:-1]:  # within the default tolerances of diff
-            self.says(self.shearwake("diff", name, names[-1]).said, "no difference")
+        for name in names[:-1]:  # within the default tolerances of compare
+            self.says(self.shearwake("compare", name, names[-1]).said, "no difference")
 
     def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
         self.compare(without_reference(ENGINES, ("[record]", "[afferents]\n\n[record]")))

@@ -193,7 +193,7 @@ class CommandLine(ProgramTest):
 
     def test_a_job_in_place_of_results_is_explained(self):
         self.write_job(JOB)
-        for words in (["status"], ["verify"], ["reduce"], ["report"], ["diff", "job.toml"]):
+        for words in (["status"], ["verify"], ["reduce"], ["report"], ["compare", "job.toml"]):
             with self.subTest(words):
                 self.says(self.shearwake(*words, "job.toml", expect=2).said, "job.toml is a job file", "out/small")
         self.says(self.shearwake("show", "job.toml", expect=6).said, "shearwake show --modulation job.toml")

@@ -66,7 +66,7 @@ class Warnings(ProgramTest):
         # A change of validity is a difference.
         (self.folder / "before.csv").write_text(table.read_text(encoding="utf-8").replace(",no,", ",yes,"),
                                                 encoding="utf-8")
-        changed_columns = json.loads(self.shearwake("diff", self.out, "before.csv", "--json", expect=5).stdout)["moved"]
+        changed_columns = json.loads(self.shearwake("compare", self.out, "before.csv", "--json", expect=1).stdout)["moved"]
         self.assertEqual([column["column"] for column in changed_columns], ["valid"])
         self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
         self.says(self.shearwake("report", self.out).said, "No result is stated, because no case has valid readings")

@@ -7,7 +7,6 @@ Run: python3 -m pytest tests/report/test_compare_fields.py    (unittest, numpy, 
 import tempfile
 import unittest
 from pathlib import Path
-from types import SimpleNamespace
 from unittest import mock
 
 import h5py
@@ -15,11 +14,12 @@ import numpy as np
 
 from synthetic import lone_case
 
-from shearwake.report.compare import compare_picture, compare_words
-from shearwake.report.compare.__main__ import compare_columns
+from shearwake.report.compare import compare_page, compare_words
 from shearwake.report.compare.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                                      place_of_largest, relative_l2)
 from shearwake.report.compare.compare_sensors import compare_sensors
+from shearwake.report.compare.records import incomplete, record_cell
+from shearwake.report.compare.tolerances import Tolerance
 
 
 def axis(count, spacing):
@@ -57,16 +57,9 @@ class CompareFields(unittest.TestCase):
     def test_the_picture_shows_the_time_of_the_largest_difference(self):
         pair = {"fields": [{"time_ms": t, "relative_l2": l2, "largest_um": um, "at_mm": [0.0, 0.0]}  # the skin hardly moves at 0.1 ms
                            for t, l2, um in ((0.1, 1.0, 0.2), (5.0, 0.9, 6.8), (8.0, 0.9, 3.0))], "traces": [], "columns": []}
-        with mock.patch.object(compare_picture, "surfaces", side_effect=StopIteration) as asked, self.assertRaises(StopIteration):
-            compare_picture.draw({"pairs": [pair]}, [(None, None)], Path("no.png"))
+        with mock.patch.object(compare_page, "surfaces", side_effect=StopIteration) as asked, self.assertRaises(StopIteration):
+            compare_page.picture({"pairs": [pair]}, [(None, None)])
         self.assertEqual(asked.call_args.args[-1], 5.0)
-
-    def test_changes_in_dB_are_those_of_the_amplitude(self):
-        def case(level):
-            return SimpleNamespace(values={"felt_path_dB": level}, value=lambda name: level,
-                                   parameters={"domain": {"nx": 2, "ny": 2, "spacing_m": 0.001}})
-        rows, _ = compare_columns(case(20 * np.log10(2)), case(0.0), set())  # 0 dB is not a reference of 0
-        self.assertAlmostEqual(rows[0]["change"], 1.0)
 
     def test_coinciding_points_are_copied_exactly(self):
         fine, coarse = axis(64, 0.5e-3), axis(32, 1e-3)
@@ -116,6 +109,23 @@ class CompareFields(unittest.TestCase):
                 cases.append(lone_case(Path(folder) / name))
             return compare_surfaces(*cases)
 
+    def test_values_that_are_not_numbers_differ(self):
+        difference = np.zeros((5, 12))
+        difference[1, 2] = np.nan
+        (found,) = self.surfaces_with(difference)
+        self.assertEqual(found["largest_um"], np.inf)
+        self.assertEqual(record_cell([found], ("largest_um", "peak_um"), Tolerance(1e9), "")["words"], "other")
+
+    def test_a_record_differs_by_its_largest_difference_relative_to_its_largest_value(self):
+        entries = [{"largest": 1e-6, "peak": 1e-6}, {"largest": 2e-6, "peak": 1.0}]  # the skin hardly moves at first
+        self.assertIsNone(record_cell(entries, ("largest", "peak"), Tolerance(2e-6), ""))
+        cell = record_cell(entries, ("largest", "peak"), Tolerance(1e-6), "")
+        self.assertEqual((cell["change"], cell["over_tolerance"]), (2e-6, 2.0))
+        still = [{"largest": 0.0, "peak": 0.0}]
+        self.assertIsNone(record_cell(still, ("largest", "peak"), Tolerance(0.0), ""))
+        self.assertEqual(record_cell(still, ("largest", "peak"), Tolerance(1.0), incomplete("times", 3, 2, 2))["words"],
+                         "recorded at 3 and 2 times, of which 2 are common")
+
     def test_of_equal_differences_the_place_with_the_largest_y_is_chosen(self):
         x = y = np.array([-1.0, 0.0, 1.0])
         for error in (-1e-10, 0.0, 1e-10):  # closer than 1e-9 of the largest difference
@@ -163,12 +173,6 @@ class CompareFields(unittest.TestCase):
             self.assertIn("the positions of the nodes are unknown", note)
             shifted.path.unlink()
             self.assertEqual(compare_sensors(cases[0], shifted), ([], "only the first has a sensor"))
-
-    def test_rounding_errors_of_columns_are_not_listed(self):
-        rows = [{"column": "eta", "first": 0.2, "second": 0.2, "change": 1e-14},
-                {"column": "peak", "first": 1.0, "second": 2.0, "change": -0.5}]
-        self.assertEqual([line.split()[0] for line in compare_words.column_lines(rows)], ["column", "peak"])
-        self.assertEqual(compare_words.column_lines(rows[:1]), ["  all columns are equal"])
 
     def test_the_relative_l2_norm_is_that_of_the_definition(self):
         b = np.array([[3.0, 4.0]])

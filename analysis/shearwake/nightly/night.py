@@ -35,7 +35,7 @@ class Result:
     verdict: str
     code: int  # exit code of the night if this were its only job
     message: str = ""
-    differences: dict = field(default_factory=dict)  # as `shearwake diff --json` writes them
+    differences: dict = field(default_factory=dict)  # as `shearwake compare --json` writes them
     readings: list = field(default_factory=list)
     seconds: float | None = None  # time of the median case
 
@@ -63,13 +63,13 @@ def watched_jobs(names: list[str], root: Path, out: Path, baselines: Path) -> li
 
 
 def compare(program: Program, watched: Watched) -> tuple[int, str, dict]:
-    """(exit code, output, differences) of `shearwake diff` for the run and the baseline."""
-    options: list[str | Path] = ["--tolerances", watched.tolerances] if watched.tolerances.is_file() else []
-    code, output = program("diff", watched.run, watched.baseline, "--json", *options)
-    if code not in (0, 5):
+    """(exit code, output, differences) of `shearwake compare` for the run and the baseline."""
+    options: list[str | Path] = ["--tolerance", watched.tolerances] if watched.tolerances.is_file() else []
+    code, output = program("compare", watched.run, watched.baseline, "--json", *options)
+    if code not in (0, 1):
         return code, output, {}
     differences = json.loads(output)
-    return code, differences["text"], differences
+    return 5 if code else 0, differences["text"], differences
 
 
 def last_lines(output: str) -> str:
@@ -96,7 +96,7 @@ def run_job(program: Program, watched: Watched, ranks: int, limit_s: float) -> R
     if code == 5:
         result.verdict, result.code, result.message = DIFFERS, 5, output
     elif code != 0:
-        result.verdict, result.code, result.message = BROKEN, code, "diff: " + last_lines(output)
+        result.verdict, result.code, result.message = BROKEN, code, "compare: " + last_lines(output)
     elif failed:  # equal to the baseline, but incomplete
         result.verdict, result.code, result.message = BROKEN, 4, "some cases failed, as in the baseline"
     return result

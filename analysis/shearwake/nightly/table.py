@@ -1,77 +1,36 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads tables that `shearwake reduce` wrote: their watched numbers and the names of their cases."""
-import csv
-import io
-import math
 import statistics
 from pathlib import Path
-from typing import Any
 
-from ..inputs import text_of
-
-# Columns that depend on the machine, not on the physics; as in src/reduce/diff.cpp.
-NOT_COMPARED = ("wall_s", "host", "hosts", "note")
+from ..report.compare.compare_tables import NotATable, Table, number_of, read_table, row_name, swept_columns
+from ..report.compare.tolerances import NEVER_COMPARED
 
 
-def read_rows(path: Path) -> tuple[list[str], list[dict[str, str]]]:
-    """The columns and the rows of a table. Raises ValueError."""
-    try:
-        text = text_of(path, "utf-8-sig")
-        first = text.partition("\n")[0]
-        separator = next((c for c in ";\t" if c in first and "," not in first), ",")  # as src/base/csv.cpp
-        reader = csv.DictReader(io.StringIO(text, newline=""), restkey="", restval="", delimiter=separator)
-        columns, rows = list(reader.fieldnames or []), list(reader)
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not a table: {error}") from error
-    if not {"id", "status"} <= set(columns) or any(any(row.get("", "")) for row in rows):
-        raise ValueError(f"{path} is not a table: its columns must be named, and contain id and status")
-    return columns, rows
-
-
-def swept_columns(columns: list[str]) -> list[str]:
-    """The columns directly after `id` and `reference` whose names contain a dot."""
-    swept = []
-    for column in columns:
-        if column in ("id", "reference"):
-            continue
-        if "." not in column:
-            break
-        swept.append(column)
-    return swept
-
-
-def case_name(row: dict[str, str], swept: list[str]) -> str:
-    """The name of the case, as in the output of `shearwake diff`."""
-    parts = ["the reference"] if row.get("reference") == "yes" else []
-    parts += [f"{column}={row[column]}" for column in swept if row[column]]
-    return ", ".join(parts) or row.get("id", "")
-
-
-def number(text: Any) -> float | None:
-    try:
-        value = float(text)
-    except (TypeError, ValueError):
-        return None
-    return value if math.isfinite(value) else None
+def read_cases(path: Path) -> Table:
+    """The table of the cases of a sweep. Raises NotATable, and OSError if it cannot be read."""
+    table = read_table(path)
+    if not {"id", "status"} <= set(table.columns) or "" in table.columns:
+        raise NotATable(f"{path} is not a table of cases: its columns must be named, and contain id and status")
+    return table
 
 
 def readings(path: Path) -> list[tuple[str, str, float]]:
     """(case, column, value) of every watched number. If two cases have the same name, the first counts."""
-    columns, rows = read_rows(path)
-    swept = swept_columns(columns)
-    watched = [c for c in columns if c not in (*swept, *NOT_COMPARED, "id", "reference", "status")]
+    table = read_cases(path)
+    unwatched = (*swept_columns(table), *NEVER_COMPARED, "id", "reference", "status")
+    watched = [column for column in table.columns if column not in unwatched]
     found: dict[tuple[str, str], float] = {}
-    for row in rows:
+    for row in table.rows:
         for column in watched:
-            value = number(row[column])
+            value = number_of(row[column])
             if value is not None:
-                found.setdefault((case_name(row, swept), column), value)
+                found.setdefault((row_name(table, row), column), value)
     return [(case, column, value) for (case, column), value in found.items()]
 
 
 def median_seconds(path: Path) -> float | None:
     """Median of the cases' times, or None. The median is robust against the first case of a medium, which
     takes longer, and against other processes on the machine."""
-    _, rows = read_rows(path)
-    each = [value for value in (number(row.get("wall_s")) for row in rows) if value is not None]
+    each = [value for row in read_cases(path).rows if (value := number_of(row.get("wall_s", ""))) is not None]
     return statistics.median(each) if each else None

@@ -29,14 +29,14 @@ def arguments() -> argparse.Namespace:
 
 def write_baseline(source: Path, target: Path) -> None:
     """Writes the table without the columns that depend on the machine. The file is replaced atomically."""
-    columns, rows = table.read_rows(source)
-    compared = [c for c in columns if c not in table.NOT_COMPARED]
+    cases = table.read_cases(source)
+    compared = [column for column in cases.columns if column not in table.NEVER_COMPARED]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(target.name + ".part")
     with open(part, "w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, compared, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows(cases.rows)
     part.replace(target)
 
 
@@ -50,7 +50,7 @@ def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
     if source is None:
         print(f"{watched.run} has no table of {watched.name}; next: scripts/nightly {chosen.job}", file=sys.stderr)
         return 6
-    _, rows = table.read_rows(source)
+    rows = table.read_cases(source).rows
     bad = [row["id"] for row in rows if row["status"] != "complete"]
     if bad:
         print(f"{watched.name}: {len(bad)} of {len(rows)} cases are not complete ({', '.join(bad[:5])}): the "

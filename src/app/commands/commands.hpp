@@ -25,7 +25,6 @@
     command(reduce) \
     command(report) \
     command(movie) \
-    command(diff) \
     command(compare) \
     command(converge) \
     command(optimise) \

@@ -8,14 +8,17 @@
 namespace shearwake::app {
 namespace {
 
-/// Tables must be current. Throws UsageError if a path is neither a case file nor a folder.
+/// The exit code of a difference is that of `diff` and `cmp`.
+constexpr ExitCode differs{1};
+
+/// Tables must be current. Throws UsageError if a path is neither a file nor a folder.
 std::vector<std::string> reduce_both(const std::vector<std::string>& arguments) {
     const std::filesystem::path paths[] = {arguments.at(0), arguments.at(1)};
     for (const std::filesystem::path& path : paths) {
         if (!std::filesystem::exists(path))
             throw UsageError(
-                fmt::format("{} is neither a case file nor an output folder; run the job "
-                            "first",
+                fmt::format("{} is neither a case file, a table (CSV) nor an output folder; run "
+                            "the job first",
                             path.string()),
                 ExitCode::environment);
         if (path.extension() == ".toml") schedule::folder_of_results(path); // explains a job file
@@ -31,21 +34,26 @@ std::vector<std::string> reduce_both(const std::vector<std::string>& arguments) 
 void add_compare(CLI::App& app, Action& action) {
     CLI::App& command = add_python_command(
         app, action, "compare",
-        "compare the fields, traces and columns of two cases or two sweeps, also of "
-        "different engines and resolutions",
+        "compare two tables, cases or sweeps, with tolerances; exit 1 if they differ",
         {.module = "shearwake.report.compare",
          .rejection = "the arguments cannot be compared",
          .failure = "the comparison failed",
-         .prepare = reduce_both});
-    pass_option(command, "A", "case file (HDF5) or output folder")->required();
-    pass_option(command, "B", "reference: case file or output folder")->required();
-    pass_option(command, "--picture",
-                "draw the fields and their difference into this file: .png, .svg or .pdf (of "
-                "sweeps: the pair that differs most)",
+         .prepare = reduce_both,
+         .result = differs});
+    command.alias("diff");
+    pass_option(command, "A", "output folder, case file (HDF5) or table (CSV)")->required();
+    pass_option(command, "B", "reference to compare with: folder, case file or table")->required();
+    pass_option(command, "--tolerance",
+                "relative tolerance of a column or record (*: of all that are not named), or a "
+                "file with tolerances (TOML)",
+                "COLUMN=REL|FILE.toml")
+        ->take_all();
+    pass_option(command, "--page",
+                "write a page (HTML) with all differences and a picture of the surfaces that "
+                "differ most",
                 "FILE");
-    pass_flag(command, "--all",
-              "list every pair, time, trace and column instead of those that differ most");
-    pass_flag(command, "--json", "print the result as JSON");
+    pass_flag(command, "--json",
+              "print a JSON document instead of text (docs/reference/json-output.md)");
 }
 
 } // namespace shearwake::app

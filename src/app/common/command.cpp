@@ -199,8 +199,8 @@ ExitCode execute(const PythonCommand& command, const std::vector<std::string>& a
                                              captures ? &messages : nullptr);
         const std::string error = error_in(messages);
         if (error.empty()) fmt::print(stderr, "{}", messages);
-        if (status == static_cast<int>(ExitCode::some_cases_failed))
-            code = ExitCode::some_cases_failed;
+        if (status == static_cast<int>(command.result))
+            code = command.result;
         else if (status == static_cast<int>(ExitCode::usage))
             throw UsageError(error.empty() ? command.rejection : error);
         else if (status != 0)

@@ -91,6 +91,7 @@ struct PythonCommand {
     std::vector<std::string> (*prepare)(const std::vector<std::string>& arguments) =
         [](const std::vector<std::string>&) { return std::vector<std::string>{}; };
     const PythonPackages& packages = figure_packages;
+    ExitCode result = ExitCode::some_cases_failed; // an exit code that is no error
 };
 
 /// Declares such a command, to which options can be added. The module receives the arguments and

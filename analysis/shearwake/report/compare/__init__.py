@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`shearwake compare`: two cases or sweeps side by side."""
+"""`shearwake compare`: the differences of two tables, cases or sweeps."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares two cases or two sweeps: surfaces on their common grid, traces and columns.
+"""Compares two tables, cases or sweeps: columns, surfaces on their common grid, traces and sensors.
 
-Usage: python3 -m shearwake.report.compare A B [--json] [--all] [--picture FILE]
-A and B are case files or reduced output folders; B is the reference. Exit 0: compared; 2: nothing in common;
-6: a file cannot be read or written.
+Usage: python3 -m shearwake.report.compare A B [--tolerance COLUMN=RELATIVE|FILE.toml] [--json] [--page FILE]
+A and B are tables (CSV), case files or reduced output folders; B is the reference. Exit 0: no difference; 1: a difference;
+2: an argument is not valid; 6: a file cannot be read or written.
 """
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import json
 import math
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +23,22 @@ from ...checksum import Damaged
 from ...errors import NotAnOutputFolder
 from ...plan import first_line
 from ..load import load, single_case
-from . import compare_fields, compare_words
 from .compare_fields import compare_surfaces, compare_traces
 from .compare_sensors import compare_sensors
+from .compare_tables import (Comparison, Matched, NotATable, compare_tables, match_rows, read_table, row_name,
+                             table_of_case)
+from .compare_words import printable, words
+from .records import compare_records
+from .tolerances import BadTolerance, Tolerances, read_tolerances
 
-USAGE, ENVIRONMENT = 2, 6
+DIFFERS, USAGE, ENVIRONMENT = 1, 2, 6
 SCHEMA = 1
 DIRECTION = "first minus second, relative to the second"
+HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 class Incomparable(Exception):
-    """The two have nothing in common."""
+    """A side has nothing that could be compared."""
 
 
 class NotACase(Exception):
@@ -40,67 +46,46 @@ class NotACase(Exception):
 
 
 class Side:
-    """The complete cases of one argument and the columns that count samples."""
+    """The table of one argument, its complete cases by id, and the columns that count samples. A table (CSV) has no cases."""
 
     def __init__(self, path: str) -> None:
         self.path = Path(path)
+        self.cases: dict[str, Case] = {}
+        self.counting: set[str] = set()
+        self.is_case = not self.path.is_dir() and is_case_file(self.path)
         if self.path.is_dir():
-            selection = load(self.path)
-            self.cases = [c for c in selection.cases if c.is_complete]
-            self.counting = {c.name for c in selection.sweep.columns if c.counts_samples}
+            sweep = load(self.path).sweep
+            self.table = read_table(self.path / "tables" / f"{sweep.name}.csv")
+            self.table.units = {column.name: column.unit for column in sweep.columns}
+            self.cases = {case.id: case for case in sweep.every_case if case.is_complete}
+            self.counting = {column.name for column in sweep.columns if column.counts_samples}
+        elif self.is_case:
+            case = case_of_argument(self.path)
+            self.table, self.cases = table_of_case(case), {case.id: case}
+            self.counting = set(case.attributes.get("columns_in_samples", "").split())
         else:
-            self.cases = [one_case(self.path)]
-            self.counting = counting_columns(self.cases[0])
-
-    @property
-    def is_case(self) -> bool:
-        return not self.path.is_dir()
+            self.table = read_table(self.path)
 
 
-def one_case(path: Path) -> Case:
+def is_case_file(path: Path) -> bool:
+    """Whether a file is to be read as a case file, by its extension or its first bytes."""
+    if path.suffix.lower() == ".h5":
+        return True
+    with open(path, "rb") as file:
+        return file.read(len(HDF5)) == HDF5
+
+
+def case_of_argument(path: Path) -> Case:
     """The case of a file. Raises NotACase."""
     try:
         return single_case(path)
     except FileNotFoundError as error:
-        raise NotACase(f"{path} is neither a case file nor an output folder; run the job first") from error
+        raise NotACase(f"{path} is neither a case file, a table (CSV) nor an output folder; run the job first") from error
     except (KeyError, ValueError, TypeError) as error:
         raise NotACase(f"{path} is not a case file of shearwake, or is incomplete ({first_line(error)}); arguments are "
-                       "files in the folder `cases` of an output folder, or output folders") from error
+                       "files in the folder `cases` of an output folder, tables (CSV) or output folders") from error
     except (OSError, RuntimeError) as error:
         raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
-
-
-def counting_columns(case: Case) -> set[str]:
-    return set(case.attributes.get("columns_in_samples", "").split())
-
-
-def key_of(case: Case, keys: Any) -> Any:
-    return (case.is_reference, *(str(case.settings.get(k)) for k in keys))
-
-
-def pairs_of(first: Side, second: Side) -> tuple[list[tuple[Case, Case]], list[Any], list[Any]]:
-    """Pairs of cases with the same id or, if that is unique, the same values of the swept keys that both have;
-    and the cases of each side without a partner."""
-    if first.is_case and second.is_case:
-        return [(first.cases[0], second.cases[0])], [], []
-    by_id = {c.id: c for c in second.cases}
-    pairs = [(c, by_id[c.id]) for c in first.cases if c.id in by_id]
-    taken = {c.id for pair in pairs for c in pair}
-    left = [[c for c in side.cases if c.id not in taken] for side in (first, second)]
-    keys = sorted(set.intersection(*({k for c in side.cases for k in c.settings} for side in (first, second))))
-    found: list[dict[Any, list[Case]]] = [{}, {}]
-    for cases, groups in zip(left, found):
-        for case in cases:
-            groups.setdefault(key_of(case, keys), []).append(case)
-    for key, ours in found[0].items():
-        theirs = found[1].get(key, [])
-        if len(ours) == len(theirs) == 1:
-            pairs.append((ours[0], theirs[0]))
-    matched = {id(c) for pair in pairs for c in pair}
-    order = {id(c): i for i, c in enumerate(first.cases)}
-    pairs.sort(key=lambda pair: order[id(pair[0])])
-    alone = [[c for c in side.cases if id(c) not in matched] for side in (first, second)]
-    return pairs, alone[0], alone[1]
 
 
 def grid_of(case: Case) -> dict[str, Any]:
@@ -108,43 +93,65 @@ def grid_of(case: Case) -> dict[str, Any]:
     return {"points": [d["nx"], d["ny"]], "spacing_mm": round(1e3 * d["spacing_m"], 9)}
 
 
-def same_value(a: float, b: float) -> bool:
-    return a == b or (math.isnan(a) and math.isnan(b))
-
-
-def compare_columns(a: Case, b: Case, counting: set[str]) -> tuple[list[dict[str, Any]], list[str]]:
-    """The columns that both have, and the names of those that are not compared because they count samples of
-    different grids."""
-    names = [n for n in a.values if n in b.values and not n.endswith("_error")]
-    excluded = [n for n in names if n in counting] if grid_of(a) != grid_of(b) else []
-    rows: list[dict[str, Any]] = []
-    for name in names:
-        x, y = a.value(name), b.value(name)
-        if name in excluded or (math.isnan(x) and math.isnan(y)):
-            continue
-        if name.endswith("_dB"):  # the change of the amplitude
-            change = math.expm1((x - y) * math.log(10.0) / 20.0)
-        else:
-            change = (x - y) / abs(y) if y else (0.0 if same_value(x, y) else math.nan)
-        rows.append({"column": name, "first": x, "second": y, "change": change})
-    rows.sort(key=lambda row: -abs(row["change"]) if math.isfinite(row["change"]) else -math.inf)
-    return rows, excluded
-
-
 def depths_mm(case: Case) -> list[float]:
     """The measured depths, of which the first is that of the surface and the traces."""
     return [round(1e3 * z, 9) for z in case.setting("measure", "depths_m", default=[0.0])]
 
 
-def compare_pair(a: Case, b: Case, counting: set[str]) -> dict[str, Any]:
-    columns, excluded = compare_columns(a, b, counting)
+def compare_cases(a: Case, b: Case) -> dict[str, Any]:
     sensors, note = compare_sensors(a, b)
     return {"first": a.id, "second": b.id, "settings": [a.settings, b.settings],
             "is_reference": [a.is_reference, b.is_reference], "warnings": [a.warnings, b.warnings],
             "engines": [c.setting("solver", "engine", default="") for c in (a, b)],
             "grids": [grid_of(a), grid_of(b)], "depths_mm": [depths_mm(a), depths_mm(b)], "fields": compare_surfaces(a, b),
-            "traces": compare_traces(a, b), "sensors": sensors, "sensors_note": note, "columns": columns,
-            "columns_not_compared": excluded}
+            "traces": compare_traces(a, b), "sensors": sensors, "sensors_note": note}
+
+
+def matched_rows(first: Side, second: Side) -> Matched:
+    """The rows of the tables that are compared. Two case files are always compared. Raises Incomparable."""
+    for side in (first, second):
+        if not side.table.rows:
+            raise Incomparable(f"{side.path} has no cases")
+    if first.is_case and second.is_case:
+        a, b = first.table.rows[0], second.table.rows[0]
+        return Matched([(a, b)], [], [], int(a["id"] != b["id"]))
+    return match_rows(first.table, second.table)
+
+
+def compare(first: Side, second: Side, tolerances: Tolerances) -> tuple[dict[str, Any], list[tuple[Case, Case]]]:
+    """The result as a dictionary, and the compared pairs of cases. Raises Incomparable and BadTolerance."""
+    matched = matched_rows(first, second)
+    both = {n: (first.cases[a["id"]], second.cases[b["id"]]) for n, (a, b) in enumerate(matched.pairs)
+            if a.get("id") in first.cases and b.get("id") in second.cases}
+    counting = first.counting | second.counting
+    regridded = {n for n, (a, b) in both.items() if grid_of(a) != grid_of(b)}
+    found = compare_tables(first.table, second.table, matched, tolerances,
+                           lambda pair, column: column in counting and pair in regridded)
+    pairs = []
+    for n, (a, b) in both.items():
+        pairs.append({**compare_cases(a, b), "columns": found.changes[n]})
+        compare_records(a, b, pairs[-1], row_name(second.table, matched.pairs[n][1]), tolerances, found)
+    tolerances.require_columns([*dict.fromkeys([*second.table.columns, *first.table.columns, *found.tolerances,
+                                                *found.not_compared])])
+    result = document(first, second, found, pairs)
+    if result["equal"] and not found.tolerances:
+        raise Incomparable(f"{first.path} and {second.path} have no column in common that is compared")
+    return result, list(both.values())
+
+
+def document(first: Side, second: Side, found: Comparison, pairs: list[dict[str, Any]]) -> dict[str, Any]:
+    moved = found.moved()
+    extra, missing = ([row_name(side.table, row) for row in rows] for side, rows in ((first, found.matched.extra),
+                                                                                     (second, found.matched.missing)))
+    result = {"schema": SCHEMA, "command": "compare", "first": str(first.path), "second": str(second.path),
+              "direction": DIRECTION,
+              "equal": not (moved or extra or missing or found.missing_columns or found.extra_columns), "text": "",
+              "moved": moved, "missing_columns": found.missing_columns, "extra_columns": found.extra_columns,
+              "missing_cases": missing, "extra_cases": extra, "tolerances": found.tolerances,
+              "not_compared": found.not_compared, "cases": len(found.matched.pairs),
+              "cases_of_other_id": found.matched.by_settings, "pairs": pairs}
+    result["text"] = words(result)
+    return result
 
 
 def without_nan(value: Any) -> Any:
@@ -158,40 +165,17 @@ def without_nan(value: Any) -> Any:
     return value
 
 
-def compare(first: Side, second: Side) -> tuple[Any, ...]:
-    """The result as a dictionary, and the compared pairs of cases. Raises Incomparable."""
-    pairs, only_first, only_second = pairs_of(first, second)
-    if not pairs:
-        raise Incomparable(f"{first.path} and {second.path} have no complete case in common: neither ids nor "
-                           "the values of the swept keys that both have")
-    counting = first.counting | second.counting
-    result = {"schema": SCHEMA, "command": "compare", "first": str(first.path), "second": str(second.path),
-              "direction": DIRECTION, "pairs": [compare_pair(a, b, counting) for a, b in pairs],
-              "only_in_first": [c.id for c in only_first], "only_in_second": [c.id for c in only_second]}
-    return result, pairs
-
-
 def options(arguments: list[str]) -> Any:
     parser = argparse.ArgumentParser(prog="shearwake compare")
     parser.add_argument("first")
     parser.add_argument("second")
+    parser.add_argument("--tolerance", default="")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--all", action="store_true")
-    parser.add_argument("--picture", type=Path)
+    parser.add_argument("--page", type=Path)
     return parser.parse_args(arguments)
 
 
-def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> str:
-    """Draws the picture. The line that reports it, or why there is none."""
-    from . import compare_picture  # needs Matplotlib
-    try:
-        compare_picture.draw(result, pairs, path)
-    except compare_fields.NothingToDraw as reason:
-        return f"no picture: {reason}"
-    return f"picture: {path}"
-
-
-def write(text: str) -> int:
+def write(text: str, code: int) -> int:
     """Prints the text and returns the exit code. A reader that closes the pipe, such as head, has read enough."""
     try:
         print(text, flush=True)
@@ -200,28 +184,31 @@ def write(text: str) -> int:
         if not isinstance(error, BrokenPipeError):
             print(f"error: the output cannot be written: {error.strerror}", file=sys.stderr)
             return ENVIRONMENT
-    return 0
+    return code
 
 
 def main(arguments: list[str]) -> int:
     given = options(arguments)
     try:
-        result, pairs = compare(Side(given.first), Side(given.second))
-        picture = draw(result, pairs, given.picture) if given.picture else ""
-    except Incomparable as error:
-        print(f"error: {error}", file=sys.stderr)
+        tolerances = read_tolerances(text for text in given.tolerance.split(",") if text)
+        result, pairs = compare(Side(given.first), Side(given.second), tolerances)
+        if given.page:
+            from .compare_page import write_page  # needs Matplotlib
+            write_page(result, pairs, given.page)
+    except (Incomparable, BadTolerance) as error:
+        print(f"error: {printable(str(error))}", file=sys.stderr)
         return USAGE
-    except (NotAnOutputFolder, NotACase, OSError, Damaged) as error:
-        print(f"error: {error}", file=sys.stderr)
+    except (NotAnOutputFolder, NotACase, NotATable, OSError, Damaged) as error:
+        print(f"error: {printable(str(error))}", file=sys.stderr)
         return ENVIRONMENT
     except (KeyError, IndexError, TypeError, ValueError, ArithmeticError) as error:  # for other contents, numpy and xarray raise many types
-        print(f"error: one of the files has other contents than a case file: {error!r}", file=sys.stderr)
+        print(f"error: one of the files has other contents than a case file: {printable(repr(error))}", file=sys.stderr)
         return ENVIRONMENT
-    if given.json:
-        if picture.startswith("no "):
-            print(picture, file=sys.stderr)
-        return write(json.dumps(without_nan(result), indent=1))
-    return write("\n".join(filter(None, [compare_words.words(result, given.all), picture])))
+    except Exception:  # noqa: BLE001 - Python would exit with the code of a difference
+        traceback.print_exc()
+        return ENVIRONMENT
+    text = json.dumps(without_nan(result), indent=1) if given.json else result["text"]
+    return write(text, 0 if result["equal"] else DIFFERS)
 
 
 def command() -> None:

@@ -16,10 +16,6 @@ POINTS = 8  # of the interpolation
 TIE = 1e-9  # of the largest difference: closer values are equal, for example on both sides of a symmetry axis
 
 
-class NothingToDraw(Exception):
-    """The two have no surface at a common time."""
-
-
 def interpolation(at: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """The matrix that interpolates values at equidistant nodes to the points `at`, by polynomials through the
     nearest nodes. Its rows are unit vectors where a point coincides with a node."""
@@ -82,10 +78,11 @@ def compare_surfaces(first: Case, second: Case) -> list[dict[str, Any]]:
         if a is None or b is None:
             continue
         x, y, u_a, u_b = on_common_grid(a, b)
-        difference = np.abs(u_a - u_b)
+        difference = np.nan_to_num(np.abs(u_a - u_b), nan=np.inf, posinf=np.inf)
         at = place_of_largest(difference, x, y)
         found.append({"time_ms": round(1e3 * a[0], 9), "points": [len(x), len(y)],
                       "relative_l2": relative_l2(u_a, u_b), "largest_um": 1e6 * float(difference.max()),
+                      "peak_um": 1e6 * float(np.abs(u_b).max()),
                       "largest_relative": float(difference.max() / np.abs(u_b).max()) if u_b.any() else math.nan,
                       "at_mm": [1e3 * float(x[at[0]]), 1e3 * float(y[at[1]])]})
     return found
@@ -107,5 +104,6 @@ def compare_traces(first: Case, second: Case) -> list[dict[str, Any]]:
             n = int(np.argmax(np.abs(a - b)))
             found.append({"at_mm": [1e3 * at[0], 1e3 * at[1]], "times": len(pairs),
                           "relative_l2": relative_l2(a, b), "largest_um": 1e6 * float(abs(a - b)[n]),
+                          "peak_um": 1e6 * float(np.abs(b).max()),
                           "time_ms": 1e3 * float(first.over_time["time"][ours[n]])})
     return found

@@ -133,6 +133,7 @@ def compare_sensors(first: Case, second: Case) -> tuple[list[Any], str]:
         node, time = np.unravel_index(int(np.argmax(np.abs(a - b))), a.shape)
         found.append({"field": name, "unit": ours.fields[name][0], "nodes": len(nodes), "times": len(times),
                       "relative_l2": relative_l2(a, b), "largest": float(np.abs(a - b)[node, time]),
+                      "peak": float(np.abs(b).max()),
                       "at_node": list(ours.nodes[nodes[node][0]]),
                       "time_ms": 1e3 * float(ours.time_s[times[time][0]])})
     return found, staggered(note, ours, theirs, names)

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
 from ..words import counted, key_name, setting_text
 
-COLUMNS = 12  # per pair of cases; of several pairs, the columns with their largest change
 FEW = 5  # of surfaces and traces: those that differ most
-EQUAL = 1e-12  # relative changes up to here are rounding errors
+LISTED = 20  # missing and extra columns and cases
+
+
+def printable(text: str) -> str:
+    """One line without the control characters of names and cells, which a terminal would interpret."""
+    return re.sub(r"[\x00-\x1f\x7f-\x9f]", "?", text)
 
 
 def percent(value: float) -> str:
@@ -102,7 +107,7 @@ def most_different(entries: list[Any], noun: str, line: Callable[..., Any], ever
     if everything or len(entries) <= FEW:
         return [summary, *map(line, entries)]
     order = sorted(range(len(entries)), key=lambda n: -entries[n]["largest_um"])[:FEW]
-    return [f"{summary}; the {FEW} with the largest differences (--all lists each):",
+    return [f"{summary}; the {FEW} with the largest differences (--page lists each):",
             *(line(entries[n]) for n in sorted(order))]
 
 
@@ -117,47 +122,54 @@ def sensor_lines(pair: dict[str, Any]) -> list[Any]:
     return lines
 
 
-def depth_lines(pair: dict[str, Any]) -> list[Any]:
-    first, second = ([f"{z:.6g}" for z in depths] for depths in pair["depths_mm"])
-    if first == second:
-        return []
-    return [f"  measured depths differ: {', '.join(first)} mm and {', '.join(second)} mm; surfaces, traces and columns are "
-            "those of these depths"]
-
-
 def field_lines(pair: dict[str, Any], everything: bool) -> list[str]:
-    return [*depth_lines(pair),
-            *(most_different(pair["fields"], "surface", surface_line, everything) or ["  surface: no common time"]),
+    return [*(most_different(pair["fields"], "surface", surface_line, everything) or ["  surface: no common time"]),
             *most_different(pair["traces"], "trace", trace_line, everything), *sensor_lines(pair)]
 
 
-def cell(value: float) -> str:
-    return f"{value:.6g}" if math.isfinite(value) else "none"
+def column_line(column: dict[str, Any], width: int, cases: int) -> str:
+    """The largest difference of a column: 'peak_um  +1 %: 0.297 -> 0.3 at load.peak_Pa=100; 4 of 4 cases differ'."""
+    first = column["cells"][0]
+    values = [cell or "(empty)" for cell in (first["reference"], first["now"])]
+    change = f": {' -> '.join(values)}" if first["reference"] or first["now"] else ""
+    more = f"; {len(column['cells'])} of {counted(cases, 'case')} differ" if len(column["cells"]) > 1 else ""
+    return f"{column['column']:<{width}}  {first['words']}{change} at {first['case']}{more}"
 
 
-def column_lines(rows: list[dict[str, Any]], everything: bool = False) -> list[str]:
-    """A table of the columns that differ by more than rounding errors."""
-    rows = [r for r in rows if not abs(r["change"]) <= EQUAL]
-    if not rows:
-        return ["  all columns are equal"]
-    lines = [f"  {'column':<28} {'first':>12} {'second':>12}  change (first - second) / |second|"]
-    lines += [f"  {r['column']:<28} {cell(r['first']):>12} {cell(r['second']):>12}  "
-              f"{'' if not math.isfinite(r['change']) else format(100 * r['change'], '+.3g') + ' %'}".rstrip()
-              for r in (rows if everything else rows[:COLUMNS])]
-    if len(rows) > COLUMNS and not everything:
-        lines.append(f"  and {counted(len(rows) - COLUMNS, 'column')} with smaller changes (--all lists each)")
+def item_lines(what: str, items: list[str]) -> list[str]:
+    more = [f"{what}: {len(items) - LISTED} more"] if len(items) > LISTED else []
+    return [*(f"{what}: {item}" for item in items[:LISTED]), *more]
+
+
+def column_lines(result: dict[str, Any]) -> list[str]:
+    """The columns and records that differ, largest first, and what only one side has."""
+    width = max((len(column["column"]) for column in result["moved"]), default=0)
+    lines = [column_line(column, width, result["cases"]) for column in result["moved"]]
+    for what in ("missing_columns", "extra_columns", "missing_cases", "extra_cases"):
+        lines += item_lines(what[:-1].replace("_", " "), result[what])
+    if result["cases_of_other_id"]:
+        lines.append(f"{counted(result['cases_of_other_id'], 'case')} with different ids"
+                     + ("" if len(result["pairs"]) == 1 == result["cases"] else ", matched by swept values"))
+    if result["not_compared"]:
+        lines.append(f"not compared: {', '.join(result['not_compared'])}")
     return lines
+
+
+def verdict(result: dict[str, Any]) -> str:
+    """The last line."""
+    start = f"{counted(result['cases'], 'case')}, {counted(len(result['tolerances']), 'column')} compared: "
+    if result["equal"]:
+        return start + "no difference"
+    columns, cases = (len(result[f"missing_{what}"]) + len(result[f"extra_{what}"]) for what in ("columns", "cases"))
+    return (f"{start}{counted(len(result['moved']), 'column')} changed, {counted(columns, 'column')} and "
+            f"{counted(cases, 'case')} missing or extra")
 
 
 def pair_lines(pair: dict[str, Any], everything: bool) -> list[str]:
     lines = [*name_lines(pair), f"  grid: {grid(pair)}"]
     if pair["engines"][0] != pair["engines"][1]:
         lines.append(f"  engines: {' and '.join(pair['engines'])}")
-    lines += [*field_lines(pair, everything), *column_lines(pair["columns"], everything)]
-    if pair["columns_not_compared"]:
-        lines.append("  not compared, because they count samples of different grids: "
-                     + ", ".join(pair["columns_not_compared"]))
-    return lines
+    return [*lines, *field_lines(pair, everything)]
 
 
 def worst(pairs: list[dict[str, Any]]) -> dict[str, Any]:
@@ -166,31 +178,14 @@ def worst(pairs: list[dict[str, Any]]) -> dict[str, Any]:
                                          if math.isfinite(f["relative_l2"])), default=-1.0))
 
 
-def largest_changes(pairs: Any) -> Any:
-    """Of each column, the row of the pair that changes most."""
-    found: dict[Any, list[Any]] = {}
-    for pair in pairs:
-        for row in pair["columns"]:
-            known = found.get(row["column"])
-            size = abs(row["change"]) if math.isfinite(row["change"]) else -1.0
-            if known is None or size > known[0]:
-                found[row["column"]] = [size, row]
-    return [row for _, row in sorted(found.values(), key=lambda item: -item[0])]
-
-
 def words(result: dict[str, Any], everything: bool = False) -> str:
-    """The text; with `everything`, all pairs, times, traces and columns instead of those that differ most."""
+    """The text; with `everything`, all pairs, times and traces instead of those that differ most."""
     pairs = result["pairs"]
-    lines = [f"{result['first']} compared with {result['second']}", f"direction: {result['direction']}", *warning_lines(pairs)]
+    lines = [f"{result['first']} compared with {result['second']}", *warning_lines(pairs)]
     if len(pairs) == 1 or everything:
         for pair in pairs:
             lines += pair_lines(pair, everything)
-    else:
-        lines.append(f"{len(pairs)} pairs of cases; the pair whose surfaces differ most (--all lists each):")
-        lines += pair_lines(worst(pairs), everything)
-    if len(pairs) > 1:
-        lines += ["", "largest change of each column over all pairs:", *column_lines(largest_changes(pairs), everything)]
-    for key, which in (("only_in_first", "first"), ("only_in_second", "second")):
-        if result[key]:
-            lines.append(f"only in the {which}: {', '.join(result[key])}")
-    return "\n".join(lines)
+    elif pairs:
+        lines += [f"{len(pairs)} pairs of cases; the pair whose surfaces differ most (--page lists each):",
+                  *pair_lines(worst(pairs), everything)]
+    return "\n".join(map(printable, [*lines, *column_lines(result), verdict(result)]))

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws two surfaces and their difference."""
+"""The HTML page of a comparison: its complete text, and two surfaces with their difference."""
 from __future__ import annotations
 
+import base64
+import html
+import io
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +17,7 @@ from ...case import Case
 from .. import layout, load, style
 from ..words import number
 from . import compare_words
-from .compare_fields import NothingToDraw, common_times, on_common_grid
+from .compare_fields import common_times, on_common_grid
 
 SEEN = 0.02      # smallest visible displacement relative to the largest
 MARGIN_mm = 3.0
@@ -60,12 +63,12 @@ def title_of(chosen: dict[str, Any], side: int) -> str:
     return f"{('first', 'second')[side]}: {layout.wrapped(words, 3.0)}\n{facts}"
 
 
-def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> None:
-    """The pair that differs most, at the time of its largest difference. Both surfaces have the same colour scale.
-    Raises NothingToDraw without a common surface."""
-    chosen = compare_words.worst(result["pairs"])
+def picture(result: dict[str, Any], pairs: list[tuple[Case, Case]]) -> bytes:
+    """The pair that differs most, at the time of its largest difference, as PNG; empty without a common surface. Both
+    surfaces have the same colour scale."""
+    chosen = compare_words.worst(result["pairs"]) if pairs else {"fields": []}
     if not chosen["fields"]:
-        raise NothingToDraw("the cases have no surface at a common time to draw; record.snapshots_ms selects the times")
+        return b""
     field = max(chosen["fields"], key=lambda f: f["largest_um"])  # relative L2 is large while the skin hardly moves
     x, y, u, v = visible(*surfaces(pairs[result["pairs"].index(chosen)], field["time_ms"]), field["at_mm"])
     common, own = (max(float(np.abs(values).max()) for values in part) or 1.0 for part in ((u, v), (u - v,)))
@@ -88,7 +91,20 @@ def draw(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> 
                       va="bottom", path_effects=style.halo(2.0, "white"))
     made[0].set_ylabel("y (mm)")
     figure.suptitle(f"The surfaces at {number(field['time_ms'])} ms", x=0.01, ha="left", fontsize=10)
-    path.parent.mkdir(parents=True, exist_ok=True)
     style.finish(figure)
-    figure.savefig(path, dpi=150)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=150, format="png")
     plt.close(figure)
+    return drawn.getvalue()
+
+
+def write_page(result: dict[str, Any], pairs: list[tuple[Case, Case]], path: Path) -> None:
+    """Writes the page, which loads nothing from elsewhere."""
+    title = html.escape(f"{result['first']} compared with {result['second']}")
+    drawn = picture(result, pairs)
+    image = (f'<p><img style="max-width:100%" alt="the surfaces that differ most" src="data:image/png;base64,'
+             f'{base64.b64encode(drawn).decode()}"></p>\n' if drawn else
+             "<p>No picture: no cases with a surface at a common time are compared.</p>\n")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f'<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n<title>{title}</title>\n<h1>{title}</h1>\n'
+                    f"{image}<pre>{html.escape(compare_words.words(result, everything=True))}</pre>\n</html>\n", encoding="utf-8")
