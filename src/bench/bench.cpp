@@ -3,115 +3,204 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 #include "engines/registry/make_engine.hpp"
-#include "fft/line_transform.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
 #include "fft/slab_transform.hpp"
+#include "fft/staggered_derivative.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "simd/instruction_set.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::bench {
 namespace {
 
-/// Seconds of the FFTs of `count` lines.
-double lines_s(std::ptrdiff_t count, std::ptrdiff_t length, const Comm& world) {
-    if (count == 0) return 0.0;
-    const fft::LineTransform in_time(length, fft::Direction::backward);
-    fft::AlignedVector<std::complex<double>> line(static_cast<std::size_t>(length));
-    return best_of(3, [&] {
-        return seconds_of(world, [&] {
-            for (std::ptrdiff_t n = 0; n < count; ++n)
-                in_time.execute(line.data());
-        });
-    });
+using Json = nlohmann::ordered_json;
+using Grid = std::vector<std::ptrdiff_t>;
+
+constexpr int steps = 20; // that are timed
+
+/// The time of a case or step with this number of points, and that of its FFTs alone.
+Json measurement(const std::string& name, double s, std::ptrdiff_t count, double fft_s) {
+    const auto points = static_cast<double>(count);
+    return {{"name", name}, {"time_s", s}, {"points_per_s", points / s}, {"fft_s", fft_s}};
 }
 
-/// Measures a case and the FFTs that it consists of; `name` begins the names of its measurements.
-void measure_layered(const Case& c, const std::string& title, const std::string& name,
-                     const Comm& world, Output& out) {
-    const auto engine = engines::make_engine(c.solver);
-    const auto complete_case = [&] {
-        pipeline::SurfaceRecorder recorder(c, world, nullptr, {});
-        return seconds_of(world, [&] {
-            engine->run(c, world, recorder);
-            recorder.finish();
-        });
-    };
-    const double first = complete_case();
-    const double rest = best_of(5, complete_case);
+/// Wall-clock seconds of the slowest rank in the fastest of several repetitions, which is the least
+/// disturbed by other processes.
+double best_of(int times, const Comm& world, const auto& work) {
+    double best = 1e300;
+    for (int i = 0; i < times; ++i) {
+        world.barrier();
+        const auto began = Clock::now();
+        work();
+        best = std::min(best, world.max(seconds_since(began)));
+    }
+    return best;
+}
 
+/// Bytes per second that all ranks together read and write when all of them copy memory.
+double copy_rate_B_s(const Comm& world) {
+    fft::AlignedVector<double> from(std::size_t{1} << 24, 1.0), to(std::size_t{1} << 24);
+    const double s = best_of(5, world, [&] { std::copy(from.begin(), from.end(), to.begin()); });
+    return 2.0 * 8.0 * static_cast<double>(from.size()) / s * world.size();
+}
+
+/// Mean seconds of the forward and the backward FFT of a plane.
+double plane_s(const fft::SlabTransform& slabs, const Comm& world) {
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
+    return 0.5 * best_of(20, world, [&] {
+               slabs.to_spectral(plane.data());
+               slabs.to_physical(plane.data());
+           });
+}
+
+/// A complete case with all measures, without its transfer functions, and the FFTs of its frames.
+Json measure_case(const char* kind, const Case& c, const Comm& world) {
+    const auto engine = engines::make_engine(c.solver);
+    const double time_s = best_of(6, world, [&] { // the first computes the transfer functions
+        pipeline::SurfaceRecorder recorder(c, world, nullptr, {});
+        engine->run(c, world, recorder);
+        recorder.finish();
+    });
     const Domain solved = layered::solved_domain(c);
     const fft::SlabTransform slabs(solved.nx, solved.ny, world);
-    fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
-    const double transforms = best_of(5, [&] {
-        return seconds_of(world, [&] {
-            for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-                plane.assign(plane.size(), 0.0);
-                slabs.to_physical(plane.data());
-            }
-        });
-    });
-    const layered::TimeLines lines = layered::time_lines(c, slabs.share());
-    const double in_time_s = lines_s(lines.count, lines.length, world) +
-                             lines_s(lines.of_load, lines.load_length, world);
-
-    if (!world.is_root()) return;
-    const double points = static_cast<double>(c.domain.nx * c.domain.ny * c.time.frames);
-    const double all_s = transforms + in_time_s;
-    out.print("{}: {} x {} points, {} frames\n", title, c.domain.nx, c.domain.ny, c.time.frames);
-    out.print("  transfer functions         {:8.3f} s   once per medium and grid\n", first - rest);
-    out.print("  case with all measures     {:8.3f} s   {:.2g} ns per point and frame\n", rest,
-              1e9 * rest / points);
-    out.print("  lower bound: all FFTs      {:8.3f} s   the case takes {:.2f} times as long: {} "
-              "planes of {} x {} points, {} lines of {} samples in time, and {} of {} samples of "
-              "the load\n",
-              all_s, rest / all_s, c.time.frames, solved.nx, solved.ny, lines.count, lines.length,
-              lines.of_load, lines.load_length);
-    out.print("  FFTs of the planes         {:8.3f} s   the case takes {:.2f} times as long\n",
-              transforms, rest / transforms);
-    out.add(name + "transfer function", first - rest, "s");
-    out.add(name + "case with all measures", rest, "s");
-    out.add(name + "lower bound: all FFTs", all_s, "s");
-    out.add(name + "FFTs of the planes", transforms, "s");
+    return measurement(
+        fmt::format("{} x {} x {} frames, {}", c.domain.nx, c.domain.ny, c.time.frames, kind),
+        time_s, c.domain.nx * c.domain.ny * c.time.frames,
+        plane_s(slabs, world) * static_cast<double>(c.time.frames));
 }
 
-ExitCode bench_layered(const Comm& world, Output& out) {
-    if (world.is_root())
-        out.print("engine layered, {}: three layers, kernels {}\n", counted(world.size(), "rank"),
-                  simd::name_of(simd::instruction_set()));
-    measure_layered(layered_bench_case(), "periodic edges", "", world, out);
-    Case open = layered_bench_case();
-    open.domain.edges = DomainEdges::open;
-    measure_layered(open, "open edges", "open edges: ", world, out);
-    measure_layered(steady_bench_case(), "open edges, periodic regime", "periodic regime: ", world,
-                    out);
-    const double copies_B_s = copy_rate_B_s(world);
-    if (!world.is_root()) return ExitCode::done;
-    out.print("memory copies                {:8.1f} GB/s\n", copies_B_s / 1e9);
-    out.add("memory copies", copies_B_s, "B/s");
-    return ExitCode::done;
+Json measure_layered(const Comm& world) {
+    Case c = layered_bench_case();
+    Json all = Json::array({measure_case("periodic edges", c, world)});
+    c.domain.edges = DomainEdges::open;
+    all.push_back(measure_case("open edges", c, world));
+    c.scene().load.modulation.trajectory = {{Travel{
+        Arc{{}, 10e-3, 0.0, two_pi}, ConstantSpeed{two_pi * 10e-3 * 100.0}, AtEnd::repeat}}};
+    c.time = {128, 10e-3 / 128.0, Regime::periodic};
+    c.measure = {.at_s = c.time.duration_s(), .settled_after_s = 0.0, .focal_radius_m = 3e-3};
+    all.push_back(measure_case("periodic regime", c, world));
+    return all;
+}
+
+/// A focus of 3 mm that moves at 7 m/s over a layer with elements of 4 mm. The run has many frames,
+/// since the matrices that speed up iterations are worth their cost only then.
+Case spectral_case(const Grid& grid) {
+    Case c = layered_bench_case();
+    c.solver = SpectralOptions{.time_step_s = 50e-6, .longest_element_m = 4.04e-3};
+    auto& layers = c.scene().medium.layers;
+    layers = {layers.back()};
+    layers[0].thickness_m = 4e-3 * static_cast<double>(grid[2] / 8);
+    layers[0].c_s_m_s = 5.0;
+    c.scene().load.modulation.trajectory = {
+        {Travel{{{-5e-3, 0.0}, {300e-3, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene().load.modulation.envelope = {};
+    c.domain = {good_even_length(grid[0]), good_even_length(grid[1]), 0.75e-3, 0.0};
+    c.time = {560, 50e-6};
+    c.measure.at_s = c.time.duration_s();
+    return c;
+}
+
+/// The mean time of the steps, whose number of iterations varies, and the FFTs of as many complete
+/// planes as they transform.
+Json measure_spectral(const Grid& grid, const Comm& world) {
+    Case c = spectral_case(grid);
+    // Elements need not end at the faces of bodies, since only the speed matters here.
+    const auto mesh = spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver));
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world, fft::Planning::measured);
+    const double depth_m = c.scene().medium.layers[0].thickness_m, fft_s = plane_s(slabs, world);
+    Json all = Json::array();
+    const auto measure_steps = [&](const std::string& kind) {
+        spectral::Stepper stepper(c, mesh, slabs, c.time.interval_s, world);
+        stepper.advance(); // the first step touches cold memory
+        const std::ptrdiff_t before = stepper.statistics().transforms;
+        const double steps_s = best_of(1, world, [&] {
+            for (int n = 0; n < steps; ++n)
+                stepper.advance();
+        });
+        const auto transforms = static_cast<double>(stepper.statistics().transforms - before);
+        all.push_back(measurement(
+            fmt::format("{} x {} x {} levels, {}", c.domain.nx, c.domain.ny, mesh.levels(), kind),
+            steps_s / steps, c.domain.nx * c.domain.ny * static_cast<std::ptrdiff_t>(mesh.levels()),
+            transforms / steps * fft_s));
+    };
+    measure_steps("no body");
+    Body body{.shape = Ellipsoid{{12e-3, 8e-3, 0.25 * depth_m}},
+              .centre_m = {0.0, 2e-3, 0.375 * depth_m}};
+    for (const double contrast : {4.0, 16.0, 1000.0}) {
+        body.c_s_m_s = 5.0 * std::sqrt(contrast);
+        c.scene().medium.bodies = {body};
+        measure_steps(fmt::format("contrast {:g}", contrast));
+    }
+    c.scene().medium.bodies = {{.shape = Cylinder{.radius_m = std::min(5e-3, 0.4 * depth_m)},
+                                .centre_m = {0.0, 0.0, 0.5 * depth_m},
+                                .density_kg_m3 = 1900.0,
+                                .rigid = true}};
+    measure_steps("rigid cylinder");
+    return all;
+}
+
+/// A uniform solid with an absorbing layer of 10 points. Sources throughout the grid drive it with
+/// pseudorandom values.
+pstd::Setup pstd_setup(const Grid& grid, bool is_lossy) {
+    pstd::Setup s;
+    s.grid = {{grid[0], grid[1], grid[2]}, {1e-3, 1e-3, 1e-3}, 1e-6};
+    s.absorption = is_lossy ? pstd::Absorption::kelvin_voigt : pstd::Absorption::none;
+    s.material = [](pstd::Node) { return pstd::NodeMaterial{1000.0, 20.0, 5.0, 0.01, 0.01}; };
+    pstd::Source source{.samples = 1};
+    source.values = [](std::ptrdiff_t, std::span<const std::size_t> which, std::span<double> to) {
+        for (std::size_t i = 0; i < which.size(); ++i)
+            to[i] = std::sin(12.9898 * static_cast<double>(which[i]));
+    };
+    for (std::ptrdiff_t x = 0; x < grid[0]; x += 4)
+        for (std::ptrdiff_t y = 0; y < grid[1]; y += 4)
+            for (std::ptrdiff_t z = 0; z < grid[2]; z += 4)
+                source.nodes.push_back({x, y, z});
+    for (const pstd::Field field : {pstd::Field::ux, pstd::Field::uz, pstd::Field::sxy}) {
+        source.field = field;
+        s.sources.push_back(source);
+    }
+    return s;
+}
+
+/// The fastest step, and the forward and backward FFTs alone of all lines that it differentiates.
+template <class Real>
+Json measure_pstd(const Grid& grid, bool is_lossy, const Comm& world) {
+    const pstd::Setup setup = pstd_setup(grid, is_lossy);
+    pstd::Stepper<Real> stepper(setup, world);
+    const double step_s = best_of(1 + steps, world, [&] { stepper.step(); });
+    const std::ptrdiff_t points = grid[0] * grid[1] * grid[2];
+    double fft_s = 0.0;
+    for (const std::ptrdiff_t length : grid) {
+        fft::StaggeredDerivative<Real> lines(length, 1e-3, world);
+        const auto blocks = (is_lossy ? 9 : 6) * points / world.size() / (2 * lines.width * length);
+        fft_s += best_of(5, world, [&] {
+            for (std::ptrdiff_t i = 0; i < blocks; ++i)
+                lines.transform_block();
+        });
+    }
+    return measurement(fmt::format("{} x {} x {} points, {}, {}", grid[0], grid[1], grid[2],
+                                   is_lossy ? "lossy" : "lossless",
+                                   sizeof(Real) == 8 ? "double" : "single"),
+                       step_s, points, fft_s);
 }
 
 } // namespace
 
-/// 256 x 192 points, a 3 mm focus, 14 ms in 280 frames.
 Case layered_bench_case() {
     Case c;
-    const auto layer = [](const char* name, double thickness_m, double c_s_m_s) {
-        return Layer{.name = name,
-                     .thickness_m = thickness_m,
-                     .density_kg_m3 = 1000.0,
-                     .c_p_m_s = 1500.0,
-                     .c_s_m_s = c_s_m_s,
-                     .loss = KelvinVoigt{1.0}};
-    };
-    c.scene().medium = {
-        {layer("epidermis", 0.1e-3, 36.5), layer("dermis", 2e-3, 3.65), layer("fat", 18e-3, 2.24)},
-        Base::rigid};
+    c.scene().medium = {{{"epidermis", 0.1e-3, 1000.0, 1500.0, 36.5, KelvinVoigt{1.0}},
+                         {"dermis", 2e-3, 1000.0, 1500.0, 3.65, KelvinVoigt{1.0}},
+                         {"fat", 18e-3, 1000.0, 1500.0, 2.24, KelvinVoigt{1.0}}},
+                        Base::rigid};
     c.scene().load.peak_Pa = 100.0;
     c.scene().load.footprint = GaussianFootprint{3e-3};
     c.scene().load.modulation = {
@@ -125,50 +214,41 @@ Case layered_bench_case() {
     return c;
 }
 
-/// 256 x 192 points, a circle of 20 mm and 128 frames of a period of 10 ms.
-Case steady_bench_case() {
-    Case c = layered_bench_case();
-    c.scene().load.modulation.trajectory = {{Travel{
-        Arc{{}, 10e-3, 0.0, two_pi}, ConstantSpeed{two_pi * 10e-3 * 100.0}, AtEnd::repeat}}};
-    c.domain.edges = DomainEdges::open;
-    c.time = {128, 10e-3 / 128.0, Regime::periodic};
-    c.measure.at_s = c.time.duration_s();
-    c.measure.settled_after_s = 0.0;
-    return c;
-}
-
-double copy_rate_B_s(const Comm& world) {
-    fft::AlignedVector<double> from(std::size_t{1} << 24, 1.0), to(std::size_t{1} << 24);
-    const double copy = best_of(5, [&] {
-        return seconds_of(world, [&] { std::copy(from.begin(), from.end(), to.begin()); });
-    });
-    return 2.0 * 8.0 * static_cast<double>(from.size()) / copy * world.size();
-}
-
-namespace {
-
-ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
-    if (arguments.engine == "spectral") return bench_spectral(arguments, world, out);
-    if (arguments.engine == "pstd") return bench_pstd(arguments, world, out);
-    return bench_layered(world, out);
-}
-
-} // namespace
-
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
-    Output out(arguments.json ? Output::Form::document : Output::Form::text);
-    ExitCode code = ExitCode::done;
-    // As in `run`, so that the times include the agreement before each collective call.
-    fail_together(world, [&] { code = run_bench(arguments, world, out); });
-    if (!arguments.json || !world.is_root()) return code;
-    nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
-    for (const Measurement& m : out.measurements())
-        measurements.push_back({{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
-    fmt::print("{}", json_document("bench", {{"name", arguments.engine},
-                                             {"ranks", world.size()},
-                                             {"kernels", simd::name_of(simd::instruction_set())},
-                                             {"measurements", measurements}}));
-    return code;
+    Json measured;
+    double copies_B_s = 0.0;
+    fail_together(world, [&] { // as in `run`, so that times include its agreements
+        const auto& [engine, grid, json] = arguments;
+        if (engine == "layered") measured = measure_layered(world);
+        if (engine == "spectral")
+            measured = measure_spectral(grid.empty() ? Grid{256, 192, 25} : grid, world);
+        std::vector<Grid> grids = {{128, 96, 32}, {128, 128, 128}};
+        if (!grid.empty()) grids = {grid};
+        if (engine == "pstd")
+            for (const Grid& points : grids)
+                for (const bool is_lossy : {false, true}) {
+                    measured.push_back(measure_pstd<double>(points, is_lossy, world));
+                    measured.push_back(measure_pstd<float>(points, is_lossy, world));
+                }
+        copies_B_s = copy_rate_B_s(world);
+    });
+    if (!world.is_root()) return ExitCode::done;
+    const std::string kernels(simd::name_of(simd::instruction_set()));
+    if (arguments.json)
+        fmt::print("{}", json_document("bench", {{"name", arguments.engine},
+                                                 {"ranks", world.size()},
+                                                 {"kernels", kernels},
+                                                 {"copies_B_per_s", copies_B_s},
+                                                 {"measurements", measured}}));
+    if (arguments.json) return ExitCode::done;
+    fmt::print("engine {}, {}, kernels {}, copies at {:.1f} GB/s\n{:>54} Mpoint/s  s of FFTs\n",
+               arguments.engine, counted(world.size(), "rank"), kernels, 1e-9 * copies_B_s,
+               arguments.engine == "layered" ? "s per case" : "s per step");
+    for (const Json& m : measured)
+        fmt::print("  {:<42}{:10.5f} {:8.4g} {:10.5f}\n", m["name"].get<std::string>(),
+                   m["time_s"].get<double>(), 1e-6 * m["points_per_s"].get<double>(),
+                   m["fft_s"].get<double>());
+    return ExitCode::done;
 }
 
 } // namespace shearwake::bench

@@ -84,13 +84,6 @@ double peak_memory_B() {
                                                  : 0.0;
 }
 
-double resident_memory_B() {
-    std::ifstream file("/proc/self/statm");
-    double program_pages = 0.0, pages = 0.0;
-    file >> program_pages >> pages;
-    return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
-
 namespace {
 
 /// Superblock, groups, about seventy variables with names, units and notes, attributes with the

@@ -19,8 +19,6 @@ double memory_per_rank_B(const Comm& world);
 
 /// The peak memory of this rank so far. Not collective.
 double peak_memory_B();
-/// The current memory of this rank. Not collective.
-double resident_memory_B();
 
 /// What a case needs on a team, decided once and handed on.
 struct CasePlan {

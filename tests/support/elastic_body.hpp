@@ -74,7 +74,7 @@ public:
         for (double& mass : v.implicit_mass)
             mass *= std::pow(step_s * growth_1_s, 2);
         field_.emplace(std::move(v), case_.domain.ny, slabs_->share());
-        planes_.emplace(field_->cells(), *slabs_, alone_, clock_, spectral::StrainPlanes::Corner{});
+        planes_.emplace(field_->cells(), *slabs_, alone_, spectral::StrainPlanes::Corner{});
         planes_->assemble();
         transfer_.emplace(mesh_, field_->variation().strain_points,
                           field_->variation().components());
@@ -97,7 +97,7 @@ public:
         const Values wave = strain(incident);
         Values source = excess(wave), residual(wave.size());
         respond(source, residual);
-        spectral::StrainSolver solver(*field_, case_.domain.nx, alone_, clock_);
+        spectral::StrainSolver solver(*field_, case_.domain.nx, alone_);
         double scale = 0.0;
         Values stress(wave.size());
         for (std::size_t p = 0; p < field_->points(); ++p)
@@ -216,7 +216,6 @@ private:
     Case case_;
     Vec3 centre_m_;
     Comm alone_ = Comm::world().split(Comm::world().rank());
-    spectral::StepClock clock_;
     std::optional<fft::SlabTransform> slabs_;
     std::optional<spectral::WaveVectors> vectors_;
     spectral::DepthMesh mesh_;

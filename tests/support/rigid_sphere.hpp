@@ -54,7 +54,7 @@ public:
                 operator_->factorise_implicit(vectors_->waves(row, block).k, 1.0,
                                               factors_.data() +
                                                   (row * vectors_->blocks() + block) * size);
-        bodies_.emplace(case_, mesh_, *slabs_, *vectors_, 1.0, alone, clock_);
+        bodies_.emplace(case_, mesh_, *slabs_, *vectors_, 1.0, alone);
         bodies_->assemble(*operator_, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {
             solve(row, block, pencil);
         });
@@ -210,7 +210,6 @@ private:
     }
 
     Case case_;
-    spectral::StepClock clock_;
     std::optional<fft::SlabTransform> slabs_;
     std::optional<spectral::WaveVectors> vectors_;
     spectral::DepthMesh mesh_;

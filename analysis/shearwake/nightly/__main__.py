@@ -61,8 +61,8 @@ def lock(folder: Path) -> int | None:
 
 
 def speeds_of(shearwake: Program, results: list[Result]) -> list[tuple[str, float]]:
-    """The speeds of the engines, and per job the time of its median case over the lower bound of engine
-    layered."""
+    """The speeds of the engines, and per job the time of its median case over that of the FFTs of a
+    case of engine layered."""
     speeds, layered_s = shearwake.speeds()
     for result in results:
         if layered_s and result.seconds:

@@ -123,8 +123,8 @@ def speed_section(history: History, nights: list[tuple], slower: list[str]) -> s
     if not figures:
         return ""
     warning = f"<p class='bad'><b>slower</b>: {escape('; '.join(slower))}</p>" if slower else ""
-    return ("<h2>Speed</h2><p class='small'>Times relative to a lower bound that <code>shearwake bench</code> "
-            "measured in the same night on the same machine: 1 is the best possible value. A speed is marked as "
+    return ("<h2>Speed</h2><p class='small'>Times relative to the FFTs alone, which <code>shearwake bench</code> "
+            "measured in the same night on the same machine. A speed is marked as "
             "slower if it exceeds the median of the earlier nights by 25 % in two consecutive nights; this does "
             "not fail the night.</p>"
             f"{warning}<div class='charts'>{''.join(figures)}</div>")

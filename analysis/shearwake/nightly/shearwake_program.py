@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the program and parses its output."""
+import json
 import re
 import subprocess
 from pathlib import Path
 
 from .. import program
 
-BENCHES = {"layered": (), "spectral": ("--grid", "192x128x25", "--steps", "20")}
-LOWER_BOUND = re.compile(r"^\s*lower bound: (?P<name>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) "
-                         "times as long", re.M)
-PART = re.compile(r"^(?P<name>[a-z ,]+): \d+ x \d+ points, \d+ frames$", re.M)  # of the benchmark of layered
+ENGINES = ("layered", "spectral")
 TIMED_OUT = 124  # exit code of timeout
 
 
@@ -37,15 +35,12 @@ class Program:
         return match.group(1) if match else "unknown"
 
     def speeds(self) -> tuple[list[tuple[str, float]], float | None]:
-        """[(name, time over the lower bound)], and the seconds of the lower bound of engine layered."""
+        """[(name, time relative to the FFTs alone)], and the seconds of the FFTs of the first case of engine layered."""
         found, layered_s = [], None
-        for engine, options in BENCHES.items():
-            output = self("bench", engine, *options)[1]
-            parts = [(match.start(), match["name"]) for match in PART.finditer(output)]
-            for match in LOWER_BOUND.finditer(output):
-                part = next((name for start, name in reversed(parts) if start < match.start()), "periodic edges")
-                of = engine if part == "periodic edges" else f"{engine}, {part}"
-                found.append((f"{of}: time relative to {match['name']}", float(match["ratio"])))
-                if of == "layered":
-                    layered_s = float(match["s"])
+        for engine in ENGINES:
+            code, output = self("bench", engine, "--json")
+            for m in json.loads(output)["measurements"] if code == 0 else ():
+                if m["fft_s"] > 0.0:
+                    found.append((f"{engine}, {m['name']}: time relative to its FFTs", m["time_s"] / m["fft_s"]))
+                    layered_s = layered_s or m["fft_s"]
         return found, layered_s

@@ -86,11 +86,6 @@ public:
         }
     }
 
-    TimeLines time_lines() const {
-        const std::ptrdiff_t count = share_.ky_count * stored_nx_;
-        return {count, coarse_, load_.is_mirrored() ? 0 : count, time_.samples};
-    }
-
     /// Writes a row of u_z(ky, kx) at frame `first + in_batch`.
     void put_row(std::ptrdiff_t first, std::ptrdiff_t in_batch, std::ptrdiff_t ky,
                  Complex* row) const {
@@ -229,13 +224,6 @@ double period_times_area_s_m2(const Case& c) {
 }
 
 } // namespace
-
-TimeLines time_lines(const Case& given, const fft::SlabShare& share) {
-    const Case c = solved_case(given);
-    fft::AlignedVector<Complex> none;
-    return FieldSpectra(c, key_of(c, std::get<LayeredOptions>(c.solver)), share, 0, none)
-        .time_lines();
-}
 
 void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgress& progress) {
     const Case& c = plan.c;

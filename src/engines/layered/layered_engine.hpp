@@ -13,15 +13,6 @@
 
 namespace shearwake::layered {
 
-/// Number and length of the transforms in time of a rank, for one depth of a case: from frequencies
-/// to frames, and those of the load at each wave vector, which a focus that moves along x alone
-/// does not need.
-struct TimeLines {
-    std::ptrdiff_t count, length, of_load, load_length;
-};
-/// The transforms of the rank with this share of the grid. Not collective.
-TimeLines time_lines(const Case& c, const fft::SlabShare& share);
-
 struct LayeredPlan;
 
 /// The tables of a case, in the order of LayeredPlan::keys.

@@ -7,8 +7,7 @@ namespace shearwake::spectral {
 
 DisplacementPlanes::DisplacementPlanes(std::vector<DepthWeights> depths, Runs runs,
                                        const DepthMesh& mesh, const WaveVectors& vectors,
-                                       const fft::SlabTransform& slabs, const Comm& team,
-                                       StepClock& clock)
+                                       const fft::SlabTransform& slabs, const Comm& team)
     : kernels_(simd::kernels<DisplacementKernels>()), vectors_(vectors), nodes_(mesh.degree + 1),
       levels_(static_cast<std::ptrdiff_t>(mesh.levels()) - 1), depths_(std::move(depths)) {
     std::size_t first = 0;
@@ -22,7 +21,7 @@ DisplacementPlanes::DisplacementPlanes(std::vector<DepthWeights> depths, Runs ru
     }
     planes_.emplace(
         PlaneCells{.points = points_, .components = components, .x_start = slabs.share().x_start},
-        slabs, team, clock, StrainPlanes::Corner{});
+        slabs, team, StrainPlanes::Corner{});
     planes_->assemble();
     // Two lines of zeros, one of ones, and two of zeros.
     unit_.assign(static_cast<std::size_t>(10 * vectors.nx()), 0.0);

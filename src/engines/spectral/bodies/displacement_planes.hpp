@@ -14,10 +14,10 @@ class DisplacementPlanes {
 public:
     static constexpr std::size_t components = 3;
     using Runs = std::vector<std::vector<fft::RowRun>>; // per depth, with offsets from 0
-    /// `slabs` and `clock` must outlive this object. Collective.
+    /// `slabs` must outlive this object. Collective.
     DisplacementPlanes(std::vector<DepthWeights> depths, Runs runs, const DepthMesh& mesh,
                        const WaveVectors& vectors, const fft::SlabTransform& slabs,
-                       const Comm& team, StepClock& clock);
+                       const Comm& team);
     DisplacementPlanes(const DisplacementPlanes&) = delete;
     DisplacementPlanes& operator=(const DisplacementPlanes&) = delete;
 

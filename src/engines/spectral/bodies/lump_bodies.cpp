@@ -48,10 +48,9 @@ std::array<double, kernel_points> kernel_weights(double offset) {
 
 LumpBodies::LumpBodies(const RigidPlan& plan, const DepthMesh& mesh,
                        const fft::SlabTransform& slabs, const WaveVectors& vectors, double step_s,
-                       const Comm& team, StepClock& clock)
+                       const Comm& team)
     : RigidBodies(plan, lump_freedoms, step_s, team), domain_(plan.c.domain), mesh_(mesh),
-      slabs_(slabs), vectors_(vectors), clock_(clock),
-      inverse_(3 * placed_markers(plan, mesh).size(), team) {
+      slabs_(slabs), vectors_(vectors), inverse_(3 * placed_markers(plan, mesh).size(), team) {
     // Its periodic images keep a body that crosses the domain from turning about the other axes.
     for (std::size_t i = 0; i < bodies().size(); ++i) {
         const Endless along = endless_along(bodies()[i], domain_);
@@ -59,8 +58,8 @@ LumpBodies::LumpBodies(const RigidPlan& plan, const DepthMesh& mesh,
         if (along == Endless::along_y) constrain(i, {3, 5});
     }
     place_markers(plan, mesh);
-    planes_ = std::make_unique<DisplacementPlanes>(depths_, place_taps(), mesh, vectors, slabs,
-                                                   team, clock);
+    planes_ =
+        std::make_unique<DisplacementPlanes>(depths_, place_taps(), mesh, vectors, slabs, team);
     for (Tap& tap : taps_) {
         const std::size_t depth = markers_[tap.marker].depth;
         tap.at += planes_->first(depth);
@@ -196,9 +195,9 @@ void LumpBodies::exert(const std::vector<double>& forces) {
 std::unique_ptr<RigidBodies> make_rigid_bodies(const RigidPlan& plan, const DepthMesh& mesh,
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
-                                               const Comm& team, StepClock& clock) {
+                                               const Comm& team) {
     if (plan.treatment == RigidTreatment::lumps)
-        return std::make_unique<LumpBodies>(plan, mesh, slabs, vectors, step_s, team, clock);
+        return std::make_unique<LumpBodies>(plan, mesh, slabs, vectors, step_s, team);
     return std::make_unique<EndlessBodies>(plan, mesh, vectors, step_s, team);
 }
 

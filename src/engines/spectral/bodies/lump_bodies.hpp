@@ -34,9 +34,9 @@ public:
         std::array<double, kernel_points> along_x, along_y;
     };
 
-    /// `slabs` and `clock` must outlive this object. Collective.
+    /// `slabs` must outlive this object. Collective.
     LumpBodies(const RigidPlan& plan, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-               const WaveVectors& vectors, double step_s, const Comm& team, StepClock& clock);
+               const WaveVectors& vectors, double step_s, const Comm& team);
 
     void assemble(const VerticalOperator& op, const Solve& solve) override;
     void clear() override {}
@@ -78,7 +78,6 @@ private:
     DepthMesh mesh_;
     const fft::SlabTransform& slabs_;
     WaveVectors vectors_;
-    StepClock& clock_;
     std::vector<Marker> markers_; // ordered by depth
     std::vector<DepthWeights> depths_;
     std::vector<Tap> taps_;
@@ -91,7 +90,7 @@ private:
 std::unique_ptr<RigidBodies> make_rigid_bodies(const RigidPlan& plan, const DepthMesh& mesh,
                                                const fft::SlabTransform& slabs,
                                                const WaveVectors& vectors, double step_s,
-                                               const Comm& team, StepClock& clock);
+                                               const Comm& team);
 
 /// Sizes of the lumps. Not collective.
 struct LumpSizes {

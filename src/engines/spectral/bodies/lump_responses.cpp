@@ -36,13 +36,12 @@ class Responses {
 public:
     Responses(const std::vector<LumpBodies::Marker>& markers,
               const std::vector<DepthWeights>& depths, const Domain& domain, const DepthMesh& mesh,
-              const WaveVectors& vectors, const fft::SlabTransform& slabs, const Comm& team,
-              StepClock& clock)
+              const WaveVectors& vectors, const fft::SlabTransform& slabs, const Comm& team)
         : domain_(domain), vectors_(vectors), team_(team),
           nx_(distances_along(markers, &LumpBodies::Marker::x, domain.nx)),
           ny_(distances_along(markers, &LumpBodies::Marker::y, domain.ny)),
           rows_(std::clamp<std::ptrdiff_t>(nx_ - slabs.share().x_start, 0, slabs.share().x_count)),
-          depths_(depths.size()), planes_(depths, runs(), mesh, vectors, slabs, team, clock),
+          depths_(depths.size()), planes_(depths, runs(), mesh, vectors, slabs, team),
           values_(planes_.size()) {}
 
     void compute(std::size_t depth, std::size_t component, const VerticalOperator& op,
@@ -137,7 +136,7 @@ private:
 
 /// Fills this rank's columns of G = J B^-1 J'.
 void LumpBodies::put_responses(const VerticalOperator& op, const Solve& solve) {
-    Responses responses(markers_, depths_, domain_, mesh_, vectors_, slabs_, team(), clock_);
+    Responses responses(markers_, depths_, domain_, mesh_, vectors_, slabs_, team());
     std::size_t begin = 0; // of the markers of a depth
     for (std::size_t depth = 0; depth < depths_.size(); ++depth) {
         std::size_t end = begin;

@@ -102,11 +102,11 @@ std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, const Cell
 }
 
 BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
-                         const fft::SlabTransform& slabs, const Comm& team, StepClock& clock)
-    : field_(field), plane_slabs_(slabs), team_(team), clock_(clock), grid_(grid),
+                         const fft::SlabTransform& slabs, const Comm& team)
+    : field_(field), plane_slabs_(slabs), team_(team), grid_(grid),
       slabs_(grid.nx, grid.ny, team, slabs.planning()),
       vectors_({grid.nx, grid.ny, 1.0, 0.0}, slabs_.share()),
-      planes_(field.cells(), slabs_, team, clock, grid.corner), count_(planes_.count()),
+      planes_(field.cells(), slabs_, team, grid.corner), count_(planes_.count()),
       entries_(count_ * (count_ + 1) / 2), lines_(simd::kernels<LineKernels>()),
       kernels_(simd::kernels<SymmetricKernels>()) {
     together(team, [&] {
@@ -141,7 +141,7 @@ LateralField BoxResponse::near_corner(std::ptrdiff_t nx, std::ptrdiff_t ny) cons
 void BoxResponse::assemble(const Respond& respond) {
     const std::ptrdiff_t half = grid_.ny / 2;
     const LateralField quadrant = near_corner(grid_.nx / 2, half);
-    StrainPlanes planes(quadrant.cells(), plane_slabs_, team_, clock_, {});
+    StrainPlanes planes(quadrant.cells(), plane_slabs_, team_, {});
     const auto rows = static_cast<std::ptrdiff_t>(quadrant.variation().points[0].runs.size());
     std::vector<fft::RowRun> complete;
     for (std::ptrdiff_t i = 0; i < rows; ++i)
@@ -238,8 +238,6 @@ void BoxResponse::respond(const Values& stress, Values& strain, Precision precis
         planes_.begin_row(row);
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
             multiply(row, block, precision);
-        clock_.lap(Phase::solves, static_cast<double>(vectors_.blocks() * entries_ * lane_count) *
-                                      (precision == Precision::full ? 2.0 : 1.0) * sizeof(float));
         planes_.end_row(row, StrainPlanes::Modes::retained);
     }
     planes_.get(strain);

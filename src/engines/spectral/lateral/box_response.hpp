@@ -42,10 +42,10 @@ class BoxResponse {
 public:
     using Values = LateralField::Values;
 
-    /// `slabs` are those of the complete plane. `field`, `slabs` and `clock` must outlive this
+    /// `slabs` are those of the complete plane. `field` and `slabs` must outlive this
     /// object. Collective.
     BoxResponse(const LateralField& field, const BoxGrid& grid, const fft::SlabTransform& slabs,
-                const Comm& team, StepClock& clock);
+                const Comm& team);
 
     /// Computes the matrices. respond(plane, planes) ends each row of `planes` from `plane` on with
     /// the strain, with the sign of a force, for a unit stress at the first point of the grid in
@@ -83,7 +83,6 @@ private:
     const LateralField& field_;
     const fft::SlabTransform& plane_slabs_;
     Comm team_;
-    StepClock& clock_;
     BoxGrid grid_;
     fft::SlabTransform slabs_;
     WaveVectors vectors_;

@@ -84,8 +84,8 @@ constexpr double exchanged_B = 8e6;
 } // namespace
 
 StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& slabs,
-                           const Comm& team, StepClock& clock, Corner corner)
-    : cells_(cells), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
+                           const Comm& team, Corner corner)
+    : cells_(cells), slabs_(slabs), nx_(slabs.nx()),
       count_(static_cast<std::ptrdiff_t>(cells.points.size() * cells.components)) {
     const CellExtent extent = cells.extent(&team);
     if (LineWindow::pays(nx_, extent.x_end - extent.x_begin))
@@ -139,7 +139,6 @@ void StrainPlanes::set(const Values& values) {
     for (const Group& group : groups_)
         group.transform.to_lines(values.data(), group.planes, stored_plane(group.first_point));
     transforms_ += count_;
-    clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
 
 void StrainPlanes::get(Values& values) {
@@ -151,7 +150,6 @@ void StrainPlanes::get_from(std::size_t first, Values& values) {
         if (group.end_point > first)
             group.transform.to_values(stored_plane(group.first_point), group.planes, values.data());
     transforms_ += count_;
-    clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
 
 void StrainPlanes::begin_row(std::ptrdiff_t row) {
@@ -160,7 +158,6 @@ void StrainPlanes::begin_row(std::ptrdiff_t row) {
     else
         for (std::ptrdiff_t p = 0; p < count_; ++p)
             slabs_.line_to_spectral(line(row) + p * stride());
-    clock_.lap(Phase::transforms);
 }
 
 void StrainPlanes::end_row(std::ptrdiff_t row, Modes modes) {
@@ -181,7 +178,6 @@ void StrainPlanes::end_row_from(std::ptrdiff_t row, std::ptrdiff_t first) {
             slabs_.line_to_physical(modes);
         }
     }
-    clock_.lap(Phase::transforms);
 }
 
 } // namespace shearwake::spectral

@@ -3,7 +3,6 @@
 
 #include "engines/spectral/kernels/window.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
-#include "engines/spectral/lateral/step_clock.hpp"
 #include "fft/aligned.hpp"
 #include "fft/run_transform.hpp"
 
@@ -57,9 +56,9 @@ public:
     struct Corner {
         std::ptrdiff_t x = 0, y = 0;
     };
-    /// Collective; the owners of `cells`, `slabs` and `clock` must outlive this object.
+    /// Collective; the owners of `cells` and `slabs` must outlive this object.
     StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& slabs, const Comm& team,
-                 StepClock& clock, Corner corner);
+                 Corner corner);
     /// Allocates the planes. Not collective.
     void assemble();
 
@@ -110,7 +109,6 @@ private:
     }
     PlaneCells cells_;
     const fft::SlabTransform& slabs_;
-    StepClock& clock_;
     /// Consecutive points that are exchanged between the ranks together.
     struct Group {
         std::size_t first_point, end_point;

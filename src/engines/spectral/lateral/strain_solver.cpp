@@ -13,10 +13,8 @@ constexpr int most_iterations = 500;
 
 } // namespace
 
-StrainSolver::StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team,
-                           StepClock& clock)
-    : kernels_(simd::kernels<StrainKernels>()), field_(field), team_(team), clock_(clock),
-      sums_(rows) {
+StrainSolver::StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team)
+    : kernels_(simd::kernels<StrainKernels>()), field_(field), team_(team), sums_(rows) {
     for (auto* values : {&strain_, &direction_, &stress_, &image_})
         values->assign(field.size(), 0.0);
 }
@@ -35,7 +33,6 @@ StrainSolver::Outcome StrainSolver::solve(Values& residual, double reference, do
         const double alpha = norm / curvature();
         const double next = step_along(alpha, residual);
         turn(next / norm, residual);
-        clock_.lap(Phase::products, bytes(17.5));
         norm = next;
         ++count;
         if (!rounds || norm > goal) continue;
@@ -52,7 +49,6 @@ double StrainSolver::restart(const Values& residual) {
         field_.implicit(point, direction_, stress_);
         field_.add_product(point, direction_, stress_, sums_);
     }
-    clock_.lap(Phase::products, bytes(5.5)); // reading or writing an array counts 1, the moduli 1/2
     return sum_over_team();
 }
 
@@ -60,15 +56,12 @@ void StrainSolver::refresh(Values& residual, const Response& respond) {
     respond(stress(), image_);
     for (std::size_t i = 0; i < residual.size(); ++i)
         residual[i] = given_[i] - strain_[i] + image_[i];
-    clock_.lap(Phase::products, bytes(4.0));
 }
 
 /// Sums over all ranks and clears the sums.
 double StrainSolver::sum_over_team() {
-    clock_.lap(Phase::products);
     const double all = sums_.of(team_);
     sums_.clear();
-    clock_.lap(Phase::rest);
     return all;
 }
 
@@ -104,7 +97,6 @@ void StrainSolver::turn(double beta, const Values& residual) {
 const StrainSolver::Values& StrainSolver::stress() {
     for (std::size_t point = 0; point < field_.points(); ++point)
         field_.implicit(point, strain_, stress_);
-    clock_.lap(Phase::products, bytes(2.5));
     return stress_;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engines/spectral/lateral/lateral_field.hpp"
-#include "engines/spectral/lateral/step_clock.hpp"
 #include "parallel/comm.hpp"
 
 #include <functional>
@@ -30,8 +29,7 @@ public:
     };
 
     /// `rows` is the total number of rows of x.
-    StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team,
-                 StepClock& clock);
+    StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team);
 
     struct Outcome {
         int iterations = 0;
@@ -59,9 +57,6 @@ public:
 private:
     double curvature();
     double sum_over_team();
-    double bytes(double times) const {
-        return times * static_cast<double>(strain_.size() * sizeof(double));
-    }
     /// Sets the direction to the residual and returns the norm of the latter.
     double restart(const Values& residual);
     /// Computes the residual b - (1 + G S) e from b.
@@ -72,7 +67,6 @@ private:
     const StrainKernels& kernels_;
     const LateralField& field_;
     Comm team_;
-    StepClock& clock_;
     RowSums sums_;
     Values given_;                               // b
     Values strain_, direction_, stress_, image_; // stress_ is S direction

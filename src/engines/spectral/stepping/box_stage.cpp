@@ -16,7 +16,6 @@ void predict(StepState& s, const Pencil& p, double scale, const Block* u, const 
     s.put_forces(p, u, before, change, pressure, needed);
     s.solve(p, change);
     s.add_work(p, scale, u, before, change, pressure);
-    s.clock.lap(Phase::solves, s.pencil_bytes(3.0));
     s.put_strain(p, change);
 }
 
@@ -28,7 +27,6 @@ public:
 
     void advance() override {
         s_.load.sample(s_.step);
-        s_.clock.lap(Phase::rest);
         if (s_.predicted.valid) return;
         s_.kinetic.clear();
         s_.work.clear();
@@ -55,8 +53,7 @@ public:
 class BoxStage : public Stage {
 public:
     BoxStage(StepState& state, const BoxGrid& grid)
-        : Stage(state), iteration_(state),
-          box_(state.field, grid, state.slabs, state.team, state.clock) {
+        : Stage(state), iteration_(state), box_(state.field, grid, state.slabs, state.team) {
         box_.assemble(
             [&](std::ptrdiff_t plane, StrainPlanes& planes) { respond_to_plane(plane, planes); });
         together(s_.team, [&] {
@@ -82,7 +79,6 @@ public:
             for (std::size_t i = 0; i < s_.stress.size(); ++i)
                 s_.stress[i] += implicit[i];
         }
-        s_.clock.lap(Phase::products, s_.value_bytes(6.0));
         s_.planes.set(s_.stress);
         complete_and_predict();
         iteration_.advance_strains();
@@ -141,7 +137,6 @@ private:
             s_.solve(p, response);
             s_.kernels.advance_by_sum(s_.size(), scale, u, change, response, before);
             work += s_.work_of_change(p, scale, response, predicted.load.data() + p.at * parts);
-            s_.clock.lap(Phase::solves, s_.pencil_bytes(2.0));
             if (!predicted.valid) return;
             // The factor of the next pencil, since this one is in the cache.
             predict(s_, p, 1.0, before, u, s_.factor(std::min(p.at + 1, s_.vectors.pencils() - 1)));

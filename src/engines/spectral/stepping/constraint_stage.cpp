@@ -13,7 +13,6 @@ public:
 
     void advance() override {
         s_.bodies->advance(s_.scale());
-        s_.clock.lap(Phase::rest);
         double work = 0.0;
         s_.each_reaction([&](const Pencil& p, const Block* displacement) {
             work += s_.add_to_next(p, displacement);

@@ -20,7 +20,6 @@ public:
         s_.watch.add_work(s_.scale() * s_.work.mine());
         if (s_.field.variation().iterates)
             s_.reference = std::max(s_.kinetic.of(s_.team), std::abs(s_.work.of(s_.team)));
-        s_.clock.lap(Phase::rest);
     }
     std::vector<engines::Array> arrays() const override { return {}; } // a number per ky
     void save(StateWriter& state) const override { s_.watch.save(state); }

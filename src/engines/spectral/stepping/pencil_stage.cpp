@@ -13,7 +13,6 @@ public:
 
     void advance() override {
         s_.load.sample(s_.step);
-        s_.clock.lap(Phase::rest);
         if (s_.varies()) {
             s_.find_stress();
             s_.planes.set(s_.stress);
@@ -37,16 +36,13 @@ private:
         Block *before = s_.u_before(p), *force = s_.scratch.data();
         Block pressure[parts];
         s_.put_forces(p, u, before, force, pressure, s_.factor(p.at));
-        s_.clock.lap(Phase::solves, s_.pencil_bytes(3.0));
         s_.add_planes_force(p, force);
         s_.solve(p, force);
         s_.slab_bodies.constrain(p.row, p.block, s_.background_solve(), force, scale, u, before);
         s_.add_work(p, scale, u, before, force, pressure);
-        s_.clock.lap(Phase::solves);
         s_.put_strain(p, force);
         s_.kernels.advance(s_.size(), scale, u, force, before);
         if (!s_.bodies->empty()) s_.bodies->evaluate(p.row, p.block, before);
-        s_.clock.lap(Phase::solves);
     }
 };
 

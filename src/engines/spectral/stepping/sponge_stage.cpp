@@ -89,7 +89,6 @@ public:
 
     void advance() override {
         if (s_.sponge_acts_at(s_.step)) damp();
-        s_.clock.lap(Phase::sponge);
     }
     std::vector<engines::Array> arrays() const override {
         return {{"sponge", static_cast<double>(planes_.size() * sizeof(double))}};
@@ -110,7 +109,6 @@ private:
             s_.sponge_in_pass = [this](const Pencil& p) {
                 if (p.block == 0) begin_row(p.row);
                 if (acts_on(p.row, p.block)) damp(p);
-                s_.clock.lap(Phase::sponge);
             };
             return;
         }

@@ -28,9 +28,8 @@ StepState::StepState(RigidPlan plan, const DepthMesh& of_depth, const fft::SlabT
       vertical(mesh, field.variation().background),
       transfer(mesh, field.variation().strain_points, field.variation().components()),
       load(c, vectors, step_s, {c.scene().load, c.time.duration_s() + 2.0 * step_s}),
-      bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team, clock)),
-      slab_bodies(c, mesh, vectors),
-      planes(field.cells(), slabs, team, clock, StrainPlanes::Corner{}),
+      bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team)),
+      slab_bodies(c, mesh, vectors), planes(field.cells(), slabs, team, StrainPlanes::Corner{}),
       kinetic(c.domain.ny / 2 + 1), work(c.domain.ny / 2 + 1),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
@@ -94,7 +93,6 @@ void StepState::each_reaction(const Reaction& use) {
             bodies->add_force(p.row, p.block, force);
             solve_constrained(p, force);
             if (use) use(p, force);
-            clock.lap(Phase::solves, pencil_bytes(2.0));
             put_strain(p, force);
         });
 }
@@ -114,13 +112,11 @@ void StepState::put_forces(const Pencil& p, const Block* u, const Block* previou
 void StepState::add_planes_force(const Pencil& p, Block* force) {
     transfer.add_force(planes.in_line(vectors.waves(p.row, p.block)), planes.line(p.row),
                        planes.stride(), per_point(), force);
-    clock.lap(Phase::transfer, block_bytes());
 }
 
 void StepState::put_strain(const Pencil& p, const Block* displacement) {
     transfer.strain(planes.in_line(vectors.waves(p.row, p.block)), displacement, planes.line(p.row),
                     planes.stride());
-    clock.lap(Phase::transfer, block_bytes());
 }
 
 template <class Motion>
@@ -158,8 +154,6 @@ double StepState::add_to_next(const Pencil& p, const Block* displacement) {
 
 void StepState::find_stress() {
     field.stress(strain, strain_before, 1.0 / step_s, stress);
-    // Reading or writing an array counts 1, the moduli 1/2.
-    clock.lap(Phase::products, value_bytes(4.5));
 }
 
 void StepState::add_planes(Values& values) {
@@ -189,11 +183,6 @@ void StepState::save_displacement(StateWriter& state) const {
 void StepState::restore_displacement(const StateReader& state) {
     state.get("now", rows(), scalars(now.data()));
     state.get("before", rows(), scalars(before.data()));
-}
-
-double StepState::pencil_bytes(double times) const {
-    return (static_cast<double>(vertical.factor_size()) + times * static_cast<double>(size())) *
-           sizeof(Block);
 }
 
 } // namespace shearwake::spectral

@@ -57,7 +57,6 @@ public:
     double step_s;
     const PencilKernels& kernels;
 
-    StepClock clock;
     LateralField field;
     VerticalOperator vertical;
     StrainTransfer transfer;
@@ -180,13 +179,6 @@ public:
     /// Adds the planes to the values. Collective.
     void add_planes(Values& values);
 
-    /// Memory traffic in bytes: of the factors and `times` the displacement of one pencil; and of
-    /// `times` an array of values of the cells.
-    double pencil_bytes(double times) const;
-    double value_bytes(double times) const {
-        return times * static_cast<double>(field.size() * sizeof(double));
-    }
-
 private:
     void allocate();
     void factorise(Operator which);
@@ -195,10 +187,6 @@ private:
     /// Work of the load on a motion of the surface, given by motion(part, lane).
     template <class Motion>
     double work_of(const Pencil& p, const Block* pressure, Motion motion) const;
-    /// Memory traffic of one pencil in the planes.
-    double block_bytes() const {
-        return static_cast<double>(planes.count() * parts) * sizeof(Block);
-    }
 
     fft::AlignedVector<Block> factors_;
     Values reaction_;

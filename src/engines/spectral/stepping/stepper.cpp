@@ -26,7 +26,6 @@ Stepper::Stepper(RigidPlan bodies, const DepthMesh& mesh, const fft::SlabTransfo
 }
 
 void Stepper::advance() {
-    state_.clock.start();
     for (const auto& stage : stages_)
         stage->advance();
     state_.end_step();

@@ -65,8 +65,6 @@ public:
     const StepStatistics& statistics() const { return state_.statistics; }
     /// The box on which iterations take place; nothing: complete planes.
     const std::optional<BoxGrid>& box() const { return box_; }
-    const StepClock& clock() const { return state_.clock; }
-    const StrainPlanes& planes() const { return state_.planes; }
     const LateralField& field() const { return state_.field; }
     const RigidBodies& bodies() const { return *state_.bodies; }
 

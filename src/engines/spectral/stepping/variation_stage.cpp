@@ -41,7 +41,6 @@ private:
             s_.add_planes_force(p, force);
             s_.solve_constrained(p, force);
             if (!s_.bodies->empty()) s_.bodies->evaluate(p.row, p.block, force);
-            s_.clock.lap(Phase::solves, s_.pencil_bytes(0.0));
             use(p, force);
         });
     }
@@ -79,7 +78,7 @@ std::unique_ptr<Stage> make_variation(StepState& state) {
 StrainIteration::StrainIteration(StepState& state)
     : s_(state), kernels_(simd::kernels<StrainKernels>()) {
     if (!s_.field.variation().iterates) return;
-    together(s_.team, [&] { solver_.emplace(s_.field, s_.c.domain.nx, s_.team, s_.clock); });
+    together(s_.team, [&] { solver_.emplace(s_.field, s_.c.domain.nx, s_.team); });
 }
 
 int StrainIteration::solve(const StrainSolver::Responses& respond) {
@@ -106,7 +105,6 @@ void StrainIteration::advance_strains() {
     kernels_.advance(std::ssize(s_.change), s_.scale(), s_.strain.data(), s_.change.data(),
                      s_.strain_before.data());
     std::swap(s_.strain, s_.strain_before);
-    s_.clock.lap(Phase::products, s_.value_bytes(4.0));
 }
 
 std::vector<engines::Array> StrainIteration::arrays() const {
