@@ -57,12 +57,32 @@ inline std::string plain_and(std::string_view more) {
     return std::string(plain_job) + std::string(more);
 }
 
+/// The plain job with other text from `first` up to `last`.
+inline std::string plain_from_to(std::string_view first, std::string_view last,
+                                 std::string_view text) {
+    const std::size_t begin = plain_job.find(first), end = plain_job.find(last);
+    return std::string(plain_job.substr(0, begin)) + std::string(text) +
+           std::string(plain_job.substr(end));
+}
+
+/// The plain job with another [medium].
+inline std::string with_medium(std::string_view medium) {
+    return plain_from_to("[medium]", "[load]", medium);
+}
+
+/// The plain job with another [load.modulation].
+inline std::string with_modulation(std::string_view modulation) {
+    return plain_from_to("kind =", "[domain]", std::string(modulation) + "\n");
+}
+
 /// Everything found in a job, good or bad, one text each.
 inline std::vector<std::string> diagnostics_of(std::string_view job_text,
-                                               std::vector<config::Override> overrides = {}) {
+                                               std::vector<config::Override> overrides = {},
+                                               const config::MapLoader& maps = nullptr,
+                                               const config::TextLoader& files = nullptr) {
     std::vector<config::Diagnostic> diagnostics;
     try {
-        diagnostics = config::read_job(job_text, "job.toml", overrides).diagnostics;
+        diagnostics = config::read_job(job_text, "job.toml", overrides, maps, files).diagnostics;
     } catch (const config::BadJob& bad) {
         diagnostics = bad.diagnostics();
     }
@@ -73,6 +93,16 @@ inline std::vector<std::string> diagnostics_of(std::string_view job_text,
 }
 
 using Texts = std::vector<std::string>;
+
+/// What is found in a job that names a file with this text.
+inline Texts diagnostics_with_file(std::string_view job_text, const std::string& file) {
+    return diagnostics_of(job_text, {}, nullptr, [&](const std::string&) { return file; });
+}
+
+/// "8:16 text" as the error at line 8, column 16, about a key that begins with `key`.
+inline std::string error_at(const std::string& place_and_text, std::string_view key = "") {
+    return "job.toml:" + replaced(place_and_text, " ", ": error: " + std::string(key));
+}
 
 inline bool any_contains(const Texts& texts, std::string_view part) {
     return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) {

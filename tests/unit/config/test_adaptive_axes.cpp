@@ -65,14 +65,17 @@ TEST_CASE("mistakes in adaptive axes are reported", "[config][adapt]") {
     CHECK_FALSE(any_contains(of_axis("find = \"minimum\", in = [100, 800]" + rest), "sweep"));
     CHECK_FALSE(
         any_contains(of_axis("find = \"crossing\", level = 0.3, in = [100, 800]" + rest), "sweep"));
-    CHECK(any_contains(of_axis("find = \"crossing\", in = [100, 800]" + rest), "requires a level"));
-    CHECK(any_contains(of_axis("refine = [800, 100]" + rest), "two ascending numbers"));
-    CHECK(any_contains(of_axis("refine = [100, 800], in = [1, 2]" + rest), "in"));
-    CHECK(any_contains(of_axis("refine = [100, 800], column = \"eta_period_1\""), "tolerance"));
-    CHECK(any_contains(of_axis("refine = [100, 800], tolerance = 1"), "column"));
-    CHECK(any_contains(of_axis("refine = [100, 800], initial = 2" + rest), "initial"));
-    CHECK(any_contains(of_axis("refine = [100, 800], smallest_step = 0" + rest), "smallest_step"));
-    CHECK(any_contains(of_axis("refine = [-100, 800]" + rest), "am_frequency_Hz"));
+    const auto [axis, said] = GENERATE_REF(table<std::string, std::string>({
+        {"find = \"crossing\", in = [100, 800]" + rest, "requires a level"},
+        {"refine = [800, 100]" + rest, "two ascending numbers"},
+        {"refine = [100, 800], in = [1, 2]" + rest, "in"},
+        {"refine = [100, 800], column = \"eta_period_1\"", "tolerance"},
+        {"refine = [100, 800], tolerance = 1", "column"},
+        {"refine = [100, 800], initial = 2" + rest, "initial"},
+        {"refine = [100, 800], smallest_step = 0" + rest, "smallest_step"},
+        {"refine = [-100, 800]" + rest, "am_frequency_Hz"},
+    }));
+    CHECK(any_contains(of_axis(axis), said));
 }
 
 } // namespace test_adaptive_axes

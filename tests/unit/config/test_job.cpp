@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+#include <array>
 #include <random>
 
 namespace test_job {
@@ -153,15 +154,14 @@ TEST_CASE("an error in [job] or schema is reported with its location", "[job]") 
         {"schema = 1\n", "",
          "job.toml: error: schema is missing; begin the job with the line schema = 1"},
         {"schema = 1", "schema = 2",
-         "job.toml:1:10: error: schema must be 1, the only version that this program supports, but "
-         "is 2"},
-        {"name = \"plain\"\n", "", "job.toml:2:1: error: job.name is missing"},
+         "1:10 schema must be 1, the only version that this program supports, but is 2"},
+        {"name = \"plain\"\n", "", "2:1 job.name is missing"},
         {"[job]\nname = \"plain\"\n", "", "job.toml: error: job is missing"},
-        {"name =", "nam =", "job.toml:3:1: error: job.nam is unknown; did you mean name?"},
-        {"\"plain\"", "3", "job.toml:3:8: error: job.name must be a string, but is a number"},
-        {"[load]", "[laod]\n[load]", "job.toml:13:2: error: laod is unknown; did you mean load?"},
+        {"name =", "nam =", "3:1 job.nam is unknown; did you mean name?"},
+        {"[load]", "[laod]\n[load]", "13:2 laod is unknown; did you mean load?"},
     }));
-    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
+    CHECK(diagnostics_of(plain_with(old, by)) ==
+          Texts{diagnostic.starts_with("job") ? diagnostic : error_at(diagnostic)});
 }
 
 TEST_CASE("invalid TOML is reported once with its location", "[job]") {
@@ -182,19 +182,16 @@ TEST_CASE("a duplicate key is reported with its line", "[job]") {
 }
 
 TEST_CASE("a name that leads outside the output directory is rejected", "[job]") {
-    const std::string name = GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b",
-                                      ".hidden", "-rf", "a\\\\b", "\\u00e4", std::string(101, 'x'));
+    const std::string name =
+        GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b", ".hidden", "-rf", "a\\\\b",
+                 "\\u00e4", std::string(101, 'x'), "a\\u0000");
     const Texts found = diagnostics_of(plain_with("\"plain\"", "\"" + name + "\""));
-    REQUIRE(found.size() == 1);
-    CAPTURE(found[0]);
-    CHECK(found[0].starts_with("job.toml:3:8: error: job.name must be a valid folder name"));
-}
-
-TEST_CASE("a control character in a name is rejected", "[job]") {
-    const Texts found = diagnostics_of(plain_with("\"plain\"", "\"a\\u0000\""));
     REQUIRE(found.size() >= 1);
-    CHECK(
-        found[0].starts_with("job.toml:3:8: error: job.name contains a control character: \"a?\""));
+    CHECK_THAT(found[0], Catch::StartsWith(
+                             name == "a\\u0000"
+                                 ? "job.toml:3:8: error: job.name contains a control character: "
+                                   "\"a?\""
+                                 : "job.toml:3:8: error: job.name must be a valid folder name"));
 }
 
 TEST_CASE("every missing table is reported at once", "[job]") {
@@ -208,13 +205,14 @@ TEST_CASE("all errors in a job are reported at once, in the order of the file", 
     text = replaced(text, "peak_Pa = 100.0", "peak_Pa = \"much\"");
     text = replaced(text, "am_frequency_Hz", "am_frequncy_Hz");
     text = replaced(text, "spacing_mm = 0.75\n", "");
-    CHECK(diagnostics_of(text) ==
-          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and "
-                "10000, but is -20",
-                "job.toml:14:11: error: load.peak_Pa must be a number, but is a string (\"much\")",
-                "job.toml:20:1: error: load.modulation.am_frequncy_Hz is unknown; did you mean "
-                "am_frequency_Hz?",
-                "job.toml:21:1: error: domain.spacing_mm is missing"});
+    CHECK(
+        diagnostics_of(text) ==
+        Texts{error_at(
+                  "8:16 medium.layer[1].thickness_mm must be between 1e-09 and 10000, but is -20"),
+              error_at("14:11 load.peak_Pa must be a number, but is a string (\"much\")"),
+              error_at(
+                  "20:1 load.modulation.am_frequncy_Hz is unknown; did you mean am_frequency_Hz?"),
+              error_at("21:1 domain.spacing_mm is missing")});
 }
 
 TEST_CASE("an invalid job is a usage error with one diagnostic per line", "[job]") {
@@ -246,22 +244,17 @@ TEST_CASE("an error is reported even after many warnings", "[job]") {
     }
 }
 
-TEST_CASE("random bytes are rejected with one short message", "[job]") {
+TEST_CASE("what is no TOML is rejected with one short message", "[job]") {
+    const int kind = GENERATE(range(0, 10));
     std::mt19937 random(1);
-    std::string noise(1'000'000, '\0');
-    const int kind = GENERATE(0, 1, 2);
-    for (char& c : noise)
+    std::string text(1'000'000, '\0');
+    for (char& c : text)
         c = static_cast<char>(kind == 0 ? random() % 256 : kind == 1 ? 32 + random() % 95 : 0);
-    const Texts found = diagnostics_of(noise);
+    // Table headers that fail in builds of toml++ with assertions.
+    if (kind > 2) text = std::array{"[ =", "[[[", "[#]", "[a.=]", "[", "[a", "[[a]"}.at(kind - 3);
+    const Texts found = diagnostics_of(text);
     REQUIRE(found.size() == 1);
     CHECK(found[0].size() < 300);
-    CHECK(found[0].starts_with("job.toml:1:"));
-}
-
-TEST_CASE("an invalid table header is rejected, also in builds with assertions", "[job]") {
-    const std::string header = GENERATE("[ =", "[[[", "[#]", "[a.=]", "[", "[a", "[[a]");
-    const Texts found = diagnostics_of(header);
-    REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:1:"));
 }
 
@@ -272,30 +265,21 @@ TEST_CASE("a text that is too long for a job is rejected without parsing", "[job
 }
 
 TEST_CASE("excessive nesting is rejected", "[job]") {
-    std::string text = "a = ";
-    SECTION("lists") {
-        text += std::string(1'000'000, '[');
-    }
-    SECTION("tables") {
-        for (int i = 0; i < 100'000; ++i)
-            text += "{ a = ";
-    }
-    SECTION("dotted keys") {
-        text = "a";
-        for (int i = 0; i < 1'000'000; ++i)
-            text += i % 2 ? ".a" : " . \"b\"";
-        text += " = 1";
-    }
-    SECTION("headers") {
-        text = "[a";
-        for (int i = 0; i < 1'000'000; ++i)
-            text += ".a";
-        text += "]";
-    }
-    SECTION("well-formed lists") {
-        text += std::string(200, '[') + std::string(200, ']');
-    }
-    CHECK(any_contains(diagnostics_of(text), "error: "));
+    const auto repeated = [](int times, std::string_view part) {
+        std::string text;
+        for (int i = 0; i < times; ++i)
+            text += part;
+        return text;
+    };
+    const int kind = GENERATE(range(0, 5));
+    const std::array texts = {
+        "a = " + repeated(1'000'000, "["),                // lists
+        "a = " + repeated(100'000, "{ a = "),             // tables
+        "a" + repeated(500'000, " . \"b\".a") + " = 1",   // dotted keys
+        "[a" + repeated(1'000'000, ".a") + "]",           // headers
+        "a = " + repeated(200, "[") + repeated(200, "]"), // well-formed lists
+    };
+    CHECK(any_contains(diagnostics_of(texts.at(kind)), "error: "));
 }
 
 TEST_CASE("a long number, sentence or list is not treated as a long dotted key", "[job]") {

@@ -271,4 +271,14 @@ TEST_CASE("schema and reader and the reference agree on each bound", "[fields][s
     CHECK(walk.short_lists.size() >= 8);
 }
 
+TEST_CASE("the reference has ranges and defaults in the units of the keys", "[fields]") {
+    for (const char* row :
+         {"| `silence_ms` | 0 or between 1e-09 and 10000 | 20 |",
+          "| `footprint.distance_mm` | between 20 and",
+          "| `top` | `\"void\"`, `\"continued\"`, `\"fluid\"` | `\"void\"` |",
+          "## `[[load.modulation.envelope]]` with `shape = \"square\"`", "## `[solver.pstd]`",
+          "with `load = \"displacement\"`: displacement of the skin"})
+        CHECK_THAT(key_reference(), Catch::Contains(row));
+}
+
 } // namespace test_key_bounds

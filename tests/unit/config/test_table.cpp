@@ -33,8 +33,8 @@ TEST_CASE("a key that is zipped with x does not become a series", "[config][tabl
     const std::string zip = "[sweep]\nzip = [ { load.peak_Pa = [1, 2], domain.spacing_mm = [0.5, "
                             "0.75] } ]\nload.footprint.fwhm_mm = [3, 4]\n";
     CHECK(plan_of(zip).table.series == Texts{"load.footprint.fwhm_mm"});
-    const std::string twice = "[sweep]\nzip = [ { load.peak_Pa = [1, 1], domain.spacing_mm = [0.5, "
-                              "0.75] } ]\n";
+    const std::string twice =
+        "[sweep]\nzip = [ { load.peak_Pa = [1, 1], domain.spacing_mm = [0.5, 0.75] } ]\n";
     CHECK(plan_of(twice).table.series == Texts{"domain.spacing_mm"});
 }
 
@@ -79,34 +79,24 @@ TEST_CASE("a reference may change keys of the kind it keeps", "[config][table]")
 
 TEST_CASE("an error in [table] is reported with its location", "[config][table]") {
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
-        {"x = \"load.pek_Pa\"", "job.toml:30:5: error: table.x contains \"load.pek_Pa\", which is "
-                                "not swept; did you mean \"load.peak_Pa\"?"},
-        {"x = 3", "job.toml:30:5: error: table.x must be a string, but is a number"},
+        {"x = \"load.pek_Pa\"", "30:5 table.x contains \"load.pek_Pa\", which is not swept; did "
+                                "you mean \"load.peak_Pa\"?"},
+        {"x = 3", "30:5 table.x must be a string, but is a number"},
         {"series = [\"load.peak_Pa\"]",
-         "job.toml:30:10: error: table.series contains \"load.peak_Pa\", which is already x"},
-        {"series = \"load.peak_Pa\"", "job.toml:30:10: error: table.series must be a list of "
-                                      "strings, but is a string (\"load.peak_Pa\")"},
-        {"xx = 3", "job.toml:30:1: error: table.xx is unknown; did you mean x?"},
-        {"reference = { kind = \"STMM\" }",
-         "job.toml:30:22: error: load.modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\", "
-         "\"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", but is \"STMM\"; did you mean "
-         "\"STM\"?"},
-        {"reference = { kind = \"STM\", foo = 1 }",
-         "job.toml:30:29: error: load.modulation.foo is unknown"},
+         "30:10 table.series contains \"load.peak_Pa\", which is already x"},
+        {"reference = { kind = \"STM\", foo = 1 }", "30:29 load.modulation.foo is unknown"},
         {"reference = { kind = \"SM-STM\", speed_deviation_m_s = 1 }",
-         "job.toml:30:13: error: load.modulation.sm_frequency_Hz is missing"},
+         "30:13 load.modulation.sm_frequency_Hz is missing"},
         {"labels = { \"load.pek_Pa\" = [\"a\"] }",
-         "job.toml:30:28: error: table.labels.load.pek_Pa contains \"load.pek_Pa\", which is not "
-         "swept; did you mean \"load.peak_Pa\"?"},
+         "30:28 table.labels.load.pek_Pa contains \"load.pek_Pa\", which is not swept; did you "
+         "mean \"load.peak_Pa\"?"},
         {"labels = { \"load.peak_Pa\" = [\"a\", \"b\", \"c\"] }",
-         "job.toml:30:29: error: table.labels.load.peak_Pa has 3 labels, but the key has 2 values"},
-        {"reference = \"STM\"",
-         "job.toml:30:13: error: table.reference must be a table, but is a string (\"STM\")"},
-        {"reference = {}", "job.toml:30:13: error: table.reference must change at least one key, "
-                           "for example { kind = \"STM\" }"},
+         "30:29 table.labels.load.peak_Pa has 3 labels, but the key has 2 values"},
+        {"reference = {}",
+         "30:13 table.reference must change at least one key, for example { kind = \"STM\" }"},
     }));
     CHECK(diagnostics_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more +
-                                   "\n")) == Texts{diagnostic});
+                                   "\n")) == Texts{error_at(diagnostic)});
 }
 
 TEST_CASE("a key that the reference replaces is not swept in it", "[config][table]") {

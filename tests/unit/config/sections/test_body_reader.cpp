@@ -25,6 +25,9 @@ std::string body_of(const std::string& lines) {
     return job_with("[[medium.body]]\n" + lines);
 }
 
+const std::string upright = "shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
+                            "c_s_m_s = 9\n";
+
 Body only_body(const std::string& job) {
     const auto bodies = only_case(job).scene().medium.bodies;
     REQUIRE(bodies.size() == 1);
@@ -66,11 +69,7 @@ TEST_CASE("each shape is read in SI", "[config][body]") {
 
 TEST_CASE("a cylinder lies along an axis by name", "[config][body]") {
     const auto cylinder = [](const std::string& line) {
-        return std::get<Cylinder>(
-            only_body(body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
-                              "c_s_m_s = 9\n" +
-                              line))
-                .shape);
+        return std::get<Cylinder>(only_body(body_of(upright + line)).shape);
     };
     CHECK(cylinder("axis = \"x\"") == Cylinder{.radius_m = 0.003});
     CHECK(cylinder("axis = \"y\"") == Cylinder{.radius_m = 0.003, .azimuth_deg = 90.0});
@@ -99,79 +98,42 @@ TEST_CASE("a body's preset fills in what is not given", "[config][body]") {
 
 TEST_CASE("an error in a body is reported with its location", "[config][body]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"\"ellipsoid\"", "\"elipsoid\"",
-         "job.toml:29:9: error: medium.body[1].shape must be one of \"ellipsoid\", \"cylinder\" or "
-         "\"box\", but is \"elipsoid\"; did you mean \"ellipsoid\"?"},
         {"\"ellipsoid\"", "\"sphere\"",
-         "job.toml:29:9: error: medium.body[1].shape must be one of \"ellipsoid\", \"cylinder\" or "
-         "\"box\", but is \"sphere\"; did you mean \"ellipsoid\"?"},
-        {"shape = \"ellipsoid\"\n", "", "job.toml:28:1: error: medium.body[1].shape is missing"},
-        {"center_mm = [1.0, 2.0, 10.0]\n", "",
-         "job.toml:28:1: error: medium.body[1].center_mm is missing"},
-        {"center_mm", "centre_mm",
-         "job.toml:30:1: error: medium.body[1].centre_mm is unknown; did you mean center_mm?"},
-        {"[1.0, 2.0, 10.0]", "[1.0, 2.0]",
-         "job.toml:28:1: error: medium.body[1].depth_mm is missing"},
+         "29:9 shape must be one of \"ellipsoid\", \"cylinder\" or \"box\", but is \"sphere\"; did "
+         "you mean \"ellipsoid\"?"},
+        {"shape = \"ellipsoid\"\n", "", "28:1 shape is missing"},
+        {"center_mm = [1.0, 2.0, 10.0]\n", "", "28:1 center_mm is missing"},
+        {"[1.0, 2.0, 10.0]", "[1.0, 2.0]", "28:1 depth_mm is missing"},
         {"[1.0, 2.0, 10.0]", "[1.0]",
-         "job.toml:30:13: error: medium.body[1].center_mm must be [x, y, z], or [x, y] with "
-         "depth_mm, but has 1 values"},
+         "30:13 center_mm must be [x, y, z], or [x, y] with depth_mm, but has 1 values"},
         {"[1.0, 2.0, 10.0]", "[1.0, 2.0, 10.0]\ndepth_mm = 10",
-         "job.toml:31:12: error: medium.body[1].depth_mm and the z of center_mm = [x, y, z] are "
-         "both given; remove one of them"},
+         "31:12 depth_mm and the z of center_mm = [x, y, z] are both given; remove one of them"},
         {"[3.0, 4.0, 5.0]", "[3.0, 4.0]",
-         "job.toml:31:16: error: medium.body[1].semi_axes_mm must be three numbers [x, y, z], but "
-         "has 2"},
-        {"[3.0, 4.0, 5.0]", "[3.0, 4.0, 0.0]",
-         "job.toml:31:27: error: medium.body[1].semi_axes_mm must be between 1e-09 and 10000, but "
-         "is 0"},
-        {"semi_axes_mm", "size_mm", "job.toml:31:1: error: medium.body[1].size_mm is unknown"},
+         "31:16 semi_axes_mm must be three numbers [x, y, z], but has 2"},
+        {"semi_axes_mm", "size_mm", "31:1 size_mm is unknown"},
         {"c_s_m_s = 9.0", "edge_mm = 1.0",
-         "job.toml:29:9: error: medium.body[1].shape has the same material as its surroundings; "
-         "give density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s or a preset"},
-        {"c_s_m_s = 9.0", "c_s = 9.0",
-         "job.toml:32:1: error: medium.body[1].c_s is unknown; the unit of c_s is m_s: use "
-         "c_s_m_s"},
-        {"c_s_m_s = 9.0", "preset = \"bone\"",
-         "job.toml:32:10: error: medium.body[1].preset must be \"cortical-bone\", but is \"bone\""},
-        {"c_s_m_s = 9.0", "c_s_m_s = -9",
-         "job.toml:32:11: error: medium.body[1].c_s_m_s must be 0 or between 0.001 and 20000, but "
-         "is -9"},
+         "29:9 shape has the same material as its surroundings; give density_kg_m3, c_p_m_s, "
+         "c_s_m_s, viscosity_Pa_s or a preset"},
         {"c_s_m_s = 9.0", "c_s_m_s = 1400.0",
-         "job.toml:32:11: error: medium.body[1].c_s_m_s gives c_p = 1500 and c_s = 1400 m/s in "
-         "layer \"tissue\": c_p must be above 1616.58, 1.1547 times c_s, for a positive bulk "
-         "modulus"},
+         "32:11 c_s_m_s gives c_p = 1500 and c_s = 1400 m/s in layer \"tissue\": c_p must be above "
+         "1616.58, 1.1547 times c_s, for a positive bulk modulus"},
         {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nc_p_m_s = 10.0",
-         "job.toml:33:11: error: medium.body[1].c_p_m_s gives c_p = 10 and c_s = 9 m/s in layer "
-         "\"tissue\": c_p must be above 10.3923, 1.1547 times c_s, for a positive bulk modulus"},
+         "33:11 c_p_m_s gives c_p = 10 and c_s = 9 m/s in layer \"tissue\": c_p must be above "
+         "10.3923, 1.1547 times c_s, for a positive bulk modulus"},
         {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nedge_mm = 6.5",
-         "job.toml:33:11: error: medium.body[1].edge_mm must not exceed 6, the smallest width of "
-         "the body, but is 6.5"},
+         "33:11 edge_mm must not exceed 6, the smallest width of the body, but is 6.5"},
         {"10.0]", "26.0]",
-         "job.toml:30:13: error: medium.body[1].center_mm places the body below the rigid base at "
-         "20 mm: the body begins at 21 mm"},
+         "30:13 center_mm places the body below the rigid base at 20 mm: the body begins at 21 mm"},
         {"10.0]", "-6.0]",
-         "job.toml:30:13: error: medium.body[1].center_mm places the body above the surface: z is "
-         "counted downward from the surface, and the body ends at -1 mm"},
+         "30:13 center_mm places the body above the surface: z is counted downward from the "
+         "surface, and the body ends at -1 mm"},
         {"c_s_m_s = 9.0", "preset = \"bone\"\nc_s_m_s = 9.0",
-         "job.toml:32:10: error: medium.body[1].preset must be \"cortical-bone\", but is \"bone\""},
+         "32:10 preset must be \"cortical-bone\", but is \"bone\""},
     }));
     CAPTURE(old, by);
-    const std::string job = job_with(ball);
-    if (by == "size_mm") { // two mistakes in one
-        CHECK(diagnostics_of(replaced(job, old, by)).size() == 2);
-        CHECK(any_contains(diagnostics_of(replaced(job, old, by)), diagnostic));
-    } else {
-        CHECK(diagnostics_of(replaced(job, old, by)) == Texts{diagnostic});
-    }
-}
-
-TEST_CASE("the direction of a cylinder may be given only once", "[config][body]") {
-    const std::string job = body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
-                                    "c_s_m_s = 9\n");
-    CHECK(diagnostics_of(job) == Texts{"job.toml:28:1: error: medium.body[1].axis is missing"});
-    CHECK(diagnostics_of(job + "axis = \"x\"\nazimuth_deg = 0\n") ==
-          Texts{"job.toml:34:15: error: medium.body[1].azimuth_deg and axis are both given; "
-                "specify only one of them"});
+    const Texts found = diagnostics_of(replaced(job_with(ball), old, by));
+    CHECK(found.size() == (by == "size_mm" ? 2 : 1)); // which is two mistakes in one
+    CHECK(any_contains(found, error_at(diagnostic, "medium.body[1].")));
 }
 
 TEST_CASE("a body has any orientation", "[config][body]") {
@@ -191,30 +153,21 @@ TEST_CASE("a body has any orientation", "[config][body]") {
               .radius_m = 0.002, .length_m = 0.009, .azimuth_deg = 30.0, .inclination_deg = 20.0});
 }
 
-TEST_CASE("an orientation of zero does not change the id of a case", "[config][body]") {
-    const std::string job = job_with(ball);
-    const std::string zero = "azimuth_deg = 0\ninclination_deg = 0\nroll_deg = 0\n";
-    CHECK(case_id(only_case(job + zero)) == case_id(only_case(job)));
-    for (const std::string key : {"azimuth_deg", "inclination_deg", "roll_deg"})
-        CHECK(case_id(only_case(job + key + " = 10\n")) != case_id(only_case(job)));
-}
-
-TEST_CASE("an inclined cylinder has an azimuth and a length", "[config][body]") {
-    const std::string job = body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
-                                    "c_s_m_s = 9\n");
-    CHECK(diagnostics_of(job + "length_mm = 9\ninclination_deg = 20\n") ==
-          Texts{"job.toml:28:1: error: medium.body[1].azimuth_deg is missing"});
-    CHECK(diagnostics_of(job + "length_mm = 9\naxis = \"x\"\ninclination_deg = 20\n") ==
-          Texts{"job.toml:35:19: error: medium.body[1].inclination_deg and axis are both given; "
-                "give azimuth_deg instead of axis"});
-    CHECK(diagnostics_of(job + "azimuth_deg = 0\ninclination_deg = 20\n") ==
-          Texts{"job.toml:34:19: error: medium.body[1].inclination_deg requires length_mm, since a "
-                "cylinder without ends must lie horizontally or have axis = \"z\""});
-    CHECK(diagnostics_of(job + "length_mm = 9\nazimuth_deg = 0\ninclination_deg = 100\n") ==
-          Texts{"job.toml:35:19: error: medium.body[1].inclination_deg must be between -90 and 90, "
-                "but is 100"});
-    CHECK(diagnostics_of(job + "length_mm = 9\nazimuth_deg = 0\nroll_deg = 1\n") ==
-          Texts{"job.toml:35:1: error: medium.body[1].roll_deg is unknown"});
+TEST_CASE("a cylinder has one direction, and a length if it is inclined", "[config][body]") {
+    const auto [more, said] = GENERATE(table<std::string, std::string>({
+        {"", "28:1 axis is missing"},
+        {"axis = \"x\"\nazimuth_deg = 0",
+         "34:15 azimuth_deg and axis are both given; specify only one of them"},
+        {"length_mm = 9\ninclination_deg = 20", "28:1 azimuth_deg is missing"},
+        {"length_mm = 9\naxis = \"x\"\ninclination_deg = 20",
+         "35:19 inclination_deg and axis are both given; give azimuth_deg instead of axis"},
+        {"azimuth_deg = 0\ninclination_deg = 20",
+         "34:19 inclination_deg requires length_mm, since a cylinder without ends must lie "
+         "horizontally or have axis = \"z\""},
+        {"length_mm = 9\nazimuth_deg = 0\nroll_deg = 1", "35:1 roll_deg is unknown"},
+    }));
+    CHECK(diagnostics_of(body_of(upright + more + "\n")) ==
+          Texts{error_at(said, "medium.body[1].")});
 }
 
 TEST_CASE("all errors in all bodies are reported at once", "[config][body]") {
@@ -267,23 +220,17 @@ TEST_CASE("a map is provided by the loader and is part of the case", "[config][b
 TEST_CASE("an error in a map is reported together with other errors", "[config][body]") {
     const std::string job =
         replaced(job_with(""), "[[medium.layer]]", "map = \"a.h5\"\n[[medium.layer]]");
-    const auto said = [](const std::string& text, const config::MapLoader& load_map) {
-        try {
-            config::read_job(text, "job.toml", {}, load_map);
-        } catch (const config::BadJob& bad) {
-            return std::string(bad.what());
-        }
-        return std::string("nothing");
-    };
     const config::MapLoader broken = [](const std::string&) -> std::shared_ptr<const MaterialMap> {
         throw UsageError("a.h5: it is torn");
     };
-    CHECK(said(job, broken) == "job.toml:7:7: error: medium.map cannot be used: a.h5: it is torn");
-    CHECK(said(replaced(job, "peak_Pa = 100.0", "peak_Pa = 0"), broken).find("peak_Pa") !=
-          std::string::npos);
-    CHECK(said(job, [](const std::string&) { return small_map(1400.0); }) ==
-          "job.toml:7:7: error: medium.map gives c_p = 1500 and c_s = 1400 m/s somewhere in layer "
-          "\"tissue\": c_p must be above 1616.58, 1.1547 times c_s, for a positive bulk modulus");
+    CHECK(diagnostics_of(job, {}, broken) ==
+          Texts{error_at("7:7 medium.map cannot be used: a.h5: it is torn")});
+    CHECK(any_contains(diagnostics_of(replaced(job, "peak_Pa = 100.0", "peak_Pa = 0"), {}, broken),
+                       "peak_Pa"));
+    CHECK(diagnostics_of(job, {}, [](const std::string&) { return small_map(1400.0); }) ==
+          Texts{error_at("7:7 medium.map gives c_p = 1500 and c_s = 1400 m/s somewhere in layer "
+                         "\"tissue\": c_p must be above 1616.58, 1.1547 times c_s, for a positive "
+                         "bulk modulus")});
 }
 
 } // namespace test_body_reader

@@ -60,107 +60,80 @@ TEST_CASE("a grid has at least the requested extent and a size with fast FFTs", 
 
 TEST_CASE("an error in domain or time is reported with its location", "[config][case]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"[96.0, 64.0]", "[96.0, -64.0]",
-         "job.toml:22:20: error: domain.extent_mm must be between 1e-09 and 10000, but is -64"},
         {"extent_mm", "extent_cm",
-         "job.toml:22:1: error: domain.extent_cm is unknown; the unit of extent is mm: use "
-         "extent_mm"},
+         "22:1 domain.extent_cm is unknown; the unit of extent is mm: use extent_mm"},
         {"= 0.75", "= 0.002",
-         "job.toml:23:14: error: domain.spacing_mm results in 48000 points along 96 mm; at most "
-         "32768 are supported"},
+         "23:14 domain.spacing_mm results in 48000 points along 96 mm; at most 32768 are "
+         "supported"},
         {"[96.0, 64.0]", "[1e6, 64.0]",
-         "job.toml:22:14: error: domain.extent_mm must be between 1e-09 and 10000, but "
-         "is 1000000: atoms are 0.1 nm apart, and no human is longer than 10 m"},
+         "22:14 domain.extent_mm must be between 1e-09 and 10000, but is 1000000: atoms are 0.1 nm "
+         "apart, and no human is longer than 10 m"},
         {"= 0.75", "= 0.75\nsponge_mm = 34",
-         "job.toml:24:13: error: domain.sponge_mm must leave a measured region between the "
-         "margins: it must be below 33.75 mm, half of the shorter side, but is 34"},
+         "24:13 domain.sponge_mm must leave a measured region between the margins: it must be "
+         "below 33.75 mm, half of the shorter side, but is 34"},
         {"= 4.0", "= 4.01",
-         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, but "
-         "4.01 ms is 80.2 times 50 us"},
-        {"= 4.0", "= 0.01",
-         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, but "
-         "0.01 ms is 0.2 times 50 us"},
+         "25:15 time.duration_ms must be a whole number of output intervals, but 4.01 ms is 80.2 "
+         "times 50 us"},
         {"= 50.0", "= 1e-6",
-         "job.toml:26:22: error: time.output_interval_us results in 4000000000 frames; at most "
-         "1000000 are supported"},
-        {"duration_ms = 4.0\n", "", "job.toml:24:1: error: time.duration_ms is missing"},
+         "26:22 time.output_interval_us results in 4000000000 frames; at most 1000000 are "
+         "supported"},
+        {"duration_ms = 4.0\n", "", "24:1 time.duration_ms is missing"},
     }));
-    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
+    CHECK(diagnostics_of(plain_with(old, by)) == Texts{error_at(diagnostic)});
 }
 
 TEST_CASE("an error in solver, measure or record is reported with its location", "[config][case]") {
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
-        {"[solver]\nengine = \"fem\"\n",
-         "job.toml:28:10: error: solver.engine must be one of \"layered\", \"spectral\" or "
-         "\"pstd\", but is \"fem\""},
-        {"[solver]\nengine = \"spectral\"\n[solver.spectral]\ndegree = 8.5",
-         "job.toml:30:10: error: solver.spectral.degree must be a whole number, but is 8.5"},
-        {"[solver.layered]\nwindow_factor = 1",
-         "job.toml:28:17: error: solver.layered.window_factor must be between 1.25 and 16, but is "
-         "1"},
-        {"[solver.layered]\nwrap_suppression = 1e9",
-         "job.toml:28:20: error: solver.layered.wrap_suppression must be between 10 and 100000000, "
-         "but is 1000000000"},
-        {"[solver.layered]\ninterpolation_tolerance = 1",
-         "job.toml:28:27: error: solver.layered.interpolation_tolerance must be between 1e-12 and "
-         "0.001, but is 1"},
-        {"[solver.layered]\ntime_step_us = 51",
-         "job.toml:28:16: error: solver.layered.time_step_us must not exceed "
-         "time.output_interval_us = 50, but is 51"},
-        {"[measure]\nat_ms = 5",
-         "job.toml:28:9: error: measure.at_ms must be the time of a frame: a multiple of "
-         "time.output_interval_us = 50, up to time.duration_ms = 4; 5 is not"},
+        {"[solver]\nengine = \"fem\"\n", "28:10 solver.engine must be one of \"layered\", "
+                                         "\"spectral\" or \"pstd\", but is \"fem\""},
+        {"[solver.layered]\ntime_step_us = 51", "28:16 solver.layered.time_step_us must not exceed "
+                                                "time.output_interval_us = 50, but is 51"},
         {"[measure]\nat_ms = 3.99",
-         "job.toml:28:9: error: measure.at_ms must be the time of a frame: a multiple of "
-         "time.output_interval_us = 50, up to time.duration_ms = 4; 3.99 is not"},
+         "28:9 measure.at_ms must be the time of a frame: a multiple of time.output_interval_us = "
+         "50, up to time.duration_ms = 4; 3.99 is not"},
         {"[measure]\nat_ms = 3\nsettled_after_ms = 3",
-         "job.toml:29:20: error: measure.settled_after_ms must be before measure.at_ms = 3, but is "
-         "3"},
+         "29:20 measure.settled_after_ms must be before measure.at_ms = 3, but is 3"},
         {"[measure]\nfocal_radius_mm = 3\nfocal_radius_fwhm = 1",
-         "job.toml:28:19: error: measure.focal_radius_mm and focal_radius_fwhm are both given; "
-         "specify only one of them"},
+         "28:19 measure.focal_radius_mm and focal_radius_fwhm are both given; specify only one of "
+         "them"},
         {"[measure]\ndepths_mm = [1, 0.5]",
-         "job.toml:28:13: error: measure.depths_mm must be in ascending order, but 0.5 follows 1"},
-        {"[measure]\ndepths_mm = [0, 20]", "job.toml:28:13: error: measure.depths_mm must lie "
-                                           "above the rigid base at 20 mm, but contains 20"},
-        {"[measure]\ndepths_mm = [0, -1]", "job.toml:28:17: error: measure.depths_mm must be 0 or "
-                                           "between 1e-09 and 10000, but is -1"},
-        {"[measure]\ndepths_mm = []", "job.toml:28:13: error: measure.depths_mm must contain at "
-                                      "least 1 number, but has 0"},
+         "28:13 measure.depths_mm must be in ascending order, but 0.5 follows 1"},
+        {"[measure]\ndepths_mm = [0, 20]",
+         "28:13 measure.depths_mm must lie above the rigid base at 20 mm, but contains 20"},
+        {"[measure]\ndepths_mm = []",
+         "28:13 measure.depths_mm must contain at least 1 number, but has 0"},
         {"[measure]\ndepths_mm = 1",
-         "job.toml:28:13: error: measure.depths_mm must be a list of numbers, but is a number"},
+         "28:13 measure.depths_mm must be a list of numbers, but is a number"},
         {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
-         "job.toml:28:13: error: record.traces_mm must lie inside the domain, within 48 and 33.75 "
-         "mm of its centre; [49, 0] does not"},
+         "28:13 record.traces_mm must lie inside the domain, within 48 and 33.75 mm of its centre; "
+         "[49, 0] does not"},
         {"[measure]\nbands_Hz = [[100, 500], [500, 100]]",
-         "job.toml:28:12: error: measure.bands_Hz must contain bands [low, high] with 0 <= low < "
-         "high, but contains [500, 100]"},
+         "28:12 measure.bands_Hz must contain bands [low, high] with 0 <= low < high, but contains "
+         "[500, 100]"},
         {"[record]\ntraces_mm = [0, 0]",
-         "job.toml:28:14: error: record.traces_mm must be a pair [x, y], but is a number"},
+         "28:14 record.traces_mm must be a pair [x, y], but is a number"},
         {"[record]\nsnapshots_ms = [2.01]",
-         "job.toml:28:16: error: record.snapshots_ms must be the time of a frame: a multiple of "
+         "28:16 record.snapshots_ms must be the time of a frame: a multiple of "
          "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
         {"[record]\nvolumes_ms = [2.01]",
-         "job.toml:28:14: error: record.volumes_ms must be the time of a frame: a multiple of "
+         "28:14 record.volumes_ms must be the time of a frame: a multiple of "
          "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
         {"[record]\nvolumes_ms = [2]\nvolume_fields = [\"v\"]",
-         "job.toml:29:17: error: record.volume_fields must contain only \"u\", \"strain\" or "
-         "\"stress\", but contains \"v\""},
+         "29:17 record.volume_fields must contain only \"u\", \"strain\" or \"stress\", but "
+         "contains \"v\""},
         {"[record]\nvolumes_ms = [2]\nvolume_fields = []",
-         "job.toml:29:17: error: record.volume_fields must contain at least one of \"u\", "
-         "\"strain\" or \"stress\""},
+         "29:17 record.volume_fields must contain at least one of \"u\", \"strain\" or \"stress\""},
         {"[record]\nvolume_fields = [\"u\"]",
-         "job.toml:28:17: error: record.volume_fields selects what is stored at record.volumes_ms, "
-         "which is missing; add the times, or remove this key"},
-        {"[record]\nframes = 1",
-         "job.toml:28:10: error: record.frames must be true or false, but is a number"},
+         "28:17 record.volume_fields selects what is stored at record.volumes_ms, which is "
+         "missing; add the times, or remove this key"},
+        {"[record]\nframes = 1", "28:10 record.frames must be true or false, but is a number"},
     }));
-    CHECK(diagnostics_of(plain_and(more)) == Texts{diagnostic});
+    CHECK(diagnostics_of(plain_and(more)) == Texts{error_at(diagnostic)});
 }
 
 TEST_CASE("a section that is not a table is rejected", "[config][case]") {
     CHECK(diagnostics_of("record = 3\n" + std::string(plain_job)) ==
-          Texts{"job.toml:1:10: error: record must be a table, but is a number"});
+          Texts{error_at("1:10 record must be a table, but is a number")});
 }
 
 TEST_CASE("depths are not limited in a half-space", "[config][case]") {
@@ -169,33 +142,39 @@ TEST_CASE("depths are not limited in a half-space", "[config][case]") {
     CHECK(diagnostics_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
 }
 
-TEST_CASE("the options of the spectral engine are read, and unsupported cases are rejected",
-          "[job]") {
-    const std::string chosen = "[solver]\nengine = \"spectral\"\n[solver.spectral]\n"
-                               "time_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n"
-                               "absorbing_depth_mm = 40.0\n";
-    const auto options = std::get<SpectralOptions>(only_case(plain_and(chosen)).solver);
-    CHECK(options == SpectralOptions{12.5e-6, 6, 2e-3, 40e-3});
-    std::string lossy =
-        replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
-                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }");
-    const Texts found = diagnostics_of(lossy);
-    REQUIRE(found.size() == 1);
-    CHECK(found[0].find(
-              "error: solver.engine: \"spectral\" supports only lossless or Kelvin-Voigt layers") !=
-          std::string::npos);
+TEST_CASE("the options of the spectral engine are read", "[job]") {
+    const auto [keys, options] = GENERATE(table<std::string, SpectralOptions>({
+        {"", {.time_step_s = {}, .accuracy = 1e-3}},
+        {"spectral.accuracy = 1e-2", {.accuracy = 1e-2}},
+        {"spectral.time_step_us = 12.5", {.time_step_s = 12.5e-6}},
+        {"spectral = { time_step_us = \"auto\", accuracy = 1e-2 }", {.accuracy = 1e-2}},
+        {"[solver.spectral]\ntime_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n"
+         "absorbing_depth_mm = 40.0\n",
+         {12.5e-6, 6, 2e-3, 40e-3}},
+    }));
+    const Case c = only_case(plain_and("[solver]\nengine = \"spectral\"\n" + keys));
+    CHECK(std::get<SpectralOptions>(c.solver) == options);
 }
 
-TEST_CASE("the spectral engine accepts a time step or an accuracy", "[config][case]") {
-    const std::string spectral = "[solver]\nengine = \"spectral\"\n";
-    const auto options_of = [&](const std::string& rest) {
-        return std::get<SpectralOptions>(only_case(plain_and(spectral + rest)).solver);
-    };
-    CHECK(options_of("") == SpectralOptions{.time_step_s = {}, .accuracy = 1e-3});
-    CHECK(options_of("spectral.accuracy = 1e-2") == SpectralOptions{.accuracy = 1e-2});
-    CHECK(options_of("spectral.time_step_us = 12.5") == SpectralOptions{.time_step_s = 12.5e-6});
-    CHECK(options_of("spectral = { time_step_us = \"auto\", accuracy = 1e-2 }") ==
-          SpectralOptions{.accuracy = 1e-2});
+TEST_CASE("engines in time reject media and loads that they do not compute", "[job]") {
+    const auto [engine, old, by, said] =
+        GENERATE(table<std::string, std::string, std::string, std::string>({
+            {"spectral", "viscosity_Pa_s = 1.0",
+             "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }",
+             "error: solver.engine: \"spectral\" supports only lossless or Kelvin-Voigt layers"},
+            {"pstd", "viscosity_Pa_s = 1.0",
+             "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }",
+             "error: solver.engine: \"pstd\" supports only lossless or Kelvin-Voigt layers"},
+            {"pstd", "shape = \"gaussian\", fwhm_mm = 3.0",
+             "shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0",
+             "the engine \"pstd\" supports only Gaussian foci"},
+        }));
+    Texts errors =
+        diagnostics_of(replaced(plain_and("[solver]\nengine = \"" + engine + "\"\n"), old, by));
+    // The engine pstd also warns about the capped c_p.
+    std::erase_if(errors, [](const auto& text) { return text.find("error: ") == text.npos; });
+    CHECK(any_contains(errors, said));
+    if (old.starts_with("viscosity")) CHECK(errors.size() == 1);
 }
 
 TEST_CASE(
@@ -203,8 +182,6 @@ TEST_CASE(
     "[config][case]") {
     const auto [given, diagnostic] = GENERATE(table<std::string, std::string>({
         {"accuracy = 0", "accuracy must be between 0.0001 and 0.1, but is 0"},
-        {"accuracy = 2", "accuracy must be between 0.0001 and 0.1, but is 2"},
-        {"accuracy = \"x\"", "accuracy must be a number, but is a string"},
         {"time_step_us = \"fast\"", "time_step_us must be a number, but is a string"},
         {"time_step_us = 25, accuracy = 1e-2",
          "accuracy applies only with time_step_us = \"auto\""},
@@ -228,7 +205,7 @@ TEST_CASE("volumes are stored in order and without duplicates, independent of th
     CHECK(canonical_text(without).find("volume") == std::string::npos);
 }
 
-TEST_CASE("the options of engine pstd are read, and unsupported cases are rejected", "[job]") {
+TEST_CASE("the options of the engine pstd are read", "[job]") {
     const std::string chosen = "[solver]\nengine = \"pstd\"\n[solver.pstd]\n";
     CHECK(only_case(plain_and(chosen)).solver == SolverOptions(PstdOptions{}));
     const auto all = std::get<PstdOptions>(
@@ -239,21 +216,10 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
                             "absorbing_points = 12\nabsorbing_strength = 2\n"
                             "edges = \"absorbing\"\nprecision = \"single\"\n"))
             .solver);
-    CHECK(all.time_step_s == 2.5e-6);
     CHECK(all.displacement_m == Approx(3.6e-6).epsilon(1e-14));
-    PstdOptions expected{2.5e-6,
-                         5.0,
-                         PstdTop::fluid,
-                         900.0,
-                         40.0,
-                         PstdLoad::displacement,
-                         all.displacement_m,
-                         15e-3,
-                         12,
-                         2.0,
-                         PstdEdges::absorbing,
-                         Precision::single_precision};
-    CHECK(all == expected);
+    CHECK(all == PstdOptions{2.5e-6, 5.0, PstdTop::fluid, 900.0, 40.0, PstdLoad::displacement,
+                             all.displacement_m, 15e-3, 12, 2.0, PstdEdges::absorbing,
+                             Precision::single_precision});
 
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"top = \"air\"", "solver.pstd.top must be one of \"void\", \"continued\" or \"fluid\""},
@@ -261,29 +227,13 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
         {"load = \"displacement\"", "solver.pstd.displacement_um is missing"},
         {"displacement_um = 1",
          "solver.pstd.displacement_um applies only with load = \"displacement\""},
-        {"absorbing_points = 10.5", "solver.pstd.absorbing_points must be a whole number"},
-        {"c_p_over_c_s = 1", "solver.pstd.c_p_over_c_s must be between 2 and 1000"},
         {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "stores; solver.engine ="},
     }));
-    const auto errors = [](Texts texts) { // the engine also warns about the capped c_p
-        std::erase_if(texts, [](const auto& text) { return text.find("error: ") == text.npos; });
-        return texts;
-    };
-    const Texts found = errors(diagnostics_of(plain_and(chosen + more)));
+    Texts found = diagnostics_of(plain_and(chosen + more));
+    // The engine also warns about the capped c_p.
+    std::erase_if(found, [](const auto& text) { return text.find("error: ") == text.npos; });
     REQUIRE(found.size() == 1);
     CHECK(found[0].find(diagnostic) != std::string::npos);
-
-    const Texts lossy = errors(diagnostics_of(
-        replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
-                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }")));
-    REQUIRE(lossy.size() == 1);
-    CHECK(lossy[0].find(
-              "error: solver.engine: \"pstd\" supports only lossless or Kelvin-Voigt layers") !=
-          std::string::npos);
-    const Texts array = diagnostics_of(replaced(
-        plain_and(chosen), "footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
-        "footprint = { shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0 }"));
-    CHECK(any_contains(array, "the engine \"pstd\" supports only Gaussian foci"));
 }
 
 } // namespace test_case_reader

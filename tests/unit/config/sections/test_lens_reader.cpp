@@ -17,8 +17,8 @@ std::string with_lens(std::string_view footprint, std::string_view peak = "peak_
     std::string job = plain_with("footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
                                  "footprint = { " + std::string(footprint) + " }");
     job = replaced(job,
-                   "kind = \"AM-STM\"\npath = { shape = \"line\", from_mm = [-14.0, 0.0], "
-                   "to_mm = [14.0, 0.0] }\nspeed_m_s = 7.0\n",
+                   "kind = \"AM-STM\"\npath = { shape = \"line\", from_mm = [-14.0, 0.0], to_mm = "
+                   "[14.0, 0.0] }\nspeed_m_s = 7.0\n",
                    "kind = \"AM\"\n");
     return replaced(job, "peak_Pa = 100.0\n", peak);
 }
@@ -83,8 +83,7 @@ TEST_CASE("an error in a lens is reported", "[config][lens]") {
          "target_polygon_mm and target_png"},
         {plate + ", target_foci_mm = [[0, 0]]", "",
          "load.peak_Pa is missing (or load.footprint.pressure_Pa, the amplitude of the sound "
-         "behind "
-         "the lens)"},
+         "behind the lens)"},
         {plate + ", target_polygon_mm = [[0, 0], [1, 1]]", "peak_Pa = 5\n",
          "load.footprint.target_polygon_mm must contain 3 to 10000 points"},
         {plate + ", target_foci_mm = [[0, 0]], pixel_mm = 20", "peak_Pa = 5\n",
@@ -101,8 +100,9 @@ TEST_CASE("an error in a lens is reported", "[config][lens]") {
 TEST_CASE("the pattern of a lens does not move", "[config][lens]") {
     const std::string job = plain_with("footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
                                        "footprint = { " + plate + ", target_foci_mm = [[0, 0]] }");
-    CHECK(any_contains(diagnostics_of(job), "load.modulation.kind moves the focus, but the pattern "
-                                            "of a lens is static"));
+    CHECK(
+        any_contains(diagnostics_of(job),
+                     "load.modulation.kind moves the focus, but the pattern of a lens is static"));
 }
 
 } // namespace test_lens_reader

@@ -13,13 +13,6 @@ Layer layer_with(std::string_view loss) {
     return only_case(plain_with("viscosity_Pa_s = 1.0", loss)).scene().medium.layers.at(0);
 }
 
-/// The plain job with another [medium].
-std::string with_medium(std::string_view medium) {
-    const std::size_t begin = plain_job.find("[medium]"), end = plain_job.find("[load]");
-    return std::string(plain_job.substr(0, begin)) + std::string(medium) +
-           std::string(plain_job.substr(end));
-}
-
 } // namespace
 
 TEST_CASE("each loss law is read in SI", "[config][medium]") {
@@ -38,75 +31,37 @@ TEST_CASE("each loss law is read in SI", "[config][medium]") {
 TEST_CASE("an error in a layer is reported with its location", "[config][medium]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"thickness_mm", "thickness_cm",
-         "job.toml:8:1: error: medium.layer[1].thickness_cm is unknown; the unit of thickness is "
-         "mm: use thickness_mm"},
-        {"thickness_mm", "thickness",
-         "job.toml:8:1: error: medium.layer[1].thickness is unknown; the unit of thickness is mm: "
-         "use thickness_mm"},
-        {"thickness_mm", "thicknes_mm",
-         "job.toml:8:1: error: medium.layer[1].thicknes_mm is unknown; did you mean "
-         "thickness_mm?"},
-        {"thickness_mm = 20.0\n", "",
-         "job.toml:6:1: error: medium.layer[1].thickness_mm is missing"},
-        {"= 20.0", "= \"20\"",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a string "
-         "(\"20\")"},
-        {"= 20.0", "= 0",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
-         "is 0"},
+         "8:1 layer[1].thickness_cm is unknown; the unit of thickness is mm: use thickness_mm"},
+        {"thickness_mm = 20.0\n", "", "6:1 layer[1].thickness_mm is missing"},
         {"= 20.0", "= nan",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
-         "is nan"},
+         "8:16 layer[1].thickness_mm must be between 1e-09 and 10000, but is nan"},
         {"= 20.0", "= inf",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be between 1e-09 and 10000, but "
-         "is inf: atoms are 0.1 nm apart, and no human is longer than 10 m"},
+         "8:16 layer[1].thickness_mm must be between 1e-09 and 10000, but is inf: atoms are 0.1 nm "
+         "apart, and no human is longer than 10 m"},
         {"= 20.0", "= 1979-05-27",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a date or "
-         "time"},
-        {"= 20.0", "= [20.0]",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a list"},
-        {"\"tissue\"", "true",
-         "job.toml:7:8: error: medium.layer[1].name must be a string, but is true or false"},
-        {"\"rigid\"", "\"rigd\"",
-         "job.toml:5:8: error: medium.base must be one of \"rigid\" or \"half-space\", but is "
-         "\"rigd\"; did you mean \"rigid\"?"},
+         "8:16 layer[1].thickness_mm must be a number, but is a date or time"},
         {"\"rigid\"", "\"half-space\"",
-         "job.toml:8:16: error: medium.layer[1].thickness_mm does not apply: with medium.base = "
-         "\"half-space\", the last layer extends to infinity; remove the key, or set medium.base = "
-         "\"rigid\""},
+         "8:16 layer[1].thickness_mm does not apply: with medium.base = \"half-space\", the last "
+         "layer extends to infinity; remove the key, or set medium.base = \"rigid\""},
         {"c_p_m_s = 1500.0", "c_p_m_s = 5.5",
-         "job.toml:10:11: error: medium.layer[1].c_p_m_s must be above 5.7735, 1.1547 times "
-         "c_s_m_s = 5, for a positive bulk modulus, but is 5.5"},
-        {"c_s_m_s = 5.0", "c_s_m_s = 0",
-         "job.toml:11:11: error: medium.layer[1].c_s_m_s must be between 0.001 and 20000, but is "
-         "0"},
+         "10:11 layer[1].c_p_m_s must be above 5.7735, 1.1547 times c_s_m_s = 5, for a positive "
+         "bulk modulus, but is 5.5"},
         {"viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1.0\nloss = \"none\"",
-         "job.toml:13:8: error: medium.layer[1].loss and viscosity_Pa_s are both given; specify "
-         "only one of them"},
+         "13:8 layer[1].loss and viscosity_Pa_s are both given; specify only one of them"},
         {"viscosity_Pa_s = 1.0", "loss = \"nne\"",
-         "job.toml:12:8: error: medium.layer[1].loss must be \"none\" or a table { law = "
-         "\"fractional\", ... }"},
+         "12:8 layer[1].loss must be \"none\" or a table { law = \"fractional\", ... }"},
         {"viscosity_Pa_s = 1.0", "loss = { law = \"fractional\", tau_us = 1, exponent = 1.0 }",
-         "job.toml:12:53: error: medium.layer[1].loss.exponent must be between 0 and 1, both "
-         "excluded, but is 1"},
-        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1, exponent = 0.5 }",
-         "job.toml:12:16: error: medium.layer[1].loss.law must be one of \"none\", "
-         "\"kelvin-voigt\", \"fractional\" or \"standard-linear\", but is \"fractinal\"; did you "
-         "mean \"fractional\"?"},
+         "12:53 layer[1].loss.exponent must be between 0 and 1, both excluded, but is 1"},
         {"viscosity_Pa_s = 1.0", "loss = { law = \"standard-linear\", tau_us = 1, strenth = 1 }",
-         "job.toml:12:47: error: medium.layer[1].loss.strenth is unknown; did you mean strength?"},
-        {"viscosity_Pa_s", "preset = \"ecoflx\"\nviscosity_Pa_s",
-         "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
-         "\"ecoflex\", \"forearm\", \"palm\" or \"fingertip\", but is \"ecoflx\"; did you mean "
-         "\"ecoflex\"?"},
+         "12:47 layer[1].loss.strenth is unknown; did you mean strength?"},
         {"viscosity_Pa_s", "preset = \"three-layer-skin\"\nviscosity_Pa_s",
-         "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
-         "\"ecoflex\", \"forearm\", \"palm\" or \"fingertip\", but is \"three-layer-skin\""},
+         "12:10 layer[1].preset must be one of \"thesis-tissue\", \"ecoflex\", \"forearm\", "
+         "\"palm\" or \"fingertip\", but is \"three-layer-skin\""},
         {"base = \"rigid\"", "base = \"rigid\"\npreset = \"ecoflex\"",
-         "job.toml:6:10: error: medium.preset defines all layers, but medium.layer is also given; "
-         "use the preset in a layer, or remove the layers"},
+         "6:10 preset defines all layers, but medium.layer is also given; use the preset in a "
+         "layer, or remove the layers"},
     }));
-    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
+    CHECK(diagnostics_of(plain_with(old, by)) == Texts{error_at(diagnostic, "medium.")});
 }
 
 TEST_CASE("every preset gives a case without diagnostics", "[config][medium]") {
@@ -140,9 +95,10 @@ TEST_CASE("the presets have the values of their sources", "[config][medium]") {
 
 TEST_CASE("a layer's preset fills in only what is not given", "[config][medium]") {
     const auto layer = [](const std::string& more) {
-        return only_case(with_medium("[medium]\nbase = \"rigid\"\n[[medium.layer]]\npreset = "
-                                     "\"ecoflex\"\n" +
-                                     more))
+        return only_case(
+                   with_medium(
+                       "[medium]\nbase = \"rigid\"\n[[medium.layer]]\npreset = \"ecoflex\"\n" +
+                       more))
             .scene()
             .medium.layers.at(0);
     };
@@ -163,25 +119,22 @@ TEST_CASE("the thickness of a preset is ignored in a half-space", "[config][medi
     CHECK(medium.layers.at(1).thickness_m == 0.0);
 }
 
-TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[config][medium]") {
-    CHECK(
-        diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
-        Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
-              "\"forearm\", \"palm\", \"fingertip\" or \"three-layer-skin\", but is \"forarm\"; "
-              "did you mean \"forearm\"?"});
+TEST_CASE("an unknown preset or a medium without layers is rejected", "[config][medium]") {
+    const auto [medium, said] = GENERATE(table<std::string, std::string>({
+        {"base = \"rigid\"\npreset = \"forarm\"",
+         "6:10 preset must be one of \"thesis-tissue\", \"ecoflex\", \"forearm\", \"palm\", "
+         "\"fingertip\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"},
+        {"base = \"rigid\"", "4:1 layer is missing"},
+        {"base = \"rigid\"\nlayer = []", "6:9 layer must contain at least one layer"},
+    }));
+    CHECK(diagnostics_of(with_medium("[medium]\n" + medium + "\n")) ==
+          Texts{error_at(said, "medium.")});
     // Keys that a preset supplies are not reported as missing, and other errors are found.
     const Texts found = diagnostics_of(
         replaced(with_medium("[medium]\npreset = \"soup\"\n"), "spacing_mm = ", "spacing_mm = -"));
     REQUIRE(found.size() == 2);
-    CHECK(found[0].find("medium.preset must be one of") != std::string::npos);
-    CHECK(found[1].find("domain.spacing_mm must be between 1e-09 and 10000") != std::string::npos);
-}
-
-TEST_CASE("a medium without layers is rejected", "[config][medium]") {
-    CHECK(diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\n")) ==
-          Texts{"job.toml:4:1: error: medium.layer is missing"});
-    CHECK(diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\nlayer = []\n")) ==
-          Texts{"job.toml:6:9: error: medium.layer must contain at least one layer"});
+    CHECK_THAT(found[0], Catch::Contains("medium.preset must be one of"));
+    CHECK_THAT(found[1], Catch::Contains("domain.spacing_mm must be between 1e-09 and 10000"));
 }
 
 } // namespace test_medium_reader
