@@ -87,12 +87,13 @@ TEST_CASE("an envelope is the product of its gains", "[envelope]") {
         product *= gain({{g}}, t);
     CHECK(gain(all, t) == Approx(product).epsilon(1e-15));
     CHECK(gain_frequency_Hz(all) == 200.0);
+    CHECK(gain({}, t) == 1.0);
 }
 
 TEST_CASE("a sine gain is its closed form at any time, depth and phase", "[envelope]") {
     // As it is typed in a job: sin and cos of the phase by the addition theorem, so that a wrong
     // sign of it shows. Roundings: some 1e-15 of 1.
-    const double depth = GENERATE(0.35, 1.0), phase_rad = GENERATE(0.7, -2.1);
+    const double depth = GENERATE(0.0, 0.35, 1.0), phase_rad = GENERATE(0.7, -2.1);
     const double t = GENERATE(0.00037, 0.0123, 0.8011), two_pi_f = 2.0 * std::numbers::pi * 173.0;
     const double cosine =
         std::cos(two_pi_f * t) * std::cos(phase_rad) - std::sin(two_pi_f * t) * std::sin(phase_rad);

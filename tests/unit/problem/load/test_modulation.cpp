@@ -121,37 +121,6 @@ TEST_CASE("a held end is reached without a jump", "[modulation]") {
     CHECK(position(t, end_s + 1.0).x == Approx(0.049).epsilon(1e-12));
 }
 
-TEST_CASE("a sine gain goes from one minus its depth to one", "[modulation]") {
-    const Envelope full{{SineGain{200.0}}};
-    CHECK(gain(full, 0.0) == Approx(0.0).margin(1e-15));
-    CHECK(gain(full, 0.0025) == Approx(1.0).epsilon(1e-14));
-    CHECK(gain(full, 0.00125) == Approx(0.5).epsilon(1e-13));
-    const Envelope part{{SineGain{200.0, 0.4}}};
-    CHECK(gain(part, 0.0) == Approx(0.6).epsilon(1e-14));
-    CHECK(gain(part, 0.0025) == Approx(1.0).epsilon(1e-14));
-}
-
-TEST_CASE("a sine gain of depth zero is one", "[modulation]") {
-    const double t = GENERATE(0.0, 0.0003, 0.011);
-    const GainOn on = GENERATE(GainOn::force, GainOn::pressure);
-    CHECK(gain({{SineGain{200.0, 0.0, 0.3, on}}}, t) == 1.0);
-}
-
-TEST_CASE("a gain on the pressure acts squared on the force", "[modulation]") {
-    const double t = GENERATE(0.0001, 0.0017, 0.0042);
-    const double on_force = gain({{SineGain{200.0, 0.8, 0.3, GainOn::force}}}, t);
-    const double on_pressure = gain({{SineGain{200.0, 0.8, 0.3, GainOn::pressure}}}, t);
-    CHECK(on_pressure == Approx(on_force * on_force).epsilon(1e-15));
-}
-
-TEST_CASE("gains multiply, and a ramp ends at one", "[modulation]") {
-    const Envelope both{{SineGain{200.0, 0.5}, RampGain{0.002}}};
-    CHECK(gain(both, 0.0) == 0.0);
-    CHECK(gain(both, 0.001) == Approx(0.5 * gain({{SineGain{200.0, 0.5}}}, 0.001)).epsilon(1e-14));
-    CHECK(gain(both, 0.003) == gain({{SineGain{200.0, 0.5}}}, 0.003));
-    CHECK(gain({}, 0.003) == 1.0);
-}
-
 TEST_CASE("the modulation frequency is that of the first periodic part", "[modulation]") {
     const Trajectory plain = travel(ConstantSpeed{7.0});
     const Trajectory swinging = travel(OscillatingSpeed{7.0, 2.0, 150.0, 0.0});

@@ -36,36 +36,38 @@ double period_ms(const Load& load) {
 } // namespace
 
 TEST_CASE("the period of a load is the least common one of its parts", "[period]") {
-    CHECK(std::abs(period_ms(load_of({circle(70.0)})) - 1e3 / 70.0) < 1e-9);
-    CHECK(std::abs(period_ms(load_of({circle(70.0)}, {SineGain{.frequency_Hz = 200.0}})) - 100.0) <
-          1e-9);
-    CHECK(std::abs(period_ms(load_of({circle(100.0)}, {SineGain{.frequency_Hz = 200.0}})) - 10.0) <
-          1e-9);
-    CHECK(
-        std::abs(period_ms(load_of({Hold{}}, {SquareGain{.frequency_Hz = 125.0, .edge_s = 1e-4}})) -
-                 8.0) < 1e-9);
-    CHECK(std::abs(period_ms(load_of({Swing{{1e-3, 0.0}, 40.0}, circle(25.0)})) - 200.0) < 1e-9);
     // There and back is one pass.
     const Travel line{Curve(Vec2{}, Vec2{5e-3, 0.0}), ConstantSpeed{1.0}, AtEnd::back_and_forth};
-    CHECK(std::abs(period_ms(load_of({line})) - 10.0) < 1e-9);
-    // A depth of 0 means that nothing is modulated.
-    CHECK(std::abs(
-              period_ms(load_of({circle(50.0)}, {SineGain{.frequency_Hz = 77.7, .depth = 0.0}})) -
-              20.0) < 1e-9);
     Travel slows = circle(100.0);
     slows.motion = OscillatingSpeed{2.0 * std::numbers::pi, 1.0, 150.0};
-    CHECK(std::abs(period_ms(load_of({slows})) - 20.0) < 1e-9);
+    const SineGain sine{.frequency_Hz = 200.0}, depth_0{.frequency_Hz = 77.7, .depth = 0.0};
+    const std::vector<std::pair<Load, double>> loads = {
+        {load_of({circle(70.0)}), 1e3 / 70.0},
+        {load_of({circle(70.0)}, {sine}), 100.0},
+        {load_of({circle(100.0)}, {sine}), 10.0},
+        {load_of({Hold{}}, {SquareGain{.frequency_Hz = 125.0, .edge_s = 1e-4}}), 8.0},
+        {load_of({Swing{{1e-3, 0.0}, 40.0}, circle(25.0)}), 200.0},
+        {load_of({line}), 10.0},
+        {load_of({circle(50.0)}, {depth_0}), 20.0}, // nothing is modulated
+        {load_of({slows}), 20.0},
+    };
+    for (const auto& [load, expected_ms] : loads)
+        CHECK(std::abs(period_ms(load) - expected_ms) < 1e-9);
 }
 
 TEST_CASE("a load without a period states the reason", "[period]") {
-    const auto reason = [](const Load& load) { return least_period(load, 1.0).reason; };
-    CHECK_THAT(reason(load_of({circle(std::sqrt(5e3))}, {SineGain{.frequency_Hz = 200.0}})),
-               Contains("70.710678 and 200 Hz") && Contains("no common period of up to 1000 ms"));
-    CHECK_THAT(reason(load_of({circle(0.5)})), Contains("the frequency 0.5 Hz"));
-    CHECK_THAT(reason(load_of({circle(50.0, AtEnd::off)})), Contains("a path that ends"));
-    CHECK_THAT(reason(load_of({Hold{}})), Contains("is constant"));
-    CHECK_THAT(reason(load_of({circle(50.0)}, {RampGain{.duration_s = 1e-2}})),
-               Contains("rises or falls once"));
+    const std::vector<std::pair<Load, std::string>> loads = {
+        {load_of({circle(std::sqrt(5e3))}, {SineGain{.frequency_Hz = 200.0}}),
+         "70.710678 and 200 Hz"},
+        {load_of({circle(std::sqrt(5e3))}, {SineGain{.frequency_Hz = 200.0}}),
+         "no common period of up to 1000 ms"},
+        {load_of({circle(0.5)}), "the frequency 0.5 Hz"},
+        {load_of({circle(50.0, AtEnd::off)}), "a path that ends"},
+        {load_of({Hold{}}), "is constant"},
+        {load_of({circle(50.0)}, {RampGain{.duration_s = 1e-2}}), "rises or falls once"},
+    };
+    for (const auto& [load, said] : loads)
+        CHECK_THAT(least_period(load, 1.0).reason, Contains(said));
 }
 
 } // namespace test_period

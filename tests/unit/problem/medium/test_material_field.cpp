@@ -189,38 +189,15 @@ TEST_CASE("only the depths of bodies and maps vary", "[material_field]") {
     CHECK_FALSE(varies_between(medium, 4.3e-3, 12e-3));
 }
 
-TEST_CASE("bodies and maps change the id of a case, a map's file name does not",
-          "[material_field]") {
+TEST_CASE("a value of another property is another case", "[material_field]") {
     Case c;
     c.scene().medium = two_layers();
-    const std::string plain = case_id(c);
     CHECK(canonical_text(c).find("map") == std::string::npos);
     CHECK(canonical_text(c).find("body") == std::string::npos);
-    c.scene().medium.bodies = {
-        {.name = "bone", .shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
-    const std::string with_body = case_id(c);
-    CHECK(with_body != plain);
+    c.scene().medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
     Case other = c;
-    SECTION("a shape") {
-        other.scene().medium.bodies[0].shape = Cylinder{.radius_m = 1e-3, .azimuth_deg = 1.0};
-    }
-    SECTION("a place") {
-        other.scene().medium.bodies[0].centre_m.z = 1e-9;
-    }
-    SECTION("an edge") {
-        other.scene().medium.bodies[0].edge_m = 1e-3;
-    }
-    SECTION("a property that was not given") {
-        other.scene().medium.bodies[0].viscosity_Pa_s = 0.0;
-    }
-    SECTION("a property of the same value under another name") {
-        other.scene().medium.bodies[0].c_s_m_s.reset();
-        other.scene().medium.bodies[0].c_p_m_s = 9.0;
-    }
-    SECTION("a map") {
-        other.scene().medium.map = std::make_shared<const MaterialMap>(linear_map());
-    }
-    CHECK(case_id(other) != with_body);
+    other.scene().medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_p_m_s = 9.0}};
+    CHECK(case_id(other) != case_id(c));
     CHECK_FALSE(other == c);
 }
 
@@ -234,15 +211,10 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
     b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK(a == b);
     CHECK(case_id(a) == case_id(b));
-    SECTION("not after a change of a value") {
-        renamed.c_s_m_s[7] *= 1.0 + 1e-15;
-    }
-    SECTION("not after a move") {
-        renamed.origin_m.y += 1e-9;
-    }
-    SECTION("not when the values are another property's") {
-        renamed.c_p_m_s.swap(renamed.c_s_m_s);
-    }
+    const int change = GENERATE(0, 1, 2);
+    if (change == 0) renamed.c_s_m_s[7] *= 1.0 + 1e-15;
+    if (change == 1) renamed.origin_m.y += 1e-9;
+    if (change == 2) renamed.c_p_m_s.swap(renamed.c_s_m_s); // the values are another property's
     renamed.content_hash = hash_of(renamed);
     b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK_FALSE(a == b);
