@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Small synthetic folders with complete, failed, damaged and empty cases, for the tests of reports."""
 import json
+import tempfile
+import unittest
 from html.parser import HTMLParser
 from pathlib import Path
 from unittest import mock
@@ -11,7 +13,8 @@ import numpy as np
 from program import seal
 from shearwake import Case, program
 from shearwake.checksum import sealed
-from shearwake.report import __main__ as report, style
+from shearwake.report import __main__ as report, load, style
+from shearwake.report.style import plt
 
 style.DPI, style.PDF = 30, False  # draws faster
 with_pdf = mock.patch.object(style, "PDF", True)
@@ -134,6 +137,12 @@ class Folder:
     def file(self, identity):
         return self.path / "cases" / (identity + ".h5")
 
+    def change(self, identity, old, new):
+        """Replaces a part of the resolved case of a file, or adds to its end if `old` is empty."""
+        with h5py.File(self.file(identity), "r+") as file:
+            text = file.attrs["case"].decode()
+            file.attrs["case"] = np.bytes_((text.replace(old, new) if old else text + new).encode())
+
     def fail(self, identity, reason):
         with open(self.path / "journal.jsonl", "a") as journal:
             journal.write(sealed({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
@@ -152,6 +161,39 @@ class Folder:
         if problems:
             raise AssertionError(problems)
         return path.read_text(encoding="utf-8")
+
+
+class InFolder(unittest.TestCase):
+    """A test with a temporary folder, `root`."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.root = Path(temporary.name)
+
+    def drawn(self, folder, *modules):
+        """The loaded sweep, the figures of modules and those of matplotlib, both by name; each is a file."""
+        kept, save = {}, style.save
+
+        def keep(figure, path):
+            with mock.patch.object(plt, "close"):
+                save(figure, path)
+            figure.set_layout_engine("none")
+            kept[path.stem] = figure
+
+        loaded, target = load.load(folder.save()), self.root / "report"
+        target.mkdir(exist_ok=True)
+        with mock.patch.object(style, "save", keep):
+            figures = {figure.name: figure for module in modules for figure in module.figures(loaded, target)}
+        self.addCleanup(plt.close, "all")
+        for name in {*figures, *kept}:
+            self.assertTrue((target / f"{name}.png").exists(), name)
+        return loaded, figures, kept
+
+
+def plain(text):
+    """Without NO-BREAK SPACE."""
+    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 class Page(HTMLParser):

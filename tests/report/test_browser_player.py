@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests of the player of surfaces in a headless chromium.
-
-Run: python3 -m pytest tests/report/test_browser_player.py    (unittest, h5py, matplotlib, chromium; seconds)
-"""
-import tempfile
-import unittest
+"""Tests of the player of surfaces in a headless chromium."""
 
 import h5py
 
 import test_browser
-from synthetic import Folder, case_id
+from synthetic import case_id
 
 
 class PlayerTest(test_browser.Pages):
@@ -21,26 +16,24 @@ class PlayerTest(test_browser.Pages):
         return page
 
     def test_single_steps_and_the_slider_move_every_panel(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
-                focus = """Array.from(document.querySelectorAll(".player canvas"),
-                    canvas => JSON.parse(canvas.dataset.focus)[0])"""
-                late = page.run(focus)
-                page.run('document.querySelector(".back").click()')
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/0"))'))
-                self.assertEqual(page.run(self.CLOCK), "2 ms")
-                dark = page.run("""(() => { const panel = document.querySelector(".player").player.panels[0];
-                    const [x, y] = panel.place(...panel.shown.focus[panel.frame()]);
-                    return Array.from(panel.canvas.getContext("2d").getImageData(Math.round(x), Math.round(y), 1, 1).data); })()""")
-                self.assertLess(max(dark[:3]), 60)  # the point at the centre of the focal disc, on red
-                for before, after in zip(page.run(focus), late):
-                    self.assertAlmostEqual(after - before, 14.0, places=2)  # 2 ms at 7 m/s
-                page.run('document.querySelector(".player input").focus()')
-                page.press("ArrowRight", 39)
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
-                self.assertEqual(page.errors(), [])
+        for _, page in self.both(self.at_start):
+            self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
+            focus = """Array.from(document.querySelectorAll(".player canvas"),
+                canvas => JSON.parse(canvas.dataset.focus)[0])"""
+            late = page.run(focus)
+            page.run('document.querySelector(".back").click()')
+            self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/0"))'))
+            self.assertEqual(page.run(self.CLOCK), "2 ms")
+            dark = page.run("""(() => { const panel = document.querySelector(".player").player.panels[0];
+                const [x, y] = panel.place(...panel.shown.focus[panel.frame()]);
+                return Array.from(panel.canvas.getContext("2d").getImageData(Math.round(x), Math.round(y), 1, 1).data); })()""")
+            self.assertLess(max(dark[:3]), 60)  # the point at the centre of the focal disc, on red
+            for before, after in zip(page.run(focus), late):
+                self.assertAlmostEqual(after - before, 14.0, places=2)  # 2 ms at 7 m/s
+            page.run('document.querySelector(".player input").focus()')
+            page.press("ArrowRight", 39)
+            self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
+            self.assertEqual(page.errors(), [])
 
     def test_a_load_that_repeats_starts_again_after_its_period(self):
         page = self.at_start(1280)
@@ -51,19 +44,17 @@ class PlayerTest(test_browser.Pages):
         self.assertEqual(found, [[1, 2, 3, 4], [0, 1, 0, 1]])  # the other panel shows 2 and 4 ms
 
     def test_pointing_at_the_surface_shows_u_in_both_panels(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                x, y = page.run("""(() => {
-                    const panel = document.querySelector(".player").player.panels[0];
-                    panel.canvas.scrollIntoView({block: "center"});
-                    const [x, y] = panel.place(28.0, 0.0), box = panel.canvas.getBoundingClientRect();
-                    return [box.left + x, box.top + y]; })()""")
-                page.move(x, y)
-                texts = 'Array.from(document.querySelectorAll(".player-panel output"), o => o.textContent)'
-                self.assertTrue(page.wait(f'{texts}.every(text => text.startsWith("x "))'))
-                for text in page.run(texts):  # the centre of a spot of 3 um, within a pixel of 1 mm
-                    self.assertRegex(text, r"^x 2[78][0-9.]* mm, y .* mm: u (2\.[5-9][0-9]*|3) µm$")
+        for _, page in self.both(self.at_start):
+            x, y = page.run("""(() => {
+                const panel = document.querySelector(".player").player.panels[0];
+                panel.canvas.scrollIntoView({block: "center"});
+                const [x, y] = panel.place(28.0, 0.0), box = panel.canvas.getBoundingClientRect();
+                return [box.left + x, box.top + y]; })()""")
+            page.move(x, y)
+            texts = 'Array.from(document.querySelectorAll(".player-panel output"), o => o.textContent)'
+            self.assertTrue(page.wait(f'{texts}.every(text => text.startsWith("x "))'))
+            for text in page.run(texts):  # the centre of a spot of 3 um, within a pixel of 1 mm
+                self.assertRegex(text, r"^x 2[78][0-9.]* mm, y .* mm: u (2\.[5-9][0-9]*|3) µm$")
 
     def test_every_case_can_be_chosen_and_colours_follow_the_scale(self):
         page = self.at_start(1280)
@@ -88,34 +79,26 @@ class PlayerTest(test_browser.Pages):
         self.assertNotEqual(page.run('document.querySelector(".high").textContent'), before)
 
     def test_a_single_surface_has_no_controls_of_the_time(self):
-        with tempfile.TemporaryDirectory() as root:
-            folder = Folder(root, swept=(), x="")
-            folder.add({})
-            with h5py.File(folder.file(case_id(1)), "r+") as file:
-                for name in ("time", "u_z"):
-                    last = file["surface"][name][-1:]
-                    del file["surface"][name]
-                    file["surface"][name] = last
-            folder.report()
-            for width in (1280, 390):
-                page = self.open(width, path=folder.path / "report" / "index.html")
-                self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
-                self.assertFalse(page.run('!!document.querySelector(".play").offsetParent'))
-                self.assertTrue(page.run('!!document.querySelector(".clock").offsetParent'))
-                self.assertEqual(page.errors(), [])
+        folder = self.new_folder(swept=(), x="")
+        folder.add({})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            for name in ("time", "u_z"):
+                last = file["surface"][name][-1:]
+                del file["surface"][name]
+                file["surface"][name] = last
+        path = self.page_of(folder)
+        for _, page in self.both(path=path):
+            self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
+            self.assertFalse(page.run('!!document.querySelector(".play").offsetParent'))
+            self.assertTrue(page.run('!!document.querySelector(".clock").offsetParent'))
+            self.assertEqual(page.errors(), [])
 
     def test_play_moves_the_slider_and_pause_stops_it(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                page.run('document.querySelector(".speed").value = "10"')
-                page.run('document.querySelector(".play").click()')
-                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")
-                self.assertTrue(page.wait(f'{self.CLOCK} === "2 ms"'))
-                page.run('document.querySelector(".play").click()')
-                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Play")
-                self.assertEqual(page.errors(), [])
-
-
-if __name__ == "__main__":
-    unittest.main()
+        for _, page in self.both(self.at_start):
+            page.run('document.querySelector(".speed").value = "10"')
+            page.run('document.querySelector(".play").click()')
+            self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")
+            self.assertTrue(page.wait(f'{self.CLOCK} === "2 ms"'))
+            page.run('document.querySelector(".play").click()')
+            self.assertEqual(page.run('document.querySelector(".play").textContent'), "Play")
+            self.assertEqual(page.errors(), [])

@@ -1,29 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The report of folders that contain only case files.
-
-Run: python3 -m pytest tests/report/test_cases_alone.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+"""The report of folders that contain only case files."""
 import shutil
-import tempfile
-import unittest
-from pathlib import Path
 
 import pytest
 
 
-from synthetic import AM, FWHM, Folder, Page, case_id, reduce, sweep
+from synthetic import AM, FWHM, Folder, InFolder, Page, case_id, reduce, sweep
 
 from shearwake.report import __main__ as report, load
 
 
-class CasesAloneTest(unittest.TestCase):
+class CasesAloneTest(InFolder):
     """`whole` is a complete sweep, `copy` a folder with only its `cases`."""
 
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.whole = Path(self.temporary.name) / "whole"
-        self.copy = Path(self.temporary.name) / "copy"
+        super().setUp()
+        self.whole, self.copy = self.root / "whole", self.root / "copy"
         self.whole.mkdir()
 
     def cases_alone(self, folder):
@@ -76,7 +68,3 @@ class CasesAloneTest(unittest.TestCase):
         _, copy = self.cases_alone(folder)
         self.assertEqual({c.id: c.status for c in copy.cases},
                          {case_id(n): "damaged" if n == 2 else "complete" for n in range(1, 5)})
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,9 +1,5 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Differences of fields on different grids, compared with known functions.
-
-Run: python3 -m pytest tests/report/test_compare_fields.py    (unittest, numpy, h5py; a second)
-"""
+"""Differences of fields on different grids, compared with known functions."""
 import tempfile
 import unittest
 from pathlib import Path
@@ -178,7 +174,3 @@ class CompareFields(unittest.TestCase):
         b = np.array([[3.0, 4.0]])
         self.assertAlmostEqual(relative_l2(1.1 * b, b), 0.1, places=14)
         self.assertTrue(np.isnan(relative_l2(b, 0 * b)))
-
-
-if __name__ == "__main__":
-    unittest.main()

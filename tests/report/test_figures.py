@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the data of figures: axes of a sweep, heat maps, spectrograms.
-
-Run: python3 -m pytest tests/report/test_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+"""Tests the data of figures: axes of a sweep, heat maps, spectrograms."""
 import base64
 import io
 import math
 import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import matplotlib.pyplot as plt
@@ -16,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 
-from synthetic import AM, FWHM, Folder, Page, case_id, draw
+from synthetic import AM, FWHM, Folder, InFolder, Page, case_id, draw
 
 from shearwake.report import labels, layout, load, warnings_of, words
 from shearwake.report.figures import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
@@ -39,12 +35,7 @@ def grid(root, frequencies=(100.0, 200.0, 400.0), widths=(2.0, 3.0, 6.0), speeds
     return folder
 
 
-class FolderTest(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.root = Path(self.temporary.name)
-
+class FolderTest(InFolder):
     def test_a_key_that_follows_another_is_not_an_axis(self):
         sweep = load.load(grid(self.root, speeds=(5.0, 7.0)).save())
         self.assertEqual(layout.axes(sweep), [AM, FWHM, SPEED])
@@ -69,17 +60,9 @@ class FolderTest(unittest.TestCase):
     def names(self):
         return [p.name for p in (self.root / "report").iterdir()]
 
-    def draw(self, folder, *modules):
-        """Draws only the figures of these modules, since a complete report takes seconds."""
-        sweep = load.load(folder.save())
-        (self.root / "report").mkdir()
-        for module in modules:
-            module.figures(sweep, self.root / "report")
-        return sweep
-
     def test_three_swept_keys_are_drawn_as_small_multiples(self):
         folder = grid(self.root, speeds=(3.0, 5.0, 7.0, 9.0))
-        sweep = self.draw(folder, fig_multiples, fig_measures)
+        sweep = self.drawn(folder, fig_multiples, fig_measures)[0]
         self.assertIn("multiples_eta_period_1.png", self.names())
         self.assertNotIn("eta.png", self.names())  # would have twelve curves in one panel
         x, y, others = fig_heat.plane(sweep)
@@ -92,7 +75,7 @@ class FolderTest(unittest.TestCase):
         for f in (100.0, 200.0, 400.0):
             for name in ("STM", "AM-STM", "SM-STM"):
                 folder.add({AM: f, kind: name}, kind=name)
-        sweep = self.draw(folder, fig_heat, fig_measures)
+        sweep = self.drawn(folder, fig_heat, fig_measures)[0]
         self.assertEqual(layout.values_of(sweep, kind), ["STM", "AM-STM", "SM-STM"])
         self.assertIn("heat_eta_period_1.png", self.names())
         self.assertIn("eta.png", self.names())  # three curves also fit into one panel
@@ -112,7 +95,7 @@ class FolderTest(unittest.TestCase):
         folder = Folder(self.root)
         lines = [[(0.01, 0.0), (0.0, 0.01)], [(-0.01, 0.0), (0.0, -0.01), (0.01, 0.0)]]
         folder.add({AM: 100.0}, drawn=lines, scalars={"sharpness_1": 0.75})
-        sweep = self.draw(folder, fig_intensity)
+        sweep = self.drawn(folder, fig_intensity)[0]
         self.assertIn("intensity.png", self.names())
         x, y, square, found = load.mean_square(sweep.cases[0])
         self.assertEqual(square.shape, (len(x), len(y)))
@@ -127,7 +110,7 @@ class FolderTest(unittest.TestCase):
             x, y = file["focus_x"][()], file["focus_y"][()]
             draw(file, file["time"][()], [[(0.0, 0.0), (0.028, 0.0)]])
             file["focus_x"][...], file["focus_y"][...] = x, y
-        sweep = self.draw(folder, fig_intensity)
+        sweep = self.drawn(folder, fig_intensity)[0]
         self.assertIsNotNone(load.mean_square(sweep.cases[0]))
         self.assertNotIn("intensity.png", self.names())
         self.assertNotIn("sharpness", table.table(sweep, []))
@@ -139,7 +122,7 @@ class FolderTest(unittest.TestCase):
             group = file.create_group("sensation")
             group["x"], group["y"] = 1e-3 * np.arange(-10, 11), 1e-3 * np.arange(-8, 9)
             group["level"] = 12.0 - 0.3 * np.hypot(*np.meshgrid(np.arange(-10, 11), np.arange(-8, 9), indexing="ij"))**2
-        sweep = self.draw(folder, fig_intensity)
+        sweep = self.drawn(folder, fig_intensity)[0]
         self.assertIn("sensation.png", self.names())
         self.assertEqual(load.levels(sweep.cases[0])[2].shape, (21, 17))
         figure, axes = plt.subplots()
@@ -158,7 +141,7 @@ class FolderTest(unittest.TestCase):
     def test_a_case_without_a_level_has_no_map_of_it(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, drawn=[[(0.0, 0.0)]])
-        sweep = self.draw(folder, fig_intensity)
+        sweep = self.drawn(folder, fig_intensity)[0]
         self.assertIsNone(load.levels(sweep.cases[0]))
         self.assertNotIn("sensation.png", self.names())
 
@@ -172,7 +155,7 @@ class FolderTest(unittest.TestCase):
         for f in (100.0, 200.0):
             folder.add({AM: f, FWHM: 3.0}, scalars={"peak_frequency_Hz": math.nan,
                                                     "velocity_peak_frequency_Hz": 300.0})
-        sweep = self.draw(folder, fig_frequency, fig_spectra)
+        sweep = self.drawn(folder, fig_frequency, fig_spectra)[0]
         self.assertEqual(fig_frequency.peaks(sweep), [("velocity_peak_frequency_Hz", "du/dt")])
         self.assertIn("spectra_velocity.png", self.names())
 
@@ -293,11 +276,10 @@ class SpectrogramTest(unittest.TestCase):
         self.assertLess(abs(moment - 201e-4), 2e-4)  # sample 200 is at 201 intervals; two steps
 
 
-class BandTest(unittest.TestCase):
+class BandTest(InFolder):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        folder = Folder(temporary.name)
+        super().setUp()
+        folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars={"share_100_500_1": 0.2})
         self.loaded = load.load(folder.save())
 
@@ -340,7 +322,3 @@ class WordsTest(unittest.TestCase):
                 folder.add({AM: 100.0, sm: 100.0}, written=False)
                 folder.add({AM: 200.0, sm: second}, written=False)
                 self.assertEqual(labels.name(load.load(folder.save()), AM), expected)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers in heat maps, legends, lines of references, and the scale of a uniform medium.
-
-Run: python3 -m pytest tests/report/test_labels.py    (unittest, numpy, matplotlib; seconds)
-"""
+"""Numbers in heat maps, legends, lines of references, and the scale of a uniform medium."""
 import math
-import tempfile
-import unittest
-from pathlib import Path
 from unittest import mock
 
-from synthetic import AM, FWHM, Folder, case_id, sweep
+from synthetic import AM, FWHM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load, style
 from shearwake.report.figures import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface
@@ -18,28 +12,7 @@ from shearwake.report.words import number
 import texts
 
 
-class LabelsTest(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.root = Path(temporary.name)
-
-    def drawn(self, folder, module):
-        """The figures of matplotlib by the name of their file."""
-        kept, save = {}, style.save
-
-        def keep(figure, path):
-            with mock.patch.object(plt, "close"):
-                save(figure, path)
-            figure.set_layout_engine("none")
-            kept[path.stem] = figure
-
-        (self.root / "report").mkdir()
-        with mock.patch.object(style, "save", keep):
-            module.figures(load.load(folder.save()), self.root / "report")
-        self.addCleanup(plt.close, "all")
-        return kept
-
+class LabelsTest(InFolder):
     def grid(self, frequencies, widths):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
         for n in range(frequencies):
@@ -50,7 +23,7 @@ class LabelsTest(unittest.TestCase):
 
     def numbers(self, frequencies, widths):
         """The texts in the cells of a heat map, which do not overlap."""
-        figure = self.drawn(self.grid(frequencies, widths), fig_heat)["heat_eta_period_1"]
+        figure = self.drawn(self.grid(frequencies, widths), fig_heat)[2]["heat_eta_period_1"]
         self.assertEqual(texts.problems(figure), [])
         return figure.axes[0].texts
 
@@ -71,7 +44,7 @@ class LabelsTest(unittest.TestCase):
         self.assertIsNone(fig_heat.rotation(["0.123"], (30, 30)))
 
     def test_the_motion_that_is_felt_has_the_line_of_its_reference(self):
-        figure = self.drawn(sweep(self.root), fig_frequency)["frequency"]
+        figure = self.drawn(sweep(self.root), fig_frequency)[2]["frequency"]
         motion = next(axes for axes in figure.axes if "40 to 400" in axes.get_title(loc="left"))
         self.assertEqual([text.get_text() for text in motion.texts], ["plain STM\n0.3"])
         self.assertLess(0.3, motion.get_ylim()[1], "the line is visible")
@@ -81,7 +54,7 @@ class LabelsTest(unittest.TestCase):
         for n, width in enumerate((2.0, 3.0)):
             folder.add({AM: 100.0, FWHM: width}, case_id(n + 5))
             folder.add({AM: 200.0, FWHM: width}, case_id(n + 5))
-        legend, = self.drawn(folder, fig_measures)["eta"].legends
+        legend, = self.drawn(folder, fig_measures)[2]["eta"].legends
         self.assertEqual([text.get_text() for text in legend.get_texts()], ["focus FWHM 2\u00a0mm", "focus FWHM 3\u00a0mm"])
         self.assertEqual(legend.get_title().get_text(), "")
 
@@ -114,7 +87,3 @@ class LabelsTest(unittest.TestCase):
         fig_medium.draw_scale(figure, image, bar, [5.0])
         self.assertEqual([text.get_text() for text in bar.texts], ["The shear-wave speed is 5 m/s everywhere."])
         plt.close(figure)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,18 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the slices of maps and of k-Wave studies, and that figures do not show the placeholders of a study.
-
-Run: python3 -m pytest tests/report/test_media.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+"""Tests the slices of maps and of k-Wave studies, and that figures do not show the placeholders of a study."""
 import os
-import tempfile
-import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
 
 
-from synthetic import Folder, case_id, lone_case
+from synthetic import Folder, InFolder, case_id, lone_case
 
 from shearwake.report import load, medium_files
 from shearwake.report.figures import fig_drive, fig_medium
@@ -28,20 +22,17 @@ c_s_m_s = 3.0
 EARLY_s, LATE_s = 1.0e9, 2.0e9  # before and after the start of the synthetic cases, 2026-01-02
 
 
-class MediaTest(unittest.TestCase):
+class MediaTest(InFolder):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.root = Path(self.temporary.name) / "out" / "sweep"
+        super().setUp()
+        self.root = self.root / "out" / "sweep"
         self.root.mkdir(parents=True)
-        (self.root / "report").mkdir()
 
     def folder(self, job, extra):
         folder = Folder(self.root, swept=(), x="", job=job)
         folder.add({})
-        with h5py.File(folder.file(case_id(1)), "r+") as file:
-            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 50\nny = 31")
-            file.attrs["case"] = np.bytes_((text + extra).encode())
+        folder.change(case_id(1), "[domain]", "[domain]\nnx = 50\nny = 31")
+        folder.change(case_id(1), "", extra)
         return folder
 
     def file(self, name, time_s, **datasets):
@@ -53,8 +44,8 @@ class MediaTest(unittest.TestCase):
         os.utime(path, (time_s, time_s))
         return path
 
-    def drawn(self, folder, module=fig_medium):
-        return module.figures(load.load(folder.save()), self.root / "report")
+    def captions(self, folder, module=fig_medium):
+        return [figure.caption for figure in self.drawn(folder, module)[1].values()]
 
 
 class Maps(MediaTest):
@@ -80,14 +71,14 @@ class Maps(MediaTest):
 
     def test_the_figure_states_where_the_map_is_from(self):
         self.map()
-        figure, = self.drawn(self.folder(self.JOB, LAYER.format(map='map = "0"')))
-        self.assertIn("has not changed since the run", figure.caption)
+        caption, = self.captions(self.folder(self.JOB, LAYER.format(map='map = "0"')))
+        self.assertIn("has not changed since the run", caption)
 
     def test_a_map_that_was_changed_later_or_is_missing_is_not_drawn(self):
         folder = self.folder(self.JOB, LAYER.format(map='map = "0"'))
-        self.assertEqual(self.drawn(folder), [])
+        self.assertEqual(self.captions(folder), [])
         self.map(LATE_s)
-        self.assertEqual(self.drawn(folder), [])
+        self.assertEqual(self.captions(folder), [])
 
     def test_a_swept_or_overridden_key_selects_the_map(self):
         path = self.map()
@@ -118,15 +109,10 @@ class Studies(MediaTest):
         self.assertEqual((along_x.c_s[0, 0], along_x.c_s[-1, -1]), (5.0, 8.0))
         np.testing.assert_allclose(along_x.marks, [[2.0, 6.0], [4.0, 6.0]])
         np.testing.assert_allclose(along_y.sensors, [[1.0, 10.0]])
-        figure, = self.drawn(folder)
-        self.assertIn("source nodes", figure.caption)
+        self.assertIn("source nodes", *self.captions(folder))
 
     def test_placeholders_of_a_study_are_not_drawn(self):
         folder = self.folder(self.JOB, self.CASE)
-        self.assertEqual(self.drawn(folder), [])  # without the file of the study
-        figures = self.drawn(folder, fig_drive)  # the focus moves, and its force is not that of the sources
-        self.assertEqual([f.caption for f in figures], ["Position of the focus (x and y if they change)."])
-
-
-if __name__ == "__main__":
-    unittest.main()
+        self.assertEqual(self.captions(folder), [])  # without the file of the study
+        # The focus moves, and its force is not that of the sources.
+        self.assertEqual(self.captions(folder, fig_drive), ["Position of the focus (x and y if they change)."])

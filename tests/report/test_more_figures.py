@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the profiles, traces, last periods, slices of the medium and of volumes, and the map of receptors.
-
-Run: python3 -m pytest tests/report/test_more_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+"""Tests the profiles, traces, last periods, slices of the medium and of volumes, and the map of receptors."""
 import math
-import tempfile
 import unittest
-from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
 
@@ -14,9 +9,9 @@ import h5py
 import numpy as np
 
 
-from synthetic import AM, Folder, case_id, sweep
+from synthetic import AM, Folder, InFolder, case_id, sweep
 
-from shearwake.report import layout, load, style
+from shearwake.report import layout, load
 from shearwake.report.figures import (fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
                                       fig_spectra, fig_surface, fig_time, fig_traces, fig_volume, periods)
 from shearwake.report.page import chart, curve_chart, topics
@@ -41,28 +36,10 @@ c_s_m_s = 50.0
 """
 
 
-class FolderTest(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.root = Path(self.temporary.name)
-
+class FolderTest(InFolder):
     def draw(self, folder, module):
         """The figures of a module for a folder."""
-        loaded = load.load(folder.save())
-        (self.root / "report").mkdir(exist_ok=True)
-        made = module.figures(loaded, self.root / "report")
-        for figure in made:
-            self.assertTrue((self.root / "report" / f"{figure.name}.png").exists())
-        return made
-
-    def change(self, identity, extra="", **attributes):
-        """Adds text to the resolved case of a file."""
-        with h5py.File(self.root / "cases" / (identity + ".h5"), "r+") as file:
-            text = file.attrs["case"]
-            text = text.decode() if isinstance(text, bytes) else text
-            file.attrs["case"] = np.bytes_((text + extra).encode())
-            file.attrs.update(attributes)
+        return list(self.drawn(folder, module)[1].values())
 
     def test_profiles_pass_through_the_focus_along_and_across_its_path(self):
         figure, = self.draw(sweep(self.root), fig_profiles)
@@ -78,10 +55,9 @@ class FolderTest(unittest.TestCase):
 
     def test_profiles_pass_through_the_strongest_of_several_foci(self):
         folder = sweep(self.root)
-        for path in (self.root / "cases").glob("*.h5"):
-            with h5py.File(path, "r+") as file:  # the middle of two foci is at rest at (18, 0) mm, the displacement at (28, 0) mm
-                text = file.attrs["case"].decode().replace("kind =", "foci_x_m = [-0.02, 0.01]\nfoci_y_m = [0.0, 0.0]\nkind =")
-                file.attrs["case"] = np.bytes_(text.encode())
+        for number in range(1, 5):  # the middle of two foci is at rest at (18, 0) mm, the displacement at (28, 0) mm
+            folder.change(case_id(number), "kind =", "foci_x_m = [-0.02, 0.01]\nfoci_y_m = [0.0, 0.0]\nkind =")
+            with h5py.File(folder.file(case_id(number)), "r+") as file:
                 file["focus_x"][...] = 0.018
         figure, = self.draw(folder, fig_profiles)
         for panel in figure.charts:
@@ -90,18 +66,20 @@ class FolderTest(unittest.TestCase):
             np.testing.assert_allclose(line.y, 3.0 * np.exp(-(1e-3 * np.asarray(line.x))**2 / 8e-6), atol=0.1)
         self.assertIn("Of several simultaneous foci the one with the largest displacement is taken: (28, 0) mm.", figure.caption)
 
-    def test_every_trace_point_has_its_displacement_and_spectrum(self):
+    def with_two_traces(self, x, y, factors):
+        """The sweep with two trace points and multiples of the motion of the usual one."""
         folder = sweep(self.root)
         for number in range(1, 5):
             with h5py.File(folder.file(case_id(number)), "r+") as file:
                 group = file["traces"]
-                time, u, amplitude = group["time"][()], group["u_z"][()], group["amplitude"][()]
-                for name in ("x", "y", "trace", "u_z", "amplitude"):
+                values = {name: np.vstack([factor * group[name][()] for factor in factors]) for name in ("u_z", "amplitude")}
+                for name, value in {"x": x, "y": y, "trace": [0.0, 1.0], **values}.items():
                     del group[name]
-                group["x"], group["y"], group["trace"] = [0.005, 0.0], [0.0, 0.0], [0.0, 1.0]
-                group["u_z"], group["amplitude"] = np.vstack([2 * u, u]), np.vstack([2 * amplitude, amplitude])
-                self.assertEqual(len(time), u.shape[1])
-        figure, = self.draw(folder, fig_traces)
+                    group[name] = value
+        return folder
+
+    def test_every_trace_point_has_its_displacement_and_spectrum(self):
+        figure, = self.draw(self.with_two_traces([0.005, 0.0], [0.0, 0.0], (2, 1)), fig_traces)
         self.assertEqual([panel.title for panel in figure.charts],
                          ["x = 0 mm, y = 0 mm"] * 2 + ["x = 5 mm, y = 0 mm"] * 2)
         near, _, far, spectrum = (np.asarray(panel.lines[0].y) for panel in figure.charts)
@@ -109,16 +87,8 @@ class FolderTest(unittest.TestCase):
         self.assertAlmostEqual(spectrum.max(), 1.0, delta=0.02)  # um: 2 periods of .5 um, twice as large, under the window
 
     def test_figures_state_the_trace_point_of_the_columns(self):
-        folder = sweep(self.root)
-        for number in range(1, 5):
-            with h5py.File(folder.file(case_id(number)), "r+") as file:
-                group = file["traces"]
-                u = group["u_z"][()]
-                for name in ("x", "y", "trace", "u_z", "amplitude"):
-                    del group[name]
-                # The columns are those of the first point, although the second one is nearer to the centre.
-                group["x"], group["y"], group["trace"] = [0.025, 0.0115], [-0.002, 0.0], [0.0, 1.0]
-                group["u_z"], group["amplitude"] = np.vstack([u, 2 * u]), np.ones((2, 41))
+        # The columns are those of the first point, although the second one is nearer to the centre.
+        folder = self.with_two_traces([0.025, 0.0115], [-0.002, 0.0], (1, 2))
         figure, = self.draw(folder, fig_frequency)
         self.assertIn("the spectrum at (25, −2) mm of", figure.caption)
         self.assertNotIn("centre", figure.caption)
@@ -134,7 +104,7 @@ class FolderTest(unittest.TestCase):
         folder = Folder(self.root)
         folder.add({AM: 4000.0})
         self.assertIsNone(periods.last_span_ms(load.load(folder.save()).cases))
-        self.change(case_id(1), "[[load.modulation.envelope]]\nfrequency_Hz = 4000.0\n")
+        folder.change(case_id(1), "", "[[load.modulation.envelope]]\nfrequency_Hz = 4000.0\n")
         start, end = periods.last_span_ms(load.load(folder.save()).cases)  # 16 periods in 4 ms
         self.assertAlmostEqual(end, 4.0)
         self.assertAlmostEqual(end - start, 5 / 4.0)
@@ -145,9 +115,7 @@ class FolderTest(unittest.TestCase):
     def test_slices_of_the_medium_show_layers_and_bodies(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
-        with h5py.File(folder.file(case_id(1)), "r+") as file:
-            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
-            file.attrs["case"] = np.bytes_((text + MEDIUM).encode())
+        folder.change(case_id(1), "[domain]", MEDIUM + "[domain]\nnx = 40\nny = 30")
         case = load.load(folder.save()).cases[0]
         medium = case.parameters["medium"]
         x = 1e-3 * np.array([0.0, 4.0, 4.0, 4.0, 6.1, 4.0])
@@ -166,10 +134,7 @@ class FolderTest(unittest.TestCase):
     def test_rigid_bodies_without_a_speed_are_grey(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
-        rigid = MEDIUM.replace("c_s_m_s = 50.0", "rigid = true")
-        with h5py.File(folder.file(case_id(1)), "r+") as file:
-            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
-            file.attrs["case"] = np.bytes_((text + rigid).encode())
+        folder.change(case_id(1), "[domain]", MEDIUM.replace("c_s_m_s = 50.0", "rigid = true") + "[domain]\nnx = 40\nny = 30")
         medium = load.load(folder.save()).cases[0].parameters["medium"]
         np.testing.assert_array_equal(fig_medium.speed(medium, np.array([0.0, 4e-3]), np.array(0.01), np.array(5e-3)),
                                       [3.0, math.nan])
@@ -218,9 +183,8 @@ class FolderTest(unittest.TestCase):
     def test_volumes_have_slices(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
+        folder.change(case_id(1), "", "[record]\nvolumes_s = [0.004]\n")
         with h5py.File(folder.file(case_id(1)), "r+") as file:
-            text = file.attrs["case"].decode() + "[record]\nvolumes_s = [0.004]\n"
-            file.attrs["case"] = np.bytes_(text.encode())
             group = file.create_group("volume")
             group["time"], group["z"] = [0.004], 1e-3 * np.arange(5)
             group["x"], group["y"] = 1e-3 * np.arange(-8, 9), 1e-3 * np.arange(-6, 7)
@@ -241,22 +205,16 @@ class FolderTest(unittest.TestCase):
     def draw_to_scale(self, folder, module):
         """The figures of a module; checks that a millimetre has the same length along both axes and that no title
         separates a number from its unit."""
-        save, panels = style.save, []
-
-        def checked(figure, path):
-            figure.canvas.draw()
-            for axes in figure.axes[:-1]:
-                box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
-                panels.append(axes.get_title(loc="left"))
-                # places of axes are rounded to pixels, at 30 per inch
-                self.assertAlmostEqual(box.width / abs(right - left) / (box.height / abs(high - low)), 1.0, delta=0.02)
-                self.assertNotRegex(axes.get_title(loc="left"), r"\n(ms|mm|=)")
-            save(figure, path)
-
-        with mock.patch.object(style, "save", checked):
-            figures = self.draw(folder, module)
+        _, figures, kept = self.drawn(folder, module)
+        panels = [axes for figure in kept.values() for axes in figure.axes[:-1]]
         self.assertEqual(len(panels), 2)
-        return figures
+        for axes in panels:
+            axes.figure.canvas.draw()
+            box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
+            # places of axes are rounded to pixels, at 30 per inch
+            self.assertAlmostEqual(box.width / abs(right - left) / (box.height / abs(high - low)), 1.0, delta=0.02)
+            self.assertNotRegex(axes.get_title(loc="left"), r"\n(ms|mm|=)")
+        return list(figures.values())
 
     def test_ratios_have_the_reference_as_a_dashed_line_at_1(self):
         for figure in (f for f in self.draw(sweep(self.root), fig_measures) if f.name in ("gain", "strength")):
@@ -267,9 +225,7 @@ class FolderTest(unittest.TestCase):
     def test_captions_name_the_plane_that_is_measured(self):
         folder = sweep(self.root)
         for number in range(1, 5):
-            with h5py.File(folder.file(case_id(number)), "r+") as file:
-                text = file.attrs["case"].decode().replace("[measure]", "[measure]\ndepths_m = [0.0135]")
-                file.attrs["case"] = np.bytes_(text.encode())
+            folder.change(case_id(number), "[measure]", "[measure]\ndepths_m = [0.0135]")
         for module in (fig_surface, fig_profiles, fig_traces):
             figure = self.draw(folder, module)[0]
             self.assertIn("the plane z = 13.5\N{NO-BREAK SPACE}mm", figure.caption)
@@ -314,7 +270,3 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual([f.name for f in first], ["eta", "displacement"])
         rest = [f.name for _, members in topics.topics(figures, first) for f in members]
         self.assertEqual(sorted(rest + ["eta", "displacement"]), sorted(f.name for f in figures))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The opening of the page in a headless chromium, its charts as a reader without a mouse or a screen uses them, and its print.
-
-Run: python3 -m pytest tests/report/test_opening.py    (unittest, h5py, matplotlib, chromium; seconds)
-"""
+"""The opening of the page in a headless chromium, its charts as a reader without a mouse or a screen uses them, and its print."""
 import base64
 import math
 import tempfile
@@ -10,7 +7,7 @@ import tempfile
 import h5py
 from test_afferents import add_afferents
 from test_browser import Pages
-from synthetic import AM, FWHM, Folder, case_id, sweep
+from synthetic import AM, FWHM, case_id, sweep
 
 INVALID = {"severity": "error", "key": "domain.extent_mm", "message": "waves return at 4.8 ms: the readings of this case are not valid"}
 QUESTION = "Does AM keep more of the energy at the focus?"
@@ -38,50 +35,38 @@ class OpeningTest(Pages):
         for number in (1, 4):
             with h5py.File(folder.file(case_id(number)), "r+") as file:
                 file["eta_period_1_error"] = 0.002
-        folder.report()
-        cls.path = folder.path / "report" / "index.html"
-
-    def made(self, folder):
-        folder.report()
-        return folder.path / "report" / "index.html"
-
-    def folder(self, **options):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        return Folder(temporary.name, **options)
+        cls.path = cls.page_of(folder)
 
     def test_the_page_opens_with_question_answer_three_numbers_and_two_pictures(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.open(width)
-                self.fits(page, width)
-                tops = page.run("""["h1", ".question", ".lead", ".numbers", ".player canvas", "#chart-eta"].map(
-                    name => document.querySelector(name).getBoundingClientRect().top)""")
-                self.assertEqual(tops, sorted(tops))
-                self.assertEqual(page.run('document.querySelector(".question").textContent'), QUESTION)
-                lead = page.run('document.querySelector(".lead").textContent')
-                self.assertTrue(lead.endswith("plain STM."), lead)
-                self.assertNotIn("_", lead)
-                numbers = page.run('Array.from(document.querySelectorAll(".numbers b"), part => part.textContent)')
-                self.assertEqual(numbers, ["27\N{NO-BREAK SPACE}%", "1.3\N{NO-BREAK SPACE}µm", "120\N{NO-BREAK SPACE}mm²"])
-                self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
-                shown = page.run('Array.from(document.querySelectorAll(".player .chosen"), part => part.textContent)')
-                self.assertEqual(shown, ["plain STM", "AM-STM, AM frequency 400\N{NO-BREAK SPACE}Hz"])
+        for width, page in self.both():
+            self.fits(page, width)
+            tops = page.run("""["h1", ".question", ".lead", ".numbers", ".player canvas", "#chart-eta"].map(
+                name => document.querySelector(name).getBoundingClientRect().top)""")
+            self.assertEqual(tops, sorted(tops))
+            self.assertEqual(page.run('document.querySelector(".question").textContent'), QUESTION)
+            lead = page.run('document.querySelector(".lead").textContent')
+            self.assertTrue(lead.endswith("plain STM."), lead)
+            self.assertNotIn("_", lead)
+            numbers = page.run('Array.from(document.querySelectorAll(".numbers b"), part => part.textContent)')
+            self.assertEqual(numbers, ["27\N{NO-BREAK SPACE}%", "1.3\N{NO-BREAK SPACE}µm", "120\N{NO-BREAK SPACE}mm²"])
+            self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
+            shown = page.run('Array.from(document.querySelectorAll(".player .chosen"), part => part.textContent)')
+            self.assertEqual(shown, ["plain STM", "AM-STM, AM frequency 400\N{NO-BREAK SPACE}Hz"])
 
     def test_a_long_comment_is_cut_and_the_name_replaces_a_missing_title(self):
-        folder = self.folder(job="# " + "ein langer Kommentar ohne Ende " * 40 + "\nschema = 1\n")
+        folder = self.new_folder(job="# " + "ein langer Kommentar ohne Ende " * 40 + "\nschema = 1\n")
         folder.plan["title"] = ""
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2})
-        page = self.open(1280, path=self.made(folder))
+        page = self.open(1280, path=self.page_of(folder))
         shown = page.run('document.querySelector(".question").textContent')
         self.assertLessEqual(len(shown), 342)
         self.assertTrue(shown.endswith(" …"), shown)
         self.assertEqual(page.run('[document.querySelector("h1").textContent, document.title]'), [folder.plan["name"]] * 2)
 
     def test_warnings_about_the_same_key_have_different_names(self):
-        folder = self.folder()
+        folder = self.new_folder()
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2}, warnings=[INVALID, {**INVALID, "message": "the wake is truncated"}])
-        page = self.open(1280, path=self.made(folder))
+        page = self.open(1280, path=self.page_of(folder))
         names = page.run('Array.from(document.querySelector("main .badge").querySelectorAll("a"), a => a.textContent)')
         self.assertEqual(names, ["not valid: domain.extent_mm, warning 1", "not valid: domain.extent_mm, warning 2"])
 
@@ -93,22 +78,22 @@ class OpeningTest(Pages):
 
     def test_receptors_come_first_without_a_valid_efficiency(self):
         names = 'Array.from(document.querySelectorAll("main > h2"), part => part.id)'
-        folder = self.folder()
+        folder = self.new_folder()
         for n, spikes in enumerate((40.0, 90.0)):
             identity = folder.add({AM: 100.0 * (n + 1)}, warnings=[INVALID],
                                   scalars={"RA_total_rate_Hz": spikes, "RA_spikes_1": spikes, "RA_active_1": 2.0, "RA_rate_Hz": 5.0})
             add_afferents(folder.file(identity), [0, 0, 0, 1, 2], felt="carrier")
-        page = self.open(1280, path=self.made(folder))
+        page = self.open(1280, path=self.page_of(folder))
         self.assertEqual(page.run(names)[:2], ["player", "afferents_RA"])
         self.assertEqual(page.run('document.querySelector(".numbers b").textContent'), "90\N{NO-BREAK SPACE}spikes/s")
 
     def test_there_is_one_select_per_swept_axis(self):
-        folder = self.folder(swept=[AM, FWHM], series=[FWHM])
+        folder = self.new_folder(swept=[AM, FWHM], series=[FWHM])
         for f in (100.0, 200.0, 300.0):
             for width in (3.0, 5.0):
                 folder.add({AM: f, FWHM: width}, scalars={"eta_period_1": 0.001 * f})
-        for width in (1280, 390):
-            page = self.open(width, path=self.made(folder))
+        path = self.page_of(folder)
+        for width, page in self.both(path=path):
             self.fits(page, width)
             found = page.run("""Array.from(document.querySelectorAll(".player-panel")[1].querySelectorAll("label"),
                 label => [label.firstChild.textContent.trim(), label.querySelector("select").options.length])""")
@@ -130,25 +115,23 @@ class OpeningTest(Pages):
         self.assertAlmostEqual(math.log(low), -math.log(high))
 
     def test_charts_have_names_roles_buttons_and_data(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.open(width)
-                self.assertEqual(page.run('document.querySelector("#chart-eta").getAttribute("aria-label")'),
-                                 "Reconstruction efficiency against AM frequency")
-                self.assertIn("efficiency η (1) against AM frequency (Hz)",
-                              page.run('document.querySelector("#chart-eta .uplot[role=img]").getAttribute("aria-label")'))
-                button = 'document.querySelector("#chart-eta .legend button")'
-                self.assertEqual(page.run(f'{button}.getAttribute("aria-pressed")'), "true")
-                page.run(f"{button}.focus()")
-                page.press("Enter", 13)
-                self.assertEqual(page.run(f'{button}.getAttribute("aria-pressed")'), "false")
-                self.assertFalse(page.run("charts[0].plot.series[1].show"))
-                page.run('document.querySelector("#chart-eta .data").open = true')
-                self.assertTrue(page.wait('!!document.querySelector("#chart-eta .data table")'))
-                rows = page.run("""Array.from(document.querySelector("#chart-eta .data table").rows,
-                    row => Array.from(row.cells, cell => cell.textContent))""")
-                self.assertEqual(rows[1], ["100", "0.25 ± 0.002", "0.24"])
-                self.fits(page, width)
+        for width, page in self.both():
+            self.assertEqual(page.run('document.querySelector("#chart-eta").getAttribute("aria-label")'),
+                             "Reconstruction efficiency against AM frequency")
+            self.assertIn("efficiency η (1) against AM frequency (Hz)",
+                          page.run('document.querySelector("#chart-eta .uplot[role=img]").getAttribute("aria-label")'))
+            button = 'document.querySelector("#chart-eta .legend button")'
+            self.assertEqual(page.run(f'{button}.getAttribute("aria-pressed")'), "true")
+            page.run(f"{button}.focus()")
+            page.press("Enter", 13)
+            self.assertEqual(page.run(f'{button}.getAttribute("aria-pressed")'), "false")
+            self.assertFalse(page.run("charts[0].plot.series[1].show"))
+            page.run('document.querySelector("#chart-eta .data").open = true')
+            self.assertTrue(page.wait('!!document.querySelector("#chart-eta .data table")'))
+            rows = page.run("""Array.from(document.querySelector("#chart-eta .data table").rows,
+                row => Array.from(row.cells, cell => cell.textContent))""")
+            self.assertEqual(rows[1], ["100", "0.25 ± 0.002", "0.24"])
+            self.fits(page, width)
 
     def test_contrast_of_all_texts(self):
         for dark in (False, True):

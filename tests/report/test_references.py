@@ -1,22 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """References that depend on a swept key, and figures with several curves."""
-import tempfile
-import unittest
-from pathlib import Path
 
-from synthetic import AM, FWHM, Folder, case_id
+from synthetic import AM, FWHM, Folder, InFolder, case_id, plain
 
 from shearwake.report import layout, load, references
 from shearwake.report.figures import fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time
 from shearwake.report.page import curve_chart
 
 
-class ReferencesTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.root = folder.name
-
+class ReferencesTest(InFolder):
     def with_own_references(self, widths=(3.0,), equal=False):
         """Three draw frequencies, each with its own reference, for each width; `equal`: which the width does not change."""
         draw = "load.modulation.draw_frequency_Hz"
@@ -34,7 +26,7 @@ class ReferencesTest(unittest.TestCase):
         sweep = self.with_own_references()
         cells, columns = fig_surface.cells(sweep)
         self.assertEqual(columns, 2)
-        labels = [layout.case_label(sweep, c).replace("\N{NO-BREAK SPACE}", " ") for c in cells]
+        labels = [plain(layout.case_label(sweep, c)) for c in cells]
         self.assertEqual(labels, [first + f"draw frequency {f} Hz" for f in (50, 75, 100)
                                   for first in ("plain STM, ", "")])
 
@@ -59,25 +51,25 @@ class ReferencesTest(unittest.TestCase):
             folder.add({FWHM: width}, is_reference=True, kind="STM", strength=width, scalars={"eta_period_1": eta})
         sweep = load.load(folder.save())
         lines = curve_chart.curve_chart(sweep, "eta", "eta_period_1", "eta").lines
-        dashed = [(line.label.replace("\N{NO-BREAK SPACE}", " "), line.colour) for line in lines if line.dashed]
+        dashed = [(plain(line.label), line.colour) for line in lines if line.dashed]
         self.assertEqual(dashed, [("plain STM, focus FWHM 2 mm", lines[0].colour), ("plain STM, focus FWHM 3 mm", lines[2].colour)])
-        (Path(self.root) / "report").mkdir()
-        eta = fig_measures.figures(sweep, Path(self.root) / "report")[0]
+        (self.root / "report").mkdir()
+        eta = fig_measures.figures(sweep, self.root / "report")[0]
         self.assertIn("A line that belongs to several curves has the colour of the first of them.", eta.caption)
 
     def test_references_with_equal_fields_appear_once(self):
         sweep = self.with_own_references(widths=(2.0, 3.0), equal=True)
-        folder = Path(self.root) / "report"
+        folder = self.root / "report"
         folder.mkdir()
         labels = [f"plain STM, draw frequency {f} Hz" for f in (50, 75, 100)]
 
         def shown(figure):
-            return [line.label.replace("\N{NO-BREAK SPACE}", " ") for panel in figure.charts for line in panel.lines
+            return [plain(line.label) for panel in figure.charts for line in panel.lines
                     if line.dashed]
 
         spectra, = fig_spectra.figures(sweep, folder)[:1]
         self.assertEqual(shown(spectra), labels)
-        self.assertEqual([panel.title.replace("\N{NO-BREAK SPACE}", " ") for panel in spectra.charts],
+        self.assertEqual([plain(panel.title) for panel in spectra.charts],
                          ["focus FWHM 2 mm", "plain STM", "focus FWHM 3 mm"])
         self.assertEqual(shown(fig_time.figures(sweep, folder)[0]), labels)
         self.assertEqual(shown(fig_profiles.figures(sweep, folder)[0])[:3], labels)
@@ -85,10 +77,10 @@ class ReferencesTest(unittest.TestCase):
 
     def test_lines_over_time_of_two_swept_keys_have_a_panel_per_curve_and_different_names(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))
-        folder = Path(self.root) / "report"
+        folder = self.root / "report"
         folder.mkdir()
         figure = fig_time.figures(sweep, folder)[0]
-        self.assertEqual([panel.title.replace("\N{NO-BREAK SPACE}", " ") for panel in figure.charts],
+        self.assertEqual([plain(panel.title) for panel in figure.charts],
                          ["focus FWHM 2 mm", "plain STM, focus FWHM 2 mm", "focus FWHM 3 mm", "plain STM, focus FWHM 3 mm"])
         names = [line.label for panel in figure.charts for line in panel.lines]
         self.assertEqual(len(names), 12)
@@ -112,7 +104,3 @@ class ReferencesTest(unittest.TestCase):
             self.assertEqual([c.is_reference for c in chosen], [True, False, True, False])
             for reference, case in zip(chosen[::2], chosen[1::2]):
                 self.assertIs(sweep.reference_of(case), reference)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,9 +1,5 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The report of small synthetic folders with complete, failed, damaged and empty cases.
-
-Run: python3 -m pytest tests/report/test_report.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+"""The report of small synthetic folders with complete, failed, damaged and empty cases."""
 import contextlib
 import html
 import io
@@ -12,18 +8,16 @@ import math
 import re
 import tempfile
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import h5py
 import numpy as np
 
 # Sets the path of the imports below.
-from synthetic import AM, FWHM, SCALARS, Folder, Page, case_id, lone_case, sweep, with_pdf, write_case
+from synthetic import AM, FWHM, SCALARS, Folder, InFolder, Page, case_id, lone_case, sweep, with_pdf, write_case
 
 from shearwake import wake
 from shearwake.report import __main__ as report, layout, load, words
-from shearwake.report.summary import summary
 
 
 class WholeSweepTest(unittest.TestCase):
@@ -90,12 +84,7 @@ class WholeSweepTest(unittest.TestCase):
             self.assertIn(fact, self.page.data)
 
 
-class ReportTest(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.root = Path(self.temporary.name)
-
+class ReportTest(InFolder):
     def test_incomplete_cases_are_listed_and_do_not_affect_figures(self):
         folder = sweep(self.root)
         failed = folder.add({AM: 600.0}, case_id(4), written=False)
@@ -188,37 +177,6 @@ class ReportTest(unittest.TestCase):
             self.assertEqual(report.main([str(self.root), "--only", case_id(99)]), report.USAGE)
         self.assertIn("not the id of a complete case", said.getvalue())
 
-    def summary(self, values, references=(0.2,), **settings):
-        """The summary of cases with these efficiencies, of each of the references."""
-        folder = Folder(self.root, **settings)
-        number = len(values) * len(references)
-        for place, reference in enumerate(references):
-            for n, value in enumerate(values):
-                folder.add({AM: 100.0 * (n + 1), FWHM: 2.0 + place}, case_id(number + 1 + place),
-                           scalars={"eta_period_1": value * reference / references[0]})
-        for place, reference in enumerate(references):
-            folder.add({FWHM: 2.0 + place}, is_reference=True, kind="STM", scalars={"eta_period_1": reference})
-        return summary(load.load(folder.save())).replace("\N{NO-BREAK SPACE}", " ")
-
-    def test_the_summary_states_a_large_gain_as_a_factor(self):
-        self.assertIn("highest at AM frequency 200 Hz, the end of the swept range: 50 %, 2.5 times the 20 % of plain STM.", self.summary([0.3, 0.5]))
-
-    def test_the_summary_reports_that_no_case_is_better_than_the_reference(self):
-        text = self.summary([0.15, 0.1])
-        self.assertIn("15 %, 0.75 times the 20 % of plain STM.", text)
-        self.assertIn("No case exceeds plain STM under the same conditions.", text)
-
-    def test_the_summary_compares_each_case_with_its_own_reference(self):
-        text = self.summary([0.3, 0.5], (0.2, 0.4), series=[FWHM], swept=[AM, FWHM])
-        self.assertIn("100 %, 2.5 times the 40 % of plain STM.", text)
-
-    def test_the_summary_names_the_body_of_a_key(self):
-        folder = Folder(self.root, x="medium.body[1].depth_mm", swept=["medium.body[1].depth_mm"])
-        for depth, value in ((5.0, 0.3), (8.0, 0.4)):
-            folder.add({"medium.body[1].depth_mm": depth}, scalars={"eta_period_1": value})
-        self.assertIn("The efficiency η is highest at depth of body 1 = 8\N{NO-BREAK SPACE}mm, the end of the swept range: 40\N{NO-BREAK SPACE}%.",
-                      summary(load.load(folder.save())))
-
     def test_the_command_prints_the_result(self):
         folder = sweep(self.root)
         printed = io.StringIO()
@@ -283,7 +241,3 @@ class WakeTest(unittest.TestCase):
             back = line[1] - line[0]
             self.assertAlmostEqual(float(np.hypot(*back)), 7.0)
             self.assertAlmostEqual(float(back @ -direction) / 7.0, math.cos(math.radians(40.0)))
-
-
-if __name__ == "__main__":
-    unittest.main()

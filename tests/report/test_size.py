@@ -1,27 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the size of pages: 20 cases with frames, and a sweep of 504 cases.
-
-Run: python3 -m pytest tests/report/test_size.py    (unittest, numpy, h5py, matplotlib; half a minute)
-"""
-import tempfile
-import unittest
+"""Tests the size of pages: 20 cases with frames, and a sweep of 504 cases."""
 
 import h5py
 import numpy as np
 import pytest
 
-from synthetic import AM, FWHM, Folder, Page, case_id
+from synthetic import AM, FWHM, Folder, InFolder, Page, case_id
 
 LARGEST_B = 3_000_000
 KIND = "load.modulation.kind"
 
 
-class Size(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.root = temporary.name
-
+class Size(InFolder):
     @pytest.mark.long
     def test_20_cases_with_frames_of_noise_fit_in_3_MB(self):
         folder, random = Folder(self.root), np.random.default_rng(1)
@@ -55,7 +45,3 @@ class Size(unittest.TestCase):
         shown = text.partition('id="maps-heat_eta_period_1"')[2].partition("</script>")[0]
         self.assertEqual(shown.count('"shape":[9,14]'), 4)  # one map per kind with every case
         self.assertNotIn("null", shown.replace('"x_names":null', "").replace('"y_names":null', ""))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests that no text of a figure is clipped or hidden by another.
-
-Run: python3 -m pytest tests/report/test_texts.py    (unittest, numpy, h5py, matplotlib; half a minute)
-"""
+"""Tests that no text of a figure is clipped or hidden by another."""
 import tempfile
 import unittest
 from pathlib import Path
@@ -92,7 +89,3 @@ class Texts(unittest.TestCase):
         self.assertEqual(axes.yaxis.get_offset_text().get_text(), "×10⁻⁷")
         self.assertIn("\N{MINUS SIGN}2", [label.get_text() for label in axes.get_yticklabels()])
         plt.close(figure)
-
-
-if __name__ == "__main__":
-    unittest.main()

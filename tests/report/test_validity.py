@@ -1,18 +1,10 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """How the report shows readings that are not valid: curves, heat maps, interactive figures, and the warnings next to the
-figures.
-
-Run: python3 -m pytest tests/report/test_validity.py    (unittest, numpy, h5py, matplotlib; seconds)
-"""
+figures."""
 import re
-import tempfile
-import unittest
-from pathlib import Path
-from unittest import mock
 
 import numpy as np
-from synthetic import AM, FWHM, Folder, Page, case_id
+from synthetic import AM, FWHM, Folder, InFolder, case_id
 
 from shearwake.report import labels, load, style, warnings_of
 from shearwake.report.figures import fig_curves, fig_heat, fig_measures, fig_multiples, fig_surface
@@ -24,12 +16,7 @@ COARSE = {"severity": "warning", "key": "domain.spacing_mm", "message": "3 point
 DEPTH, CARRIER = "load.modulation.am_depth", "afferents.carrier.am_depth"
 
 
-class ValidityTest(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.root = Path(temporary.name)
-
+class ValidityTest(InFolder):
     def curve(self, reference_warnings=()):
         """Three frequencies and a reference; 200 Hz is not valid and far above the others."""
         folder = Folder(self.root)
@@ -48,23 +35,6 @@ class ValidityTest(unittest.TestCase):
                            snapshot=False, warnings=[INVALID] if wrong else [])
         return folder
 
-    def drawn(self, folder, draw):
-        """The figures of a module, and those of matplotlib by the name of their file."""
-        kept, save = {}, style.save
-
-        def keep(figure, path):
-            with mock.patch.object(plt, "close"):
-                save(figure, path)
-            kept[path.stem] = figure
-
-        (self.root / "report").mkdir(exist_ok=True)
-        with mock.patch.object(style, "save", keep):
-            figures = draw(load.load(folder.save()), self.root / "report")
-        self.addCleanup(plt.close, "all")
-        for name in kept:
-            self.assertTrue((self.root / "report" / (name + ".png")).exists())
-        return {figure.name: figure for figure in figures}, kept
-
     @staticmethod
     def marked(axes, marker):
         """The finite points (x, y) of the lines with this marker."""
@@ -73,7 +43,7 @@ class ValidityTest(unittest.TestCase):
         return [tuple(p) for p in points[np.isfinite(points).all(axis=1)]]
 
     def test_readings_that_are_not_valid_are_grey_crosses_off_the_curve(self):
-        figures, kept = self.drawn(self.curve(), fig_measures.figures)
+        _, figures, kept = self.drawn(self.curve(), fig_measures)
         for name, low, high, wrong in (("eta", 0.3, 0.5, 9.0), ("strength", 0.3, 0.5, 9.0)):
             axes = kept[name].axes[0]
             self.assertEqual(self.marked(axes, "o"), [(100.0, low), (400.0, high)])
@@ -83,7 +53,7 @@ class ValidityTest(unittest.TestCase):
         self.assertEqual({line.get_color() for line in crosses}, {style.GREY})
 
     def test_ratios_to_a_reference_that_is_not_valid_are_not_valid(self):
-        figures, kept = self.drawn(self.curve([INVALID]), fig_measures.figures)
+        _, figures, kept = self.drawn(self.curve([INVALID]), fig_measures)
         self.assertEqual(self.marked(kept["gain"].axes[0], "o"), [])
         self.assertEqual(len(self.marked(kept["gain"].axes[0], "x")), 3)
         self.assertIn("not valid: 3 cases.", figures["gain"].caption)
@@ -102,7 +72,7 @@ class ValidityTest(unittest.TestCase):
         self.assertEqual(shown["plain STM, not valid"], ([0.2] * 3, True, False))
 
     def test_cells_that_are_not_valid_are_crossed_and_outside_of_the_colour_scale(self):
-        figures, kept = self.drawn(self.grid({(200.0, 3.0), (400.0, 6.0)}), fig_heat.figures)
+        _, figures, kept = self.drawn(self.grid({(200.0, 3.0), (400.0, 6.0)}), fig_heat)
         figure, axes = figures["heat_eta_period_1"], kept["heat_eta_period_1"].axes[0]
         image, = axes.get_images()
         self.assertAlmostEqual(image.norm.vmax, 0.6)
@@ -116,7 +86,7 @@ class ValidityTest(unittest.TestCase):
 
     def test_a_grid_without_valid_cells_has_no_heat_map(self):
         folder = self.grid({(f, w) for f in (100.0, 200.0, 400.0) for w in (2.0, 3.0, 6.0)})
-        self.assertNotIn("heat_eta_period_1", self.drawn(folder, fig_heat.figures)[0])
+        self.assertNotIn("heat_eta_period_1", self.drawn(folder, fig_heat)[1])
 
     def test_small_multiples_have_crosses(self):
         speed = "load.modulation.speed_m_s"
@@ -125,14 +95,14 @@ class ValidityTest(unittest.TestCase):
             for width in (2.0, 3.0, 6.0):
                 for v in (3.0, 5.0, 7.0):
                     folder.add({AM: f, FWHM: width, speed: v}, snapshot=False, warnings=[INVALID] if f == 200.0 else [])
-        figures, kept = self.drawn(folder, fig_multiples.figures)
+        _, figures, kept = self.drawn(folder, fig_multiples)
         self.assertIn("not valid: 9 cases.", figures["multiples_eta_period_1"].caption)
         for axes in kept["multiples_eta_period_1"].axes:
             self.assertEqual({x for x, _ in self.marked(axes, "x")}, {200.0})
             self.assertEqual({x for x, _ in self.marked(axes, "o")}, {100.0, 400.0})
 
     def test_panels_of_cases_that_are_not_valid_say_so(self):
-        figures, kept = self.drawn(self.curve(), fig_surface.figures)
+        _, figures, kept = self.drawn(self.curve(), fig_surface)
         titles = [axes.get_title(loc="left") for axes in kept["surface"].axes]
         self.assertEqual([title.replace("\n", " ").endswith("(not valid)") for title in titles[:4]],
                          [False, False, True, False])
@@ -198,11 +168,3 @@ class ValidityTest(unittest.TestCase):
         self.assertEqual([x for x, _ in self.marked(axes, "x")], [75.0])
         self.assertEqual([text for _, text, _ in labels], ["plain STM"])
 
-    def test_the_page_is_well_formed(self):
-        page = Page(self.curve([INVALID]).report())
-        self.assertIn("Warnings", page.data)
-        self.assertIn("#warnings", page.links)
-
-
-if __name__ == "__main__":
-    unittest.main()

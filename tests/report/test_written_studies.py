@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The headlines of the studies in written_studies, which state what an expert states about a job and its table.
-
-Run: python3 -m pytest tests/report/test_written_studies.py    (pytest, numpy, h5py, matplotlib; seconds)
-"""
+"""The headlines of the studies in written_studies, which state what an expert states about a job and its table."""
 import json
 import math
 import re
@@ -10,7 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from synthetic import SCALARS, Folder, case_id
+from synthetic import SCALARS, Folder, case_id, plain
 
 from shearwake.report import load
 from shearwake.report.page import opening
@@ -78,10 +75,6 @@ def selection_of(study, root):
     loaded.sweep.uncertain = study.get("uncertain", {})
     loaded.sweep.adaptive_axes = study.get("adaptive_axes", [])
     return loaded
-
-
-def plain(text):
-    return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
