@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-import unittest
 
 import jsonschema
 import pytest
@@ -88,6 +87,3 @@ def _add_pages():
 
 
 _add_pages()
-
-if __name__ == "__main__":
-    unittest.main()

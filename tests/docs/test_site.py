@@ -3,7 +3,6 @@
 import json
 import re
 import subprocess
-import unittest
 
 import pytest
 
@@ -106,7 +105,3 @@ sys.exit(main(["-W", "-q", "-b", "html", {str(DOCS)!r}, {str(self.folder / "plai
             for path in NOTEBOOKS:
                 self.assertTrue(start.run(f"!!document.querySelector('a[href=\"notebooks/{path.stem}.html\"]')"), path)
             self.assertTrue(start.wait("document.querySelector('iframe.demo').contentWindow.length === 0"))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,7 +4,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
+import scipy.io
 
 from shearwake.laboratory.scan import BadScan, Scan
 from shearwake.laboratory.scan_files import read_scan, write_scan
@@ -33,10 +35,24 @@ class ScanTest(unittest.TestCase):
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return path
 
+    def hdf5_file(self, arrays, name="seven.h5"):
+        with h5py.File(self.folder / name, "w") as file:
+            for key, values in arrays.items():
+                file[key] = values
+        return self.folder / name
+
+    def mat_file(self, arrays, name="five.mat"):
+        scipy.io.savemat(self.folder / name, arrays)
+        return self.folder / name
+
     def written(self, kind):
         path = self.folder / f"written{KINDS[kind]}"
         write_scan(path, some_scan(), kind)
         return path
+
+    def unread(self, path, words):
+        with self.assertRaisesRegex(BadScan, words):
+            read_scan(path)
 
     def refused(self, content, words, suffix=".uff"):
         with self.assertRaises(BadScan) as caught:

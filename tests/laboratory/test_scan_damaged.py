@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Damaged files of scans."""
-import unittest
 
 import numpy as np
 from scans import ScanTest, some_scan
@@ -138,7 +137,3 @@ class Damaged(ScanTest):
             write_scan(path, scan, "mat")
             with self.subTest(words=words), self.assertRaisesRegex(BadScan, words):
                 read_scan(path)
-
-
-if __name__ == "__main__":
-    unittest.main()

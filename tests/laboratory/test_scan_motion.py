@@ -188,7 +188,3 @@ class Dispersion(unittest.TestCase):
     def test_few_points_are_refused(self):
         with self.assertRaisesRegex(ValueError, "at least 12 points"):
             dispersion.curves(np.arange(8) * 1e-3, np.ones((8, 20)), 1000.0)
-
-
-if __name__ == "__main__":
-    unittest.main()

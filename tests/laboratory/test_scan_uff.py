@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scans in the Universal File Format as other programs write it, and rounded times."""
-import unittest
 
 import numpy as np
 from scans import ScanTest, some_scan
@@ -173,7 +172,3 @@ class Rounding(UffTest):
         self.assertIn("agrees with the rounded times", "; ".join(scan.notes))
         rows[0] = rows[0].replace(f",{100 / rate_Hz:.6g},", f",{100.5 / rate_Hz:.6g},")
         self.refused("\n".join(rows), "not uniformly spaced", ".csv")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Case files that other programs have changed are warned of when their case is read."""
-import tempfile
-import unittest
 import warnings
-from pathlib import Path
 
 import h5py
 
 import shearwake
 from shearwake.checksum import LINE_LENGTH, sealed
-from synthetic import AM, Folder
+from synthetic import AM, Folder, InFolder
 
 
-class Changed(unittest.TestCase):
+class Changed(InFolder):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Folder(Path(temporary.name))
+        super().setUp()
+        self.folder = Folder(self.root)
         self.ids = [self.folder.add({AM: frequency}) for frequency in (100.0, 200.0, 400.0)]
         self.folder.save()
 
@@ -59,7 +55,3 @@ class Changed(unittest.TestCase):
         with h5py.File(self.folder.file(self.ids[1]), "r+") as file:
             file["eta_period_1"][...] = 0.999
         self.assertEqual(self.warned(lambda s: (s.verify(), s.table)), [])
-
-
-if __name__ == "__main__":
-    unittest.main()

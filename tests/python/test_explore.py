@@ -10,7 +10,6 @@ import signal
 import socket
 import termios
 import time
-import unittest
 from pathlib import Path
 
 import pytest
@@ -66,6 +65,19 @@ class Explore(InFolder):
             content = await ws.receive_bytes() if message["type"] == "result" else b""
             if number is None or message.get("id") == number:
                 return message, content
+
+    async def computed(self, ws, number, job):
+        """The type of the answer to a job."""
+        await ws.send_str(json.dumps({"type": "compute", "id": number, "job": job}))
+        return (await self.answer(ws, number))[0]["type"]
+
+    async def swept(self, ws, number, job, key="load.peak_Pa", values=(50, 100)):
+        """The last answer to a sweep, and those while it ran."""
+        await ws.send_str(json.dumps({"type": "sweep", "id": number, "job": job, "key": key, "values": list(values)}))
+        before = []
+        while (message := (await self.answer(ws, number))[0]).get("state") == "running":
+            before.append(message)
+        return message, before
 
     def status(self, path, **headers):
         async def get(session):
@@ -218,17 +230,11 @@ class Explore(InFolder):
     def test_a_sweep_runs_in_a_folder_of_its_own(self):
         async def talk(ws):
             job = one(more='[measure]\nat_ms = 4.0\n')
-            await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": job}))
-            self.assertEqual((await self.answer(ws, 1))[0]["type"], "result")
+            self.assertEqual(await self.computed(ws, 1, job), "result")
             for key, values in (("load.peak_Pa", [1]), ("load.peak_Pa", ["a", 2]), ("../x", [1, 2]), ("load.peak_Pa", [1, float("inf")]),
                                 ("load.peak_Pa", [10 ** 400, 1])):
-                await ws.send_str(json.dumps({"type": "sweep", "id": 2, "job": job, "key": key, "values": values}))
-                self.assertEqual((await self.answer(ws, 2))[0]["type"], "error")
-            await ws.send_str(json.dumps({"type": "sweep", "id": 3, "job": job, "key": "load.peak_Pa", "values": [50, 100]}))
-            while True:
-                message, _ = await self.answer(ws, 3)
-                if message.get("state") != "running":
-                    return message
+                self.assertEqual((await self.swept(ws, 2, job, key, values))[0]["type"], "error")
+            return (await self.swept(ws, 3, job))[0]
         message = self.connected(talk)
         self.assertEqual(message["state"], "done", message)
         self.assertEqual(message["columns"][0], "load.peak_Pa")
@@ -239,16 +245,11 @@ class Explore(InFolder):
 
     def test_a_sweep_uses_a_new_folder(self):
         async def talk(ws):
-            await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": one()}))
-            self.assertEqual((await self.answer(ws, 1))[0]["type"], "result")
+            self.assertEqual(await self.computed(ws, 1, one()), "result")
             for later_s in range(120):  # as if sweeps had been started in each of these seconds
                 name = time.strftime("explore-%Y%m%d-%H%M%S", time.localtime(time.time() + later_s))
                 (Path(self.folder) / name).mkdir(exist_ok=True)
-            await ws.send_str(json.dumps({"type": "sweep", "id": 2, "job": one(), "key": "load.peak_Pa", "values": [50, 100]}))
-            while True:
-                message, _ = await self.answer(ws, 2)
-                if message.get("state") != "running":
-                    return message
+            return (await self.swept(ws, 2, one()))[0]
         message = self.connected(talk)
         self.assertEqual(message["state"], "done", message)
         self.assertRegex(message["folder"], r"explore-\d{8}-\d{6}-\d+$")
@@ -258,15 +259,10 @@ class Explore(InFolder):
             swept = 0
             for number, more in ((1, "\ntable = 5\n"), (3, '\n[uncertain]\nsamples = 4096\n"load.peak_Pa" = { uniform = [50, 100] }\n')):
                 job = more + one() if number == 1 else one(more=more)
-                await ws.send_str(json.dumps({"type": "compute", "id": number, "job": job}))
-                if (await self.answer(ws, number))[0]["type"] != "result":
+                if await self.computed(ws, number, job) != "result":
                     continue
-                await ws.send_str(json.dumps({"type": "sweep", "id": number + 1, "job": job, "key": "load.peak_Pa", "values": [50, 100]}))
-                while True:
-                    message, _ = await self.answer(ws, number + 1)
-                    if message.get("state") != "running":
-                        break
-                    self.assertEqual(message["total"], 2)
+                message, before = await self.swept(ws, number + 1, job)
+                self.assertLessEqual({other["total"] for other in before}, {2})
                 self.assertEqual(message.get("state"), "done", message)
                 self.assertEqual(len(message["rows"]), 2)
                 swept += 1
@@ -285,8 +281,7 @@ class Explore(InFolder):
             os.kill(engines[0], signal.SIGKILL)
             message, _ = await self.answer(ws, 1)
             self.assertEqual((message["type"], message["code"]), ("error", "ended"))
-            await ws.send_str(json.dumps({"type": "compute", "id": 2, "job": one()}))
-            self.assertEqual((await self.answer(ws, 2))[0]["type"], "result")
+            self.assertEqual(await self.computed(ws, 2, one()), "result")
         self.connected(talk)
 
     def test_the_server_ends_with_the_command(self):
@@ -299,7 +294,3 @@ class Explore(InFolder):
             while left := [process for process in children if is_running(process)]:
                 self.assertLess(time.monotonic(), end, f"still running: {left}")
                 time.sleep(0.05)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -43,7 +43,3 @@ class Limits(unittest.TestCase):
         for key, name in [*sliders, *((key, "") for key in re.findall(r': "(load.modulation.[a-z]+_frequency_Hz)"', text))]:
             self.assertIn(name, found[key], key)
         self.assertEqual(found["load.footprint.distance_mm"]["array"], (20.0, 2000.0))
-
-
-if __name__ == "__main__":
-    unittest.main()

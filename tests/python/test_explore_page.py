@@ -4,7 +4,6 @@ import base64
 import statistics
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 import h5py
@@ -103,8 +102,7 @@ class ExplorePage(InFolder):
                        "s.preset = 'ecoflex'; s.base = 'rigid'; s.layers = structuredClone(PRESETS.ecoflex.layers)",
                        "s.layers = structuredClone(PRESETS['three-layer-skin'].layers); s.base = 'half-space'", "s.layers = null; s.receptors = true"):
             with self.subTest(change=change):
-                page.run(f"(() => {{ const s = structuredClone(explorer.settings); {change}; explorer.waits_ms.length = 0; explorer.use(s); }})()")
-                self.assertTrue(page.wait("explorer.waits_ms.length || explorer.parts.state.classList.contains('error')"))
+                self.use(page, change, "explorer.waits_ms.length || explorer.parts.state.classList.contains('error')")
                 self.assertEqual(page.run("explorer.parts.state.className"), "", page.run("explorer.parts.state.textContent"))
         self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
         self.assertEqual(page.errors(), [])
@@ -200,9 +198,9 @@ class ExplorePage(InFolder):
         self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))
         self.assertLess(page.run("explorer.result.wake"), page.run("explorer.result.peak"))
 
-    def use(self, page, changes):
+    def use(self, page, changes, until="explorer.waits_ms.length"):
         page.run(f"(() => {{ const s = structuredClone(explorer.settings); {changes}; explorer.waits_ms.length = 0; explorer.use(s); }})()")
-        self.assertTrue(page.wait("explorer.waits_ms.length"))
+        self.assertTrue(page.wait(until))
 
     def test_the_level_of_sensation_has_a_map_with_its_threshold_in_the_middle_of_the_scale(self):
         page = self.open()
@@ -257,8 +255,7 @@ class ExplorePage(InFolder):
     @pytest.mark.long
     def test_receptors_have_valid_readings(self):
         page = self.open()
-        page.run("(() => { const s = structuredClone(explorer.settings); s.receptors = true; explorer.waits_ms.length = 0; explorer.use(s); })()")
-        self.assertTrue(page.wait("explorer.waits_ms.length"))
+        self.use(page, "s.receptors = true")
         self.assertEqual(page.run("explorer.result.header.warnings.filter(w => w.severity === 'error' && w.key.startsWith('afferents'))"), [])
         self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
 
@@ -316,7 +313,3 @@ class ExplorePage(InFolder):
                 # Without playback, as here, the page does not begin with the skin at rest.
                 self.assertGreater(page.run("Math.max(...explorer.result.shown(explorer.frame, 'map').map(Math.abs)) / explorer.result.wake"), 0.5)
                 self.assertEqual(page.errors(), [])
-
-
-if __name__ == "__main__":
-    unittest.main()

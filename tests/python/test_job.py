@@ -5,7 +5,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-import unittest
 from pathlib import Path
 from unittest import mock
 
@@ -139,7 +138,3 @@ class Jobs(InFolder):
             **{k: v for k, v in os.environ.items() if k != "SHEARWAKE"}, "PATH": "/nowhere", "PYTHONPATH": "elsewhere/lib/python"})
         self.assertRegex(done.stdout.splitlines()[0], r"^\d+\.\d+$")
         self.assertIn("not on the PATH", done.stdout)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 from study import InFolder, program, shearwake
@@ -53,7 +52,3 @@ class Endings(InFolder):
         self.assertTrue(all(case.is_complete for case in shearwake.Job("long.toml").run().every_case))
         for name, written in complete.items():  # not computed again
             self.assertEqual((cases / f"{name}.h5").stat().st_mtime_ns, written)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import shutil
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 import pytest
@@ -55,7 +54,3 @@ class Package(InFolder):
         text = (f"import sys; sys.path.insert(0, {str(ANALYSIS)!r}); import shearwake; "
                 "print([m for m in ('pandas', 'xarray', 'matplotlib', 'tomli_w') if m in sys.modules])")
         self.assertEqual(self.command(sys.executable, "-c", text).strip(), "[]")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import json
 import re
 import subprocess
-import unittest
 
 import program
 from study import InFolder, shearwake
@@ -46,7 +45,3 @@ class ReceptorClasses(InFolder):
         text = subprocess.run([program.PROGRAM, "keys"], capture_output=True, check=True, encoding="utf-8").stdout
         for name in table():
             self.assertRegex(text, rf"0 to \d+ for {name}\b")
-
-
-if __name__ == "__main__":
-    unittest.main()

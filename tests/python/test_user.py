@@ -4,7 +4,6 @@ import multiprocessing
 import pickle
 import signal
 import threading
-import unittest
 
 import numpy as np
 import pytest
@@ -61,16 +60,6 @@ class User(InFolder):
             self.assertEqual(arrays[0].__dask_tokenize__(), arrays[1].__dask_tokenize__())
         xr.testing.assert_identical(pickle.loads(pickle.dumps(one_)).load(), other.load())
 
-    def test_unknown_names_are_key_errors_with_a_suggestion(self):
-        for name in ("eta_perod_1", "etaa"):
-            with self.assertRaisesRegex(KeyError, "did you mean eta"):
-                self.sweep.dataset(name)
-
-    def test_different_grids_are_not_united_silently(self):
-        made = job().sweep({"domain.spacing_mm": [1.5, 2.0]}).run(out="out/grids")
-        with self.assertWarnsRegex(shearwake.GridsDiffer, "surface/x|/x"):
-            made.dataset("surface")
-
     def test_notebooks_show_tables(self):
         self.assertIn("<table", self.sweep._repr_html_())
         self.assertIn("eta_period_1", self.sweep.cases[0]._repr_html_())
@@ -117,7 +106,3 @@ def innermost(data):
     while hasattr(data, "array"):
         data = data.array
     return data
-
-
-if __name__ == "__main__":
-    unittest.main()
