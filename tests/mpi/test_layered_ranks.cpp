@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares results on all ranks with those of each rank alone.
-#include "engines/checkpoint.hpp"
-#include "engines/spectral/stepping/stepper.hpp"
 #include "support/cases.hpp"
-#include "support/gathered_state.hpp"
+#include "support/stop_at.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -32,29 +30,32 @@ Case small_case() {
     return c;
 }
 
-/// A free bone of 2 mm radius along x (0 degrees) or y (90 degrees).
-Case rigid_case(double azimuth_deg) {
+/// On a rigid base, for engine "spectral".
+Case on_rigid_base(double thickness_m, std::ptrdiff_t frames) {
     Case c = small_case();
     c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 8e-3;
-    c.scene().medium.bodies = {{.name = "bone",
-                                .shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = azimuth_deg},
-                                .centre_m = {1e-3, 2e-3, 4e-3},
-                                .density_kg_m3 = 1900.0,
-                                .rigid = true}};
-    c.domain.sponge_m = 6e-3;
-    c.time.frames = 20;
-    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    c.scene().medium.layers.back().thickness_m = thickness_m;
+    c.time.frames = frames;
+    c.solver = SpectralOptions{};
+    return c;
+}
+
+/// In a layer of 3 mm, on a grid of few points.
+Case with_thin_body(const Domain& domain, std::ptrdiff_t frames, const Vec3& half_axes_m,
+                    double c_s_m_s) {
+    Case c = on_rigid_base(3e-3, frames);
+    c.domain = domain;
+    c.scene().medium.bodies = {{.name = "body",
+                                .shape = Ellipsoid{half_axes_m},
+                                .centre_m = {1e-3, 2e-3, 1.5e-3},
+                                .c_s_m_s = c_s_m_s}};
+    c.record.traces_m.clear();
     return c;
 }
 
 /// Counts how often the engine asks whether to stop.
-class Asked : public engines::Checkpoints {
+class Asked : public test::NoCheckpoints {
 public:
-    bool due() override { return false; }
-    void save(const std::function<void(StateWriter&)>& /*write*/) override {}
-    bool restore(const std::function<void(const StateReader&)>& /*read*/) override { return false; }
-    bool stop() const override { return false; }
     bool stop_asked() override {
         ++times_;
         return false;
@@ -75,13 +76,9 @@ double worst_frame(const Case& c, const Comm& world) {
     double worst = 0.0;
     for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-            const auto &part = shared.at(n, depth), &whole = single.at(n, depth);
-            double largest = 0.0;
-            for (const double u : whole)
-                largest = std::max(largest, std::abs(u));
             const auto offset = static_cast<std::size_t>(shared.slab().x_start * c.domain.ny);
-            for (std::size_t i = 0; i < part.size(); ++i)
-                worst = test::worse(worst, std::abs(part[i] - whole[offset + i]) / largest);
+            worst =
+                test::worse(worst, test::apart(shared.at(n, depth), single.at(n, depth), offset));
         }
     }
     return world.max(worst);
@@ -114,33 +111,23 @@ TEST_CASE("frames with open edges are identical on any number of ranks", "[mpi]"
 }
 
 TEST_CASE("frames of a moving array focus are identical on any number of ranks", "[mpi]") {
-    Case c = small_case();
+    Case c = on_rigid_base(8e-3, 20);
     c.scene().load.footprint = ArrayFootprint{.reach_m = 0.02};
     c.measure.depths_m = {0.0};
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 8e-3;
-    c.time.frames = 20;
-    if (GENERATE(false, true)) c.solver = SpectralOptions{};
+    if (GENERATE(false, true)) c.solver = LayeredOptions{};
     // Each wave vector is computed by one rank in the same way.
     CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
 
 TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mpi]") {
-    Case c = small_case(); // the sponge acts on fewer wave vectors, in separate slabs
-    if (GENERATE(true, false)) {
-        c.scene().medium.base = Base::rigid;
-        c.scene().medium.layers.back().thickness_m = 8e-3;
-    }
-    c.time.frames = 20;
-    c.solver = SpectralOptions{};
+    Case c = on_rigid_base(8e-3, 20); // the sponge acts on fewer wave vectors, in separate slabs
+    if (GENERATE(true, false)) c.scene().medium = small_case().scene().medium;
     // Each wave vector is computed by one rank in the same way.
     CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
 
 TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
-    Case c = small_case();
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 8e-3;
+    Case c = on_rigid_base(8e-3, 8);
     auto map = std::make_shared<MaterialMap>();
     map->counts = {5, 4, 6};
     map->origin_m = {-4e-3, -2e-3, 2e-3};
@@ -149,105 +136,35 @@ TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
         map->c_s_m_s.push_back(6.0 + 0.1 * i);
     map->content_hash = hash_of(*map);
     c.scene().medium.map = map;
-    c.time.frames = 8;
-    c.solver = SpectralOptions{};
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
 
 TEST_CASE("frames with bodies are identical on any number of ranks", "[mpi]") {
-    Case c = small_case();
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 8e-3;
+    Case c = on_rigid_base(8e-3, 8);
     c.scene().medium.bodies = {{.name = "body",
                                 .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
                                 .centre_m = {1e-3, 2e-3, 4e-3},
-                                .density_kg_m3 = 1300.0,
-                                .c_s_m_s = GENERATE(2.5, 20.0)}};
-    c.time.frames = 8;
-    c.solver = SpectralOptions{};
+                                .density_kg_m3 = 1300.0}};
+    const double c_s_m_s = GENERATE(2.5, 20.0, 0.0);
+    if (c_s_m_s > 0.0)
+        c.scene().medium.bodies[0].c_s_m_s = c_s_m_s;
+    else
+        c.scene().medium.bodies[0].rigid = true;
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
-}
-
-TEST_CASE("frames with a rigid body are identical on any number of ranks", "[mpi]") {
-    const double azimuth_deg = GENERATE(0.0, 90.0);
-    CAPTURE(azimuth_deg);
-    CHECK(worst_frame(rigid_case(azimuth_deg), Comm::world()) < 1e-12); // required
-}
-
-TEST_CASE("a checkpoint with a rigid body continues on any number of ranks", "[mpi]") {
-    const double azimuth_deg = GENERATE(0.0, 90.0);
-    const Case c = rigid_case(azimuth_deg);
-    const Comm world = Comm::world(), alone = world.split(world.rank());
-    const auto stepper_on = [&](const fft::SlabTransform& slabs, const Comm& team) {
-        return spectral::Stepper(
-            c, spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver), 50e-6), slabs, 50e-6,
-            team);
-    };
-    const fft::SlabTransform shared(c.domain.nx, c.domain.ny, world),
-        whole(c.domain.nx, c.domain.ny, alone);
-    spectral::Stepper all = stepper_on(shared, world), single = stepper_on(whole, alone);
-    for (int i = 0; i < 20; ++i)
-        all.advance();
-    test::GatheredState by_all(world), by_one(alone);
-    all.save(by_all);
-    single.restore(by_all);
-    for (int i = 0; i < 20; ++i)
-        single.advance();
-    single.save(by_one);
-    spectral::Stepper resumed = stepper_on(shared, world); // and the other way round
-    resumed.restore(by_one);
-    for (int i = 0; i < 20; ++i) {
-        single.advance();
-        resumed.advance();
-    }
-    single.save(by_one);
-    resumed.save(by_all);
-    for (const std::string name : {"now", "before", "rigid_bodies"}) {
-        const auto &one = by_one.rows(name), &other = by_all.rows(name);
-        REQUIRE(one.size() == other.size());
-        double worst = 0.0, largest = 0.0;
-        for (std::size_t i = 0; i < one.size(); ++i) {
-            worst = test::worse(worst, std::abs(one[i] - other[i]));
-            largest = std::max(largest, std::abs(one[i]));
-        }
-        CAPTURE(azimuth_deg, name, largest);
-        CHECK(largest > 0.0);
-        CHECK(worst < 1e-12 * largest); // required
-    }
 }
 
 TEST_CASE("iterations have the same bits on any number of ranks after many steps", "[mpi]") {
     // Modes that are too weak for conjugate gradients to detect grow from rounding until they are
     // detected: a different last bit in one sum would cause a difference of 1e-7 after 200 steps.
-    Case c = small_case();
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 3e-3;
-    c.domain = {24, 18, 1.5e-3, 0.0};
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{{6e-3, 4e-3, 1e-3}},
-                                .centre_m = {1e-3, 2e-3, 1.5e-3},
-                                .c_s_m_s = 30.0,
-                                .viscosity_Pa_s = 1.5}};
-    c.time = {120, 50e-6};
-    c.record.traces_m.clear();
-    SpectralOptions options;
-    options.time_step_s = 12.5e-6;
-    c.solver = options;
+    Case c = with_thin_body({24, 18, 1.5e-3, 0.0}, 120, {6e-3, 4e-3, 1e-3}, 30.0);
+    c.scene().medium.bodies[0].viscosity_Pa_s = 1.5;
+    c.solver = SpectralOptions{.time_step_s = 12.5e-6};
     CHECK(worst_frame(c, Comm::world()) == 0.0);
 }
 
 TEST_CASE("ranks without planes do not affect the frames on any number of ranks", "[mpi]") {
-    Case c = small_case();
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 3e-3;
-    c.domain = {10, 6, 2e-3, 0.0}; // 5 ranks have 2 rows each; 4 have one ky each
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
-                                .centre_m = {1e-3, 2e-3, 1.5e-3},
-                                .c_s_m_s = 20.0}};
-    c.time.frames = 20;
-    c.record.traces_m.clear();
-    c.solver = SpectralOptions{};
+    // 5 ranks have 2 rows each; 4 have one ky each.
+    const Case c = with_thin_body({10, 6, 2e-3, 0.0}, 20, {5e-3, 4e-3, 1e-3}, 20.0);
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required
 }
 
@@ -281,18 +198,11 @@ TEST_CASE("series and table are identical on any number of ranks", "[mpi]") {
     }
     CHECK(mean_alone.size() == static_cast<std::size_t>(c.domain.nx * c.domain.ny));
     if (world.is_root()) {
-        const double largest = *std::max_element(mean_alone.begin(), mean_alone.end());
-        for (std::size_t n = 0; n < mean_alone.size(); ++n)
-            worst = test::worse(worst, std::abs(mean.at(n) - mean_alone[n]) / largest);
+        REQUIRE(mean.size() == mean_alone.size());
+        worst = test::worse(worst, test::apart(mean, mean_alone));
     }
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-        double largest = 0.0;
-        for (const double u : traces_alone[i].u_m)
-            largest = std::max(largest, std::abs(u));
-        for (std::size_t n = 0; n < traces[i].u_m.size(); ++n)
-            worst =
-                test::worse(worst, std::abs(traces[i].u_m[n] - traces_alone[i].u_m[n]) / largest);
-    }
+    for (std::size_t i = 0; i < traces.size(); ++i)
+        worst = test::worse(worst, test::apart(traces[i].u_m, traces_alone[i].u_m));
     CHECK(world.max(worst) < 1e-12); // required
 }
 

@@ -2,37 +2,16 @@
 #include "storage/input/input_files.hpp"
 
 #include "base/error.hpp"
-#include "parallel/agree.hpp"
 #include "storage/hdf5/h5.hpp"
+#include "support/shared_folder.hpp"
 
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <unistd.h>
 
 namespace test_map_file {
 
 using namespace shearwake;
 
 namespace {
-
-/// A file whose path all ranks have and which is deleted at the end of the test.
-class SharedFile {
-public:
-    explicit SharedFile(const Comm& world) : world_(world) {
-        path_ = world.broadcast((std::filesystem::temp_directory_path() /
-                                 ("shearwake-map-" + std::to_string(::getpid()) + ".h5"))
-                                    .string());
-    }
-    ~SharedFile() {
-        world_.barrier();
-        if (world_.is_root()) std::filesystem::remove(path_);
-    }
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    Comm world_;
-    std::filesystem::path path_;
-};
 
 /// More points than one message of the broadcast contains.
 constexpr hsize_t nx = 2100, ny = 2001, nz = 1;
@@ -58,9 +37,9 @@ void write_map(const std::filesystem::path& path) {
 
 TEST_CASE("distributes the same map to every rank", "[mpi]") {
     const Comm world = Comm::world();
-    const SharedFile file(world);
-    on_root(world, [&] { write_map(file.path()); });
-    const MaterialMap map = storage::read_map_file(file.path(), world);
+    const test::SharedFolder folder(world);
+    on_root(world, [&] { write_map(folder.file("map.h5")); });
+    const MaterialMap map = storage::read_map_file(folder.file("map.h5"), world);
     // The hash is computed again from the received data and compared with rank 0's.
     const double differs = hash_of(map) == world.broadcast(map.content_hash) ? 0.0 : 1.0;
     CHECK(world.max(differs) == 0.0);

@@ -51,13 +51,7 @@ double apart(const pstd::Stepper<Real>& here, const pstd::Stepper<Real>& whole, 
                    expected = whole.total(static_cast<pstd::Field>(f));
         const auto shift = static_cast<std::size_t>(here.slabs().x_start() * here.slabs().ny() *
                                                     here.slabs().pitch);
-        double largest = 0.0, differs = 0.0;
-        for (const Real v : expected)
-            largest = test::worse(largest, std::abs(static_cast<double>(v)));
-        for (std::size_t i = 0; i < got.size(); ++i)
-            differs =
-                test::worse(differs, std::abs(static_cast<double>(got[i] - expected[i + shift])));
-        worst = test::worse(worst, differs / largest);
+        worst = test::worse(worst, test::apart(got, expected, shift));
     }
     return world.max(worst);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares results of engine pstd on any number of ranks and after a stop.
-#include "storage/checkpoint/checkpoint_file.hpp"
-#include "support/shared_folder.hpp"
+#include "support/stop_at.hpp"
 #include "support/volume_store.hpp"
 #include "support/worst.hpp"
 
@@ -49,11 +48,7 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
     double worst = 0.0;
     const auto offset = static_cast<std::size_t>(part.slab().x_start * c.domain.ny);
     const auto compare = [&](const std::vector<double>& a, const std::vector<double>& b) {
-        double largest = 0.0;
-        for (const double u : b)
-            largest = std::max(largest, std::abs(u));
-        for (std::size_t i = 0; i < a.size(); ++i)
-            worst = test::worse(worst, std::abs(a[i] - b[offset + i]) / largest);
+        worst = test::worse(worst, test::apart(a, b, offset));
     };
     for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth)
         for (std::ptrdiff_t n = from; n < c.time.frames; ++n)
@@ -63,33 +58,6 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
             compare(part.at(1, 0, component, level), whole.at(1, 0, component, level));
     return world.max(worst);
 }
-
-/// Saves once at a given step and stops, or resumes from what was saved.
-class OneStop : public engines::Checkpoints {
-public:
-    OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool resume)
-        : path_(path), team_(team), at_(at), resume_(resume) {}
-    bool due() override { return ++asked_ == at_; }
-    void save(const std::function<void(StateWriter&)>& write) override {
-        storage::CheckpointFileWriter file(path_, team_);
-        write(file);
-        file.commit({"case", "program"}, {.sequence = 1});
-        stop_ = true;
-    }
-    bool restore(const std::function<void(const StateReader&)>& read) override {
-        if (!resume_) return false;
-        const storage::CheckpointFileReader file(path_, team_);
-        read(file);
-        return true;
-    }
-    bool stop() const override { return stop_; }
-
-private:
-    std::filesystem::path path_;
-    const Comm& team_;
-    std::ptrdiff_t at_, asked_ = 0;
-    bool resume_, stop_ = false;
-};
 
 } // namespace
 
@@ -107,15 +75,13 @@ TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][p
 
 TEST_CASE("engine pstd resumes a stopped case with the same bits", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
-    const test::SharedFolder folder(world);
     const Case c = small_case(PstdEdges::periodic);
     test::VolumeStore whole, first, second;
     engines::make_engine(c.solver)->run(c, alone, whole);
-    OneStop stops(folder.file("state.h5"), world, 60, false);
-    engines::make_engine(c.solver)->run(c, world, first, &stops);
-    CHECK(stops.stop());
-    OneStop goes_on(folder.file("state.h5"), world, 0, true);
-    engines::make_engine(c.solver)->run(c, world, second, &goes_on);
+    test::StopAt checkpoints(60);
+    engines::make_engine(c.solver)->run(c, world, first, &checkpoints);
+    CHECK(first.planes() < whole.planes());
+    engines::make_engine(c.solver)->run(c, world, second, &checkpoints);
     const double worst = apart(c, second, whole, 3, world);
     CHECK(worst == 0.0);
 }

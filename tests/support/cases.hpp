@@ -77,39 +77,46 @@ class FrameStore : public IgnoringObserver {
 public:
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override {
-        std::vector<double> values;
-        for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
-            const auto row = frame.u_z_m.row(i);
-            values.insert(values.end(), row.begin(), row.end());
-        }
-        frames_[{static_cast<long>(frame.depth), frame.number}] = std::move(values);
+        frames_[{static_cast<long>(frame.depth), frame.number}] = values_of(frame.u_z_m);
     }
     const engines::Slab& slab() const { return slab_; }
+    std::size_t planes() const { return frames_.size(); }
     const std::vector<double>& at(std::ptrdiff_t number, std::size_t depth = 0) const {
         return frames_.at({static_cast<long>(depth), number});
     }
-    /// Copies the frames of the root to all ranks. Collective.
-    void share(const Comm& world) { broadcast(frames_, world); }
+    /// Replaces the frames by those of the root. Collective.
+    void take_from_root(const Comm& world) { broadcast(frames_, world); }
 
-private:
+protected:
+    static std::vector<double> values_of(const View2<const double>& plane) {
+        std::vector<double> values;
+        for (std::ptrdiff_t i = 0; i < plane.rows(); ++i) {
+            const auto row = plane.row(i);
+            values.insert(values.end(), row.begin(), row.end());
+        }
+        return values;
+    }
+
     engines::Slab slab_;
     std::map<std::array<long, 2>, std::vector<double>> frames_; // by depth and number
 };
 
-/// All frames of a case, computed on this rank alone.
-inline FrameStore frames_of(const Case& c) {
+/// All frames of a case, or what another store keeps, computed on this rank alone.
+template <class Store = FrameStore>
+Store frames_of(const Case& c) {
     const Comm alone = Comm::world().split(Comm::world().rank());
-    FrameStore store;
+    Store store;
     engines::make_engine(c.solver)->run(c, alone, store);
     return store;
 }
 
-/// All frames of a case, computed on the root alone, on all ranks. Collective.
-inline FrameStore frames_of_root(const Case& c, const Comm& world) {
-    FrameStore store;
+/// The same, computed on the root alone, on all ranks. Collective.
+template <class Store = FrameStore>
+Store frames_of_root(const Case& c, const Comm& world) {
+    Store store;
     on_root_alone(world,
                   [&](const Comm& alone) { engines::make_engine(c.solver)->run(c, alone, store); });
-    store.share(world);
+    store.take_from_root(world);
     return store;
 }
 

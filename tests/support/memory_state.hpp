@@ -27,7 +27,7 @@ public:
         return rows_ == other.rows_ && numbers_ == other.numbers_;
     }
 
-private:
+protected:
     std::map<std::string, std::vector<double>> rows_;
     std::map<std::string, double> numbers_;
 };

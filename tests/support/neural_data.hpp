@@ -40,6 +40,15 @@ inline neural::Spikes train(const std::string& cell) {
     return spikes;
 }
 
+/// One afferent per row of the table of neurons, at the origin.
+inline std::vector<neural::Afferent> one_of_each_row() {
+    std::vector<neural::Afferent> afferents;
+    for (const AfferentClass kind : neural::all_classes)
+        for (std::size_t row = 0; row < neural::neuron_rows(kind).size(); ++row)
+            afferents.push_back({{}, kind, row});
+    return afferents;
+}
+
 inline double sine(double frequency_Hz, double t_s) {
     return std::sin(2.0 * std::numbers::pi * frequency_Hz * t_s);
 }

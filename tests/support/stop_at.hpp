@@ -8,6 +8,15 @@
 
 namespace shearwake::test {
 
+/// Checkpoints that are never due.
+class NoCheckpoints : public engines::Checkpoints {
+public:
+    bool due() override { return false; }
+    void save(const std::function<void(StateWriter&)>& /*write*/) override {}
+    bool restore(const std::function<void(const StateReader&)>& /*read*/) override { return false; }
+    bool stop() const override { return false; }
+};
+
 /// Keeps this rank's checkpoint in memory. The run ends with the first save.
 class StopAt : public engines::Checkpoints {
 public:

@@ -2,11 +2,6 @@
 #pragma once
 
 #include "support/cases.hpp"
-#include "support/on_root.hpp"
-
-#include <array>
-#include <map>
-#include <vector>
 
 namespace shearwake::test {
 
@@ -15,13 +10,8 @@ class VolumeStore : public FrameStore {
 public:
     void volume_levels(const std::vector<double>& z_m) override { z_m_ = z_m; }
     void volume(const engines::VolumePlane& plane) override {
-        std::vector<double>& values =
-            planes_[key(plane.snapshot, plane.field, plane.component, plane.level)];
-        values.clear();
-        for (std::ptrdiff_t i = 0; i < plane.values.rows(); ++i) {
-            const auto row = plane.values.row(i);
-            values.insert(values.end(), row.begin(), row.end());
-        }
+        planes_[key(plane.snapshot, plane.field, plane.component, plane.level)] =
+            values_of(plane.values);
     }
     const std::vector<double>& z_m() const { return z_m_; }
     std::size_t planes() const { return planes_.size(); }
