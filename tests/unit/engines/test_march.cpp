@@ -2,6 +2,7 @@
 #include "engines/march.hpp"
 
 #include "support/cases.hpp"
+#include "support/stop_at.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -29,12 +30,8 @@ private:
 };
 
 /// Records the reported shares; nothing is saved.
-class Shares : public engines::Checkpoints {
+class Shares : public test::NoCheckpoints {
 public:
-    bool due() override { return false; }
-    void save(const std::function<void(StateWriter&)>& /*write*/) override {}
-    bool restore(const std::function<void(const StateReader&)>& /*read*/) override { return false; }
-    bool stop() const override { return false; }
     void progressed(double share) override { all.push_back(share); }
     void timed(const engines::TimedWork& part) override { parts.push_back(part); }
 

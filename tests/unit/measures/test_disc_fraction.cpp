@@ -58,20 +58,18 @@ TEST_CASE("disc fractions add up to the area of the disc anywhere", "[disc_fract
 }
 
 TEST_CASE("disc fractions of known shapes", "[disc_fraction]") {
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.5) == Approx(pi / 4).epsilon(1e-14));
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.5, 0.0}, 0.1) ==
-          Approx(pi * 0.005).epsilon(1e-13));
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.5, 0.5}, 1.0) == Approx(pi / 4).epsilon(1e-14));
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {-0.5, 0.5}, 1e-6) ==
-          Approx(pi * 0.25e-12).epsilon(1e-10));
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.2, -0.3}, 1e-9) ==
-          Approx(pi * 1e-18).epsilon(1e-12));
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 10.0) == 1.0);
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, std::sqrt(0.5)) ==
-          Approx(1.0).epsilon(1e-14));
-    CHECK(measures::disc_fraction(3.0, 0.0, 1.0, {0.0, 0.0}, 2.5) ==
-          0.0); // touches the cell's edge
-    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.0) == 0.0);
+    struct Disc {
+        Vec2 centre;
+        double radius, fraction, epsilon;
+    };
+    const auto [centre, radius, fraction, epsilon] = GENERATE(
+        Disc{{0.0, 0.0}, 0.5, pi / 4, 1e-14}, Disc{{0.5, 0.0}, 0.1, pi * 0.005, 1e-13},
+        Disc{{0.5, 0.5}, 1.0, pi / 4, 1e-14}, Disc{{-0.5, 0.5}, 1e-6, pi * 0.25e-12, 1e-10},
+        Disc{{0.2, -0.3}, 1e-9, pi * 1e-18, 1e-12}, Disc{{0.0, 0.0}, 10.0, 1.0, 0.0},
+        Disc{{0.0, 0.0}, std::sqrt(0.5), 1.0, 1e-14}, Disc{{0.0, 0.0}, 0.0, 0.0, 0.0},
+        Disc{{-3.0, 0.0}, 2.5, 0.0, 0.0}); // touches the cell's edge
+    const double found = measures::disc_fraction(0.0, 0.0, 1.0, centre, radius);
+    CHECK(std::abs(found - fraction) <= epsilon * fraction);
 }
 
 TEST_CASE("disc fractions do not depend on the unit of length", "[disc_fraction]") {

@@ -35,17 +35,24 @@ Case periodic_case() {
 /// u_z [m] at a place and time.
 using Motion = std::function<double(Vec2, double)>;
 
-measures::SensationMap map_of(const Case& c, const Motion& u_m) {
-    measures::SensationSums sums(c, 0, c.domain.nx);
-    std::vector<double> plane(static_cast<std::size_t>(c.domain.nx * c.domain.ny));
+/// The levels of some rows; with `in_pieces`, the sums are flushed as a checkpoint does.
+measures::SensationMap map_of_rows(const Case& c, const Motion& u_m, std::ptrdiff_t first,
+                                   std::ptrdiff_t rows, bool in_pieces) {
+    measures::SensationSums sums(c, first, rows);
+    std::vector<double> plane;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-        for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
+        plane.clear();
+        for (std::ptrdiff_t i = first; i < first + rows; ++i)
             for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
-                plane[static_cast<std::size_t>(i * c.domain.ny + j)] =
-                    u_m({c.domain.x_m(i), c.domain.y_m(j)}, c.time.frame_s(n));
-        sums.add(n, View2<const double>(plane.data(), c.domain.nx, c.domain.ny));
+                plane.push_back(u_m({c.domain.x_m(i), c.domain.y_m(j)}, c.time.frame_s(n)));
+        sums.add(n, View2<const double>(plane.data(), rows, c.domain.ny));
+        if (in_pieces && n % 7 == 0) sums.flush();
     }
+    CHECK(sums.first_row() == first);
     return sums.levels();
+}
+measures::SensationMap map_of(const Case& c, const Motion& u_m) {
+    return map_of_rows(c, u_m, 0, c.domain.nx, false);
 }
 
 double column(const Case& c, const measures::SensationMap& map, const std::string& name) {
@@ -78,6 +85,11 @@ TEST_CASE("the level of a plane that oscillates is that of its acceleration", "[
     CHECK(column(c, map, "felt_area_mm2") == Approx(1600.0));
     CHECK(column(c, map, "felt_contrast_dB") == Approx(0.0).margin(1e-9));
     CHECK(std::isnan(column(c, map, "felt_width_mm"))); // the level does not fall
+    // Two bands add up in the rival level only.
+    const auto two =
+        map_of(c, [](Vec2, double t) { return tone_m(0.23, 100.0, t) + tone_m(0.29, 200.0, t); });
+    CHECK(two.level_dB.front() == Approx(20.0).margin(1e-9));
+    CHECK(two.sum_dB.front() == Approx(20.0 + 10.0 * std::log10(2.0)).margin(1e-9));
 }
 
 TEST_CASE("bands end at the exact edges of third octaves, and beyond the table nothing is felt",
@@ -144,14 +156,6 @@ TEST_CASE("the level of a tone is a continuous function of its frequency", "[sen
     }
 }
 
-TEST_CASE("two bands add up in the rival level only", "[sensation]") {
-    const Case c = periodic_case();
-    const auto map =
-        map_of(c, [](Vec2, double t) { return tone_m(0.23, 100.0, t) + tone_m(0.29, 200.0, t); });
-    CHECK(map.level_dB.front() == Approx(20.0).margin(1e-9));
-    CHECK(map.sum_dB.front() == Approx(20.0 + 10.0 * std::log10(2.0)).margin(1e-9));
-}
-
 TEST_CASE("a window of a signal has the level of its lines", "[sensation]") {
     const Case steady = periodic_case();
     Case run = steady;
@@ -209,62 +213,55 @@ TEST_CASE("a window that cannot judge its load has no level, with the reason", "
     run.measure.settled_after_s = 3.5e-3;
     auto& modulation = run.scene().load.modulation;
     const auto reason = [&] { return measures::sensation_lines(run).reason; };
-    const auto set_gain = [&](const Gain& gain) { modulation.envelope.gains = {gain}; };
-
-    set_gain(SineGain{.frequency_Hz = 100.0});
-    CHECK(reason().empty());
-    set_gain(SineGain{.frequency_Hz = 50.0});
-    CHECK_THAT(reason(), Catch::StartsWith("AM at 50 Hz needs 20 ms") &&
-                             Catch::Contains("which are 10.5 ms apart"));
-    for (const auto& felt : measures::sensation_columns(run, {}))
-        CHECK_THAT(felt.note, Catch::StartsWith("AM at 50 Hz needs 20 ms"));
-    set_gain(SineGain{.frequency_Hz = 501.0});
-    CHECK(reason() == "the load has no line between 8 and 500 Hz");
-    set_gain(SampledGain{.values = {1.0, 0.2}, .interval_s = 3e-3, .repeat = true});
-    CHECK(reason().empty());
-    // Products of gains have lines at differences of their frequencies, so a common period decides.
-    modulation.envelope.gains = {SineGain{.frequency_Hz = 700.0}, SineGain{.frequency_Hz = 900.0}};
-    CHECK(reason().empty()); // 10 ms
-    modulation.envelope.gains = {SineGain{.frequency_Hz = 110.0}, SineGain{.frequency_Hz = 173.0}};
-    CHECK_THAT(reason(), Catch::Contains("110 and 173 Hz, which have no common period"));
-    // A ramp that has ended does not count, unless it has switched the load off.
-    modulation.envelope.gains = {SineGain{.frequency_Hz = 100.0}, RampGain{.duration_s = 3.5e-3}};
-    CHECK(reason().empty());
-    modulation.envelope.gains[1] = RampGain{.duration_s = 10e-3};
-    CHECK_THAT(reason(), Catch::EndsWith("it rises or falls once; choose times after that"));
-    modulation.envelope.gains[1] = RampGain{.duration_s = 1e-3, .from = 1.0, .to = 0.0};
-    CHECK_THAT(reason(), Catch::StartsWith("the load is off"));
-    modulation.envelope.gains[1] = WindowGain{.to_s = 3e-3, .edge_s = 1e-3};
-    CHECK_THAT(reason(), Catch::StartsWith("the load is off"));
-    modulation.envelope.gains[1] = WindowGain{.to_s = 30e-3, .edge_s = 1e-3};
-    CHECK(reason().empty());
-    modulation.envelope.gains.clear();
-    CHECK_THAT(reason(), Catch::StartsWith("the load does not change"));
-
-    const auto travel = [&](AtEnd at_end, double speed_m_s) {
-        modulation.trajectory = {{Travel{.path = {Vec2{-20e-3, 0.0}, Vec2{20e-3, 0.0}},
-                                         .motion = ConstantSpeed{speed_m_s},
-                                         .at_end = at_end}}};
+    const auto sine = [](double f_Hz) { return SineGain{.frequency_Hz = f_Hz}; };
+    const auto line = [](AtEnd at_end, double speed_m_s) {
+        return Travel{.path = {Vec2{-20e-3, 0.0}, Vec2{20e-3, 0.0}},
+                      .motion = ConstantSpeed{speed_m_s},
+                      .at_end = at_end};
     };
-    travel(AtEnd::hold, 4.0); // 10 ms
-    CHECK_THAT(reason(), Catch::Contains("its path ends; set path.at_end"));
-    travel(AtEnd::back_and_forth, 4.0);
-    CHECK_THAT(reason(), Catch::StartsWith("the motion of the focus at 50 Hz needs 20 ms"));
-    travel(AtEnd::back_and_forth, 8.0);
-    CHECK(reason().empty());
-    travel(AtEnd::hold, 20.0); // it rests after 2 ms
-    set_gain(SineGain{.frequency_Hz = 100.0});
-    CHECK(reason().empty());
+    struct Modulated {
+        std::vector<Gain> gains;
+        std::string reason; // its beginning or end
+        Mover motion = Hold{};
+    };
+    const Modulated loads[] = {
+        {{sine(100.0)}, ""},
+        {{sine(501.0)}, "the load has no line between 8 and 500 Hz"},
+        {{SampledGain{.values = {1.0, 0.2}, .interval_s = 3e-3, .repeat = true}}, ""},
+        // Products have lines at differences of frequencies, so a common period decides.
+        {{sine(700.0), sine(900.0)}, ""}, // 10 ms
+        {{sine(110.0), sine(173.0)}, "110 and 173 Hz, which have no common period"},
+        // A ramp that has ended does not count, unless it has switched the load off.
+        {{sine(100.0), RampGain{.duration_s = 3.5e-3}}, ""},
+        {{sine(100.0), RampGain{.duration_s = 10e-3}},
+         "it rises or falls once; choose times after that"},
+        {{sine(100.0), RampGain{.duration_s = 1e-3, .from = 1.0, .to = 0.0}}, "the load is off"},
+        {{sine(100.0), WindowGain{.to_s = 3e-3, .edge_s = 1e-3}}, "the load is off"},
+        {{sine(100.0), WindowGain{.to_s = 30e-3, .edge_s = 1e-3}}, ""},
+        {{}, "the load does not change"},
+        {{}, "its path ends; set path.at_end", line(AtEnd::hold, 4.0)},
+        {{}, "the motion of the focus at 50 Hz needs 20 ms", line(AtEnd::back_and_forth, 4.0)},
+        {{}, "", line(AtEnd::back_and_forth, 8.0)},
+        {{sine(50.0)}, "AM at 50 Hz needs 20 ms"},
+        {{sine(100.0)}, "", line(AtEnd::hold, 20.0)}}; // it rests after 2 ms
+    for (const Modulated& load : loads) {
+        modulation.envelope.gains = load.gains;
+        modulation.trajectory.parts = {load.motion};
+        CHECK(reason().empty() == load.reason.empty());
+        CHECK_THAT(reason(), Catch::Contains(load.reason));
+        for (const auto& felt : measures::sensation_columns(run, {}))
+            if (!load.reason.empty()) CHECK(felt.note == reason());
+    }
     run.measure.settled_after_s = 13.9e-3;
     CHECK_THAT(reason(), Catch::StartsWith("fewer than four frames"));
 }
 
 namespace {
 
-/// Spots with Gaussian profiles of 4 mm standard deviation.
-measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m) {
+/// Spots with Gaussian profiles of 4 mm standard deviation, and of 2 mm in the middle.
+measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m, double middle = 0.0) {
     return map_of(c, [&](Vec2 place, double t) {
-        double sum = 0.0;
+        double sum = middle * std::exp(-0.5 * std::pow(norm(place) / 2e-3, 2));
         for (const Vec2 spot : at_m)
             sum += std::exp(-0.5 * std::pow(norm(place - spot) / 4e-3, 2));
         return sum * tone_m(0.23, 100.0, t);
@@ -289,12 +286,7 @@ TEST_CASE("two distant foci have two maxima with the dip of their profiles", "[s
     CHECK(column(far, two, "felt_gap_dB") == Approx(dip_dB).margin(1e-6));
     // Where their waves meet, another maximum may lie far below them. It does not count.
     const double middle = GENERATE(0.1, 0.4, 0.6); // 6 dB are 0.501
-    const auto waves = map_of(far, [&](Vec2 place, double t) {
-        double sum = middle * std::exp(-0.5 * std::pow(norm(place) / 2e-3, 2));
-        for (const Vec2 spot : far.scene().load.modulation.foci_m)
-            sum += std::exp(-0.5 * std::pow(norm(place - spot) / 4e-3, 2));
-        return sum * tone_m(0.23, 100.0, t);
-    });
+    const auto waves = spots(far, far.scene().load.modulation.foci_m, middle);
     CHECK(column(far, waves, "felt_peaks_1") == (middle > 0.501 ? 3.0 : 2.0));
     const auto one = spots(near, near.scene().load.modulation.foci_m);
     CHECK(column(near, one, "felt_peaks_1") == 1.0);
@@ -344,7 +336,6 @@ TEST_CASE("the width of a line is measured across it", "[sensation]") {
         const double across_m = is_along_x ? at.y : at.x;
         return std::exp(-0.5 * std::pow(across_m / 4e-3, 2)) * tone_m(0.23, 100.0, t);
     });
-    // As above: straight lines between samples.
     CHECK(column(c, map, "felt_width_mm") ==
           Approx(8.0 * std::sqrt(2.3 * std::numbers::ln10 / 10.0)).margin(0.01));
 }
@@ -374,19 +365,7 @@ TEST_CASE("levels do not change when the problem is rotated or mirrored", "[sens
 TEST_CASE("sums of slabs in pieces are those of the whole", "[sensation]") {
     const Case c = periodic_case();
     const Motion motion = [](Vec2 at, double t) { return tone_m(1.0 + 10.0 * at.x, 100.0, t); };
-    const auto all = map_of(c, motion);
-    measures::SensationSums part(c, 13, 9);
-    std::vector<double> plane(9 * 40);
-    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-        for (std::ptrdiff_t i = 0; i < 9; ++i)
-            for (std::ptrdiff_t j = 0; j < 40; ++j)
-                plane[static_cast<std::size_t>(i * 40 + j)] =
-                    motion({c.domain.x_m(13 + i), c.domain.y_m(j)}, c.time.frame_s(n));
-        part.add(n, View2<const double>(plane.data(), 9, 40));
-        if (n % 7 == 0) part.flush(); // as a checkpoint does
-    }
-    const auto some = part.levels();
-    CHECK(part.first_row() == 13);
+    const auto all = map_of(c, motion), some = map_of_rows(c, motion, 13, 9, true);
     REQUIRE(some.level_dB.size() == 9 * 40);
     CHECK(std::equal(some.level_dB.begin(), some.level_dB.end(), all.level_dB.begin() + 13 * 40));
 }

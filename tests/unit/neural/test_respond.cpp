@@ -17,21 +17,13 @@ AfferentClass class_of(const std::string& name) {
                           : AfferentClass::PC;
 }
 
-std::vector<Afferent> one_of_each_row() {
-    std::vector<Afferent> afferents;
-    for (const AfferentClass kind : all_classes)
-        for (std::size_t row = 0; row < neuron_rows(kind).size(); ++row)
-            afferents.push_back({{}, kind, row});
-    return afferents;
-}
-
 } // namespace
 
 TEST_CASE("all 17 neurons fire at the same samples as in TouchSim", "[neural]") {
     const std::string stimulus =
         GENERATE("sine200_50um", "sine20_300um", "sine60_100um", "ramphold_1mm",
                  "sine200_50um_preindent", "sine200_50um_fs20k");
-    const auto afferents = one_of_each_row();
+    const auto afferents = test::one_of_each_row();
     const auto spikes = respond(test::single_stimulus(stimulus), afferents, {});
     std::size_t compared = 0;
     for (const auto& row : test::csv_rows("single_afferents.csv")) {
@@ -72,7 +64,7 @@ TEST_CASE(
 
 TEST_CASE("spikes of an afferent with noise do not depend on the other afferents", "[neural]") {
     const PinStimulus stimulus = test::single_stimulus("sine60_100um");
-    const auto afferents = one_of_each_row();
+    const auto afferents = test::one_of_each_row();
     const auto all = respond(stimulus, afferents, {.noise_key = 7});
     for (std::size_t i = 0; i < afferents.size(); ++i) {
         const auto alone = respond(stimulus, std::span(afferents).subspan(i, 1),

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -29,8 +30,10 @@ PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
     return s;
 }
 
-AfferentOptions palm() {
-    return {};
+/// Of half a second, at this modulation, with all fibres on the path.
+std::vector<ClassResponse> responses_at(double f_Hz, const std::vector<Afferent>& afferents,
+                                        const SpikeTimes& times_s, double duration_s = 0.5) {
+    return class_responses(afferents, times_s, duration_s, f_Hz, 1.0, [](Vec2) { return 0.0; });
 }
 
 std::string words(const std::vector<Remark>& remarks) {
@@ -66,7 +69,7 @@ TEST_CASE("a stimulus with silence lasts an integer number of neuron samples", "
 }
 
 TEST_CASE("silence only delays the response to a stimulus at the neurons' rate", "[neural]") {
-    AfferentOptions options = palm();
+    AfferentOptions options;
     options.classes = {AfferentClass::PC};
     const neural::Scene scene = make_scene(options);
     PinStimulus stimulus = tapping({{126.0, 10.0}});
@@ -94,7 +97,7 @@ TEST_CASE("silence only delays the response to a stimulus at the neurons' rate",
 
 TEST_CASE("spikes of a scene with noise do not depend on its division into parts",
           "[neural][slow]") {
-    AfferentOptions options = palm();
+    AfferentOptions options;
     options.noise = Switch::on;
     const neural::Scene scene = make_scene(options);
     const PinStimulus stimulus = tapping({{120.0, 5.0}, {126.0, 10.0}}, 20000.0);
@@ -110,7 +113,7 @@ TEST_CASE("spikes of a scene with noise do not depend on its division into parts
 }
 
 TEST_CASE("adds the conduction delay of each neuron to its spikes", "[neural]") {
-    AfferentOptions options = palm();
+    AfferentOptions options;
     options.sheet = SkinSheet::flat;
     options.places = AfferentList{{{{}, AfferentClass::PC, 2}}};
     const neural::Scene scene = make_scene(options);
@@ -152,20 +155,16 @@ TEST_CASE("summarises a class by active afferents, rate, spread, locking and fir
     CHECK(PC.most_spikes == 5);
     // At four times the frequency the phases cancel: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
     times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
-    CHECK(
-        class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; })[1].locking <
-        1e-12);
+    CHECK(responses_at(100.0, afferents, times_s)[1].locking < 1e-12);
     // Two spikes a quarter of a period apart, in addition to those eight: |1 + i| = sqrt 2,
     // weighted by spikes.
     times_s[1] = {0.010, 0.0125};
-    CHECK(class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; })[1]
-              .vector_strength == Approx(std::sqrt(2.0) / 10.0));
+    CHECK(responses_at(100.0, afferents, times_s)[1].vector_strength ==
+          Approx(std::sqrt(2.0) / 10.0));
     times_s[1].pop_back();
-    const auto brief =
-        class_responses(afferents, times_s, 0.04, 100.0, 1.0, [](Vec2) { return 0.0; });
-    CHECK(std::isnan(brief[1].peak_rate_Hz)); // less than 50 ms
     CHECK(std::isnan(
-        class_responses(afferents, times_s, 0.5, 0.0, 1.0, [](Vec2) { return 0.0; })[1].locking));
+        responses_at(100.0, afferents, times_s, 0.04)[1].peak_rate_Hz)); // less than 50 ms
+    CHECK(std::isnan(responses_at(0.0, afferents, times_s)[1].locking));
 }
 
 TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
@@ -184,7 +183,7 @@ TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
                 times_s[i].push_back(1e-2 * (static_cast<double>(times_s[i].size()) + phase + own));
         }
     }
-    const auto of = class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; });
+    const auto of = responses_at(100.0, afferents, times_s);
     // The mean over 2000 n (n - 1) pairs or more has an error of 0.007, or five times this with
     // near certainty; the plain vector strength of five random spikes is 0.4.
     CHECK(of[0].locking * of[0].locking == Approx(R * R).margin(0.035));
@@ -197,7 +196,7 @@ TEST_CASE("locking weights the fibres by their pairs of spikes", "[neural]") {
         times_s[0].push_back(1e-2 * k); // one phase of 100 Hz: n R^2 - 1 = 9
     for (int k = 0; k < 5; ++k)
         times_s[1].push_back(1e-2 * (k + 0.2 * k)); // five phases: n R^2 - 1 = -1
-    const auto of = class_responses(afferents, times_s, 0.5, 100.0, 1.0, [](Vec2) { return 0.0; });
+    const auto of = responses_at(100.0, afferents, times_s);
     CHECK(of[0].locking == Approx(std::sqrt((90.0 * 1.0 + 20.0 * -0.25) / 110.0)).epsilon(1e-9));
 }
 
@@ -229,7 +228,7 @@ TEST_CASE("applies the modulation to a signed, rectified or squared carrier", "[
 
 TEST_CASE("squared carrier causes spikes at its onset, or throughout if it is modulated",
           "[neural]") {
-    AfferentOptions options = palm();
+    AfferentOptions options;
     options.classes = {AfferentClass::PC};
     const neural::Scene scene = make_scene(options);
     CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0};
@@ -253,52 +252,51 @@ TEST_CASE("squared carrier causes spikes at its onset, or throughout if it is mo
 
 TEST_CASE("reports invalid stimuli with their values", "[neural]") {
     const Polygon skin = make_hand().outline_mm;
-    PinStimulus s = tapping({{126.0, 10.0}, {126.0, 11.0}});
-    CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+    PinStimulus valid = tapping({{126.0, 10.0}, {126.0, 11.0}});
+    CHECK_THAT(words(check_stimulus(valid, 0.02, skin)),
                Catch::Contains("warning: pin_radius_mm") && Catch::Contains("0.5 mm"));
-    s.radius_mm = 0.5;
-    CHECK(check_stimulus(s, 0.02, skin).empty());
-    SECTION("a negative radius") {
-        s.radius_mm = -1.0;
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("error: pin_radius_mm: must be above 0, and is -1"));
+    valid.radius_mm = 0.5;
+    CHECK(check_stimulus(valid, 0.02, skin).empty());
+    struct Mistake {
+        std::function<void(PinStimulus&)> make;
+        const char* report;
+        double silence_s = 0.02;
+    };
+    const auto sample = [](std::size_t k, double value) {
+        return [=](PinStimulus& s) { s.indentation_mm.line(1)[k] = value; };
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const Mistake mistakes[] = {
+        {[](PinStimulus& s) { s.radius_mm = -1.0; },
+         "error: pin_radius_mm: must be above 0, and is -1"},
+        {[](PinStimulus& s) { s.at_mm[1] = s.at_mm[0]; }, "error: pins: two pins"},
+        // Between index and middle finger, and also one beyond the hand.
+        {[](PinStimulus& s) {
+             s.at_mm[1] = {20.0, 20.0};
+         },
+         "warning: pins: 1 of 2 pins"},
+        {[](PinStimulus& s) {
+             s.at_mm = {{300.0, 0.0}, {20.0, 20.0}};
+         },
+         "error: pins: all 2"},
+        {sample(20, nan), "error: trace: 1 values"},
+        {sample(20, nan), "pin 1, sample 20 (counted from 0; 4 ms)"},
+        {sample(20, -1.0), "warning: trace: at 1 of 500 samples"},
+        {sample(0, 0.05), "begins at 50 um"},
+        {[&](PinStimulus& s) { sample(0, 0.05)(s), s.rate_Hz = 10000.0; }, "warning: silence_ms",
+         0.0},
+        {[&](PinStimulus& s) { sample(0, 0.05)(s), s.rate_Hz = 10000.0; }, "ringing at both ends",
+         0.0},
+        {[](PinStimulus& s) { s.rate_Hz = 500.0; },
+         "a sampling rate of 500 Hz represents vibrations up to 250 Hz"}};
+    for (const Mistake& mistake : mistakes) {
+        PinStimulus stimulus = valid;
+        mistake.make(stimulus);
+        CHECK_THAT(words(check_stimulus(stimulus, mistake.silence_s, skin)),
+                   Catch::Contains(mistake.report));
     }
-    SECTION("pins at the same position") {
-        s.at_mm[1] = s.at_mm[0];
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: two pins"));
-    }
-    SECTION("pins outside of the hand") {
-        s.at_mm[1] = {20.0, 20.0}; // between index and middle finger
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("warning: pins: 1 of 2 pins"));
-        CHECK(check_stimulus(s, 0.02, {}).empty());
-        s.at_mm[0] = {300.0, 0.0};
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: all 2"));
-    }
-    SECTION("a value that is not a number") {
-        s.indentation_mm.line(1)[20] = std::numeric_limits<double>::quiet_NaN();
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("error: trace: 1 values") &&
-                       Catch::Contains("pin 1, sample 20 (counted from 0; 4 ms)"));
-    }
-    SECTION("mixed signs") {
-        s.indentation_mm.line(1)[20] = -1.0;
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("warning: trace: at 1 of 500 samples"));
-    }
-    SECTION("a step at the start, a jump at the ends") {
-        s.indentation_mm.line(1)[0] = 0.05;
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("begins at 50 um"));
-        s.rate_Hz = 10000.0;
-        CHECK_THAT(words(check_stimulus(s, 0.0, skin)),
-                   Catch::Contains("warning: silence_ms") &&
-                       Catch::Contains("ringing at both ends"));
-    }
-    SECTION("slow sampling") {
-        s.rate_Hz = 500.0;
-        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("a sampling rate of 500 Hz represents vibrations up to 250 Hz"));
-    }
+    valid.at_mm[1] = {20.0, 20.0};
+    CHECK(check_stimulus(valid, 0.02, {}).empty());
 }
 
 TEST_CASE("reports invalid stresses at receptors with their position", "[neural]") {

@@ -29,10 +29,7 @@ TEST_CASE("receptor below a pin responds equally to the pin and to its stress", 
     const std::string name =
         GENERATE("sine200_50um", "sine20_300um", "ramphold_1mm", "sine200_50um_fs20k");
     const PinStimulus stimulus = test::single_stimulus(name);
-    std::vector<Afferent> afferents;
-    for (const AfferentClass kind : all_classes)
-        for (std::size_t row = 0; row < neuron_rows(kind).size(); ++row)
-            afferents.push_back({{}, kind, row});
+    const std::vector<Afferent> afferents = test::one_of_each_row();
     const Lines load = loads_N(stimulus);
     Lines stress(afferents.size(), load.samples);
     for (std::size_t i = 0; i < afferents.size(); ++i)

@@ -6,13 +6,11 @@
 #include "engines/spectral/kernels/transfer.hpp"
 #include "measures/kernels/row_sums.hpp"
 #include "neural/kernels/neuron.hpp"
-#include "simd/kernels.hpp"
+#include "unit/simd/random_numbers.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <random>
-#include <vector>
 
 namespace test_kernels {
 
@@ -23,24 +21,9 @@ using simd::InstructionSet;
 
 namespace {
 
-std::vector<InstructionSet> available_sets() {
-    std::vector<InstructionSet> sets;
-    for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})
-        if (set <= simd::best_instruction_set()) sets.push_back(set);
-    return sets;
-}
-
-std::vector<double> random_numbers(std::size_t count, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    std::vector<double> numbers(count);
-    for (double& number : numbers)
-        number = uniform(random);
-    return numbers;
-}
-
 std::vector<Block> random_blocks(std::size_t count, unsigned seed) {
-    const std::vector<double> numbers = random_numbers(count * lane_count, seed);
+    const std::vector<double> numbers =
+        test::random_numbers<std::vector<double>>(count * lane_count, seed);
     std::vector<Block> blocks(count);
     std::copy(numbers.begin(), numbers.end(), scalars(blocks.data()));
     return blocks;
@@ -62,10 +45,10 @@ TEST_CASE("rejects an instruction set that the CPU does not support", "[simd]") 
 
 TEST_CASE("sums over a row equal those of a plain loop for all lengths and vector widths",
           "[simd]") {
-    for (const auto set : available_sets()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 31u, 192u}) {
-            const std::vector<double> values = random_numbers(count, 1);
+            const std::vector<double> values = test::random_numbers<std::vector<double>>(count, 1);
             measures::RowSums8 sums;
             simd::kernels<measures::RowSumKernels>(set).row_sums(values.data(), std::ssize(values),
                                                                  sums);
@@ -89,7 +72,7 @@ TEST_CASE("sums over a row equal those of a plain loop for all lengths and vecto
 
 TEST_CASE("sums of delayed lines equal those of a plain loop", "[simd][neural]") {
     constexpr std::size_t samples = 203; // not a multiple of any chunk
-    const std::vector<double> values = random_numbers(5 * samples, 2);
+    const std::vector<double> values = test::random_numbers<std::vector<double>>(5 * samples, 2);
     std::vector<neural::DelayedLine> lines;
     for (const std::ptrdiff_t delay : {0, 1, 64, 150, 500})
         lines.push_back({values.data() + lines.size() * samples, delay,
@@ -98,7 +81,7 @@ TEST_CASE("sums of delayed lines equal those of a plain loop", "[simd][neural]")
     for (const auto& line : lines)
         for (auto k = static_cast<std::size_t>(line.delay); k < samples; ++k)
             expected[k] += line.gain * line.values[k - static_cast<std::size_t>(line.delay)];
-    for (const auto set : available_sets()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         std::vector<double> sum(samples, 7.0); // overwritten
         simd::kernels<neural::NeuronKernels>(set).sum_delayed(lines.data(), std::ssize(lines),
@@ -130,7 +113,7 @@ TEST_CASE("skyline factors solve their matrix at all vector widths", "[simd][spe
                     if (j < i) b[at(j)][l] += a[l] * x[at(i)][l];
                 }
         }
-    for (const auto set : available_sets()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         const spectral::SkylineKernels& kernels = simd::kernels<spectral::SkylineKernels>(set);
         std::vector<Block> factor = entries, solution = b;
@@ -147,12 +130,13 @@ TEST_CASE("skyline factors solve their matrix at all vector widths", "[simd][spe
 TEST_CASE("transfers of strain and force are adjoint at all vector widths", "[simd][spectral]") {
     // (E u, s) = (u, E* s) for all u and s, including lines with incomplete blocks.
     constexpr std::ptrdiff_t nodes = 4, levels = 6, nx = 20;
-    const std::vector<double> derivative = random_numbers(nodes * nodes, 5);
+    const std::vector<double> derivative =
+        test::random_numbers<std::vector<double>>(nodes * nodes, 5);
     const spectral::TransferPoint points[] = {{0, 1, 2.0}, {3, 3, 3.0}};
     const spectral::TransferArrays arrays = {
         nodes, levels, 2, points, derivative.data(), spectral::all_components};
     const std::ptrdiff_t planes = 2 * spectral::all_components, stride = 2 * nx;
-    for (const auto set : available_sets()) {
+    for (const auto set : test::sets_of_this_processor()) {
         const spectral::TransferKernels& kernels = simd::kernels<spectral::TransferKernels>(set);
         for (const std::ptrdiff_t block : {0, 1}) {
             INFO(simd::name_of(set) << ", block " << block);
@@ -170,7 +154,8 @@ TEST_CASE("transfers of strain and force are adjoint at all vector widths", "[si
                 }
             std::vector<double> strain(static_cast<std::size_t>(planes * stride), 0.0);
             kernels.strain(arrays, waves, u.data(), strain.data(), stride);
-            const std::vector<double> stress = random_numbers(strain.size(), 7);
+            const std::vector<double> stress =
+                test::random_numbers<std::vector<double>>(strain.size(), 7);
             std::vector<Block> force(u.size(), Block{});
             kernels.add_force(arrays, waves, stress.data(), stride, -1.0, force.data());
             double in_lines = 0.0, in_pencils = 0.0;
@@ -187,7 +172,8 @@ TEST_CASE("transfers of strain and force are adjoint at all vector widths", "[si
 TEST_CASE("products of strains have the same bits at all vector widths with fused multiply-add",
           "[simd]") {
     if (simd::best_instruction_set() < InstructionSet::avx512) return; // nothing to compare
-    const std::vector<double> a = random_numbers(1003, 8), b = random_numbers(1003, 9);
+    const std::vector<double> a = test::random_numbers<std::vector<double>>(1003, 8),
+                              b = test::random_numbers<std::vector<double>>(1003, 9);
     const auto product = [&](InstructionSet set) {
         return simd::kernels<spectral::StrainKernels>(set).product(1003, a.data(), b.data());
     };
@@ -198,7 +184,8 @@ TEST_CASE("products with symmetric matrices equal those of a plain loop", "[simd
     using namespace spectral;
     for (const std::size_t unknowns : {1u, 2u, 5u, 8u, 27u}) {
         const std::size_t entries = unknowns * (unknowns + 1) / 2;
-        const std::vector<double> numbers = random_numbers(entries * lane_count, 3);
+        const std::vector<double> numbers =
+            test::random_numbers<std::vector<double>>(entries * lane_count, 3);
         std::vector<float> high(numbers.begin(), numbers.end()), low;
         for (std::size_t n = 0; n < numbers.size(); ++n)
             low.push_back(static_cast<float>(numbers[n] - static_cast<double>(high[n])));
@@ -213,7 +200,7 @@ TEST_CASE("products with symmetric matrices equal those of a plain loop", "[simd
             }
             return sum;
         };
-        for (const auto set : available_sets()) {
+        for (const auto set : test::sets_of_this_processor()) {
             INFO(simd::name_of(set) << ", " << unknowns << " unknowns");
             const auto& kernels = simd::kernels<SymmetricKernels>(set);
             for (const bool rounded : {false, true}) {

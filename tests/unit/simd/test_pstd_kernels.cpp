@@ -2,40 +2,25 @@
 #include "engines/pstd/kernels/update.hpp"
 #include "fft/aligned.hpp"
 #include "fft/kernels/staggered.hpp"
-#include "simd/kernels.hpp"
+#include "unit/simd/random_numbers.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <complex>
 #include <limits>
-#include <random>
-#include <vector>
 
 namespace test_pstd_kernels {
 
 // The kernels of engine pstd, every one that this processor can run, against plain loops.
 
 using namespace shearwake;
-using simd::InstructionSet;
 
 namespace {
 
-std::vector<InstructionSet> sets_of_this_processor() {
-    std::vector<InstructionSet> sets;
-    for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})
-        if (set <= simd::best_instruction_set()) sets.push_back(set);
-    return sets;
-}
-
 template <class Real>
 fft::AlignedVector<Real> random_reals(std::size_t count, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    fft::AlignedVector<Real> numbers(count);
-    for (Real& number : numbers)
-        number = static_cast<Real>(uniform(random));
-    return numbers;
+    return test::random_numbers<fft::AlignedVector<Real>>(count, seed);
 }
 
 /// Of sums of a few products of numbers of order 1.
@@ -136,7 +121,7 @@ TEMPLATE_TEST_CASE("velocities and their accelerations are updated as by a plain
     };
     FieldInLayers<Real> expected{3};
     expected.update(rate);
-    for (const auto set : sets_of_this_processor()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         FieldInLayers<Real> field{3};
         fft::AlignedVector<Real> acceleration(nz), sum(nz);
@@ -169,7 +154,7 @@ TEMPLATE_TEST_CASE("stresses are updated as by a plain loop", "[simd][pstd]", do
     for (std::size_t part = 0; part < 3; ++part)
         rates[part] = {values[4 * part].data(), values[4 * part + 1].data(),
                        values[4 * part + 2].data(), values[4 * part + 3].data()};
-    for (const auto set : sets_of_this_processor()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set) << ", parts: " << parts << ", lossy: " << lossy);
         const pstd::UpdateKernels<Real>& kernels = simd::kernels<pstd::UpdateKernels<Real>>(set);
         FieldInLayers<Real> field{parts};
@@ -193,7 +178,7 @@ TEMPLATE_TEST_CASE("spectra are multiplied, and lines joined and parted, as by a
         imaginary[2 * m] = -factor[2 * m + 1];
         imaginary[2 * m + 1] = factor[2 * m + 1];
     }
-    for (const auto set : sets_of_this_processor()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         const auto& kernels = simd::kernels<fft::StaggeredKernels<Real>>(set);
         fft::AlignedVector<Real> spectra(2 * points * lines), back_re(points), back_im(points);
@@ -222,7 +207,7 @@ TEMPLATE_TEST_CASE("rows of a block are copied whole and nothing beside them", "
     constexpr auto width = static_cast<std::size_t>(fft::row_bytes) / sizeof(Real);
     constexpr std::size_t pitch = 3 * width, rows = 5;
     const auto from = random_reals<Real>(rows * width, 1);
-    for (const auto set : sets_of_this_processor()) {
+    for (const auto set : test::sets_of_this_processor()) {
         INFO(simd::name_of(set));
         const auto& kernels = simd::kernels<fft::StaggeredKernels<Real>>(set);
         for (const auto move : {kernels.copy_rows, kernels.stream_rows}) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/response/case_progress.hpp"
+#include "support/stop_at.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <functional>
 #include <vector>
 
 namespace test_case_progress {
@@ -14,12 +14,8 @@ using Stage = layered::CaseProgress::Stage;
 namespace {
 
 /// Keeps the shares that it receives.
-class Listener : public engines::Checkpoints {
+class Listener : public test::NoCheckpoints {
 public:
-    bool due() override { return false; }
-    void save(const std::function<void(StateWriter&)>&) override {}
-    bool restore(const std::function<void(const StateReader&)>&) override { return false; }
-    bool stop() const override { return false; }
     void progressed(double share) override { shares.push_back(share); }
 
     std::vector<double> shares;

@@ -201,21 +201,16 @@ TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
     const Forms forms = forms_with_memory(12, 6.0);
     const Certificate bound = ceiling(forms, 0.7);
     REQUIRE(is_valid(forms, bound));
-    Certificate lower = bound;
-    lower.eta *= 0.9;
-    CHECK_FALSE(is_valid(forms, lower));
-    Certificate heavy = bound;
-    heavy.weights *= 1.1;
-    CHECK_FALSE(is_valid(forms, heavy));
-    Certificate great = bound;
-    great.tau *= 1.001;
-    CHECK_FALSE(is_valid(forms, great));
-    Certificate stronger = bound;
-    stronger.strength *= 0.9;
-    CHECK_FALSE(is_valid(forms, stronger));
-    Certificate negative = bound;
-    negative.mu = -1.0;
-    CHECK_FALSE(is_valid(forms, negative));
+    const auto is_valid_with = [&](const auto& change) {
+        Certificate changed = bound;
+        change(changed);
+        return is_valid(forms, changed);
+    };
+    CHECK_FALSE(is_valid_with([](Certificate& c) { c.eta *= 0.9; }));
+    CHECK_FALSE(is_valid_with([](Certificate& c) { c.weights *= 1.1; }));
+    CHECK_FALSE(is_valid_with([](Certificate& c) { c.tau *= 1.001; }));
+    CHECK_FALSE(is_valid_with([](Certificate& c) { c.strength *= 0.9; }));
+    CHECK_FALSE(is_valid_with([](Certificate& c) { c.mu = -1.0; }));
 }
 
 TEST_CASE("forms and optima are read back exactly", "[optimise][nlopt]") {
