@@ -48,7 +48,7 @@ class Plan:
 
     @property
     def wall_s(self) -> float | None:
-        """The estimated wall time in s; None if this machine has computed no such cases."""
+        """The estimated wall time in s; None if it is not known on this machine yet."""
         return self.document["wall_s"]
 
     @property
@@ -71,7 +71,7 @@ class Plan:
         return f"<p>{html.escape(repr(self))}</p>" + self.cases.head(10).to_html()
 
     def __repr__(self) -> str:
-        time = "unknown time" if self.wall_s is None else f"{self.wall_s:.3g} s"
+        time = "time: not known on this machine yet" if self.wall_s is None else f"{self.wall_s:.3g} s"
         return (f"<shearwake.Plan {self.document['name']}: {len(self.document['cases'])} cases, {time}, "
                 f"{self.memory_per_rank_B / 1e6:.3g} MB per rank, {self.disk_B / 1e6:.3g} MB>")
 
@@ -212,12 +212,9 @@ class Job:
             raise program.error_of(3, "\n".join(str(d) for d in found if d.severity == "error"), found)
         return found
 
-    def plan(self, ranks: int = 1, *, ranks_per_case: int | None = None, probe: bool = False) -> Plan:
-        """The cases of the job with their estimated time, memory and disk. `probe` measures what is not known about the
-        time, for about two seconds per kind of case. Raises JobError."""
+    def plan(self, ranks: int = 1, *, ranks_per_case: int | None = None) -> Plan:
+        """The cases of the job with their estimated time, memory and disk. Raises JobError."""
         arguments = ["--ranks", str(ranks)] if ranks > 1 else []
-        if probe:
-            arguments += ["--probe"]
         if ranks_per_case is not None:
             arguments += ["--ranks-per-case", str(ranks_per_case)]
         with self._file() as path:

@@ -8,24 +8,6 @@
 
 namespace shearwake::engines {
 
-/// A part of the computation of a case, whose time is `size` times `count` times a rate that runs
-/// measure (schedule/cost/rates.hpp).
-struct Work {
-    /// Parts of the same kind and of a similar size take equally long per unit. A '#' begins the
-    /// hash of what the time depends on in a way that only a measurement shows, such as bodies.
-    std::string kind;
-    double size = 0.0;      // unknowns of all ranks
-    double count = 1.0;     // how often they are computed, such as the number of steps
-    bool is_shared = false; // done once per medium and grid
-    double amount() const { return size * count; }
-};
-
-/// A part of a computation and the seconds that it has taken on a team.
-struct TimedWork {
-    Work work;
-    double seconds = 0.0;
-};
-
 /// Decides when to save and stores the checkpoints of a case. Collective.
 class Checkpoints {
 public:
@@ -49,9 +31,6 @@ public:
     /// Reports the share of the steps that are complete, 0 to 1, after every step. Cheap. Not
     /// collective.
     virtual void progressed(double /*share*/) {}
-    /// Reports the time of a part of the computation when it ends, also if the run is stopped. Not
-    /// collective.
-    virtual void timed(const TimedWork& /*part*/) {}
 };
 
 /// Ends the computation of a case after stop_asked(). Thrown on all ranks of a team together and

@@ -144,7 +144,9 @@ struct Array {
 /// Resources that a case needs according to the plan of its engine.
 struct Resources {
     std::vector<Array> arrays; // at the time when the engine uses most memory
-    std::vector<Work> work;    // of all ranks
+    double work = 0.0;         // of all ranks, about 1 ns of a core each
+    double shared_work = 0.0;  // done once for consecutive cases with the same `shared`
+    std::string shared;        // identifies the data that cases share; empty: none
     int useful_ranks = 1;      // further ranks would have no rows
     double written_B = 0.0;    // volumes and sensor series in the case file
 
@@ -210,10 +212,6 @@ using StepChooser = std::function<double(ChoiceLimit)>;
 /// A solver that cases name (registry/make_engine.hpp). No function but run() is collective.
 class Engine : public Solver {
 public:
-    /// For engines that cannot be stopped between two steps: the case with fewer frames, whose
-    /// parts take the same time per unit. Nothing: Checkpoints::due() can stop a run after any
-    /// step.
-    virtual std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const = 0;
     /// The choices that the engine will make for the case with their reasons, one line each, as far
     /// as they follow from the case alone.
     virtual std::vector<std::string> choices(const Case& c) const = 0;

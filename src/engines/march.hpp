@@ -77,26 +77,13 @@ public:
     virtual void restore(const StateReader& state) = 0;
 };
 
-/// The work of a march, whose time it measures.
-struct MarchWork {
-    std::string kind;      // see Work::kind
-    double unknowns = 0.0; // of all ranks, with the values that a step passes on
-    double steps = 0.0;
-    double values = 0.0; // of a snapshot
-    double snapshots = 0.0;
-};
-/// Its parts: the setup with the first step, the other steps and the snapshots. Not collective.
-std::vector<Work> parts_of(const MarchWork& work);
-
 enum class MarchEnd { complete, stopped };
 
 /// Advances the field to step `steps`, starting from the newest checkpoint if there is one. The
 /// caller has already called Observer::begin. Saves the field and the observer whenever a
 /// checkpoint is due, and returns after a save if a stop was requested. All time-stepping engines
-/// use this loop. Reports the seconds of the parts of `work` to the checkpoints; the setup has
-/// begun at `began` and ends with the first step. Throws what Marching::advance throws. Collective.
-MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer, Checkpoints* checkpoints,
-               const MarchWork& work, Clock::time_point began);
+/// use this loop. Throws what Marching::advance throws. Collective.
+MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer, Checkpoints* checkpoints);
 
 /// The index (into RecordOptions::volumes_s) of the snapshot at the end of an output interval,
 /// counted from 1, if any. Not collective.

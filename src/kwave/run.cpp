@@ -10,6 +10,7 @@
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/run/deadline.hpp"
+#include "schedule/run/progress.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
@@ -231,10 +232,11 @@ bool advance(const Job& job, pstd::Stepper<Real>& stepper, pstd::Recorder& recor
         if (now == reported && !stops) continue;
         reported = now;
         const double passed_s = seconds_since(job.phases.phase);
-        print(job.world, fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
-                                     100 * done / steps, done, steps, passed_s,
-                                     passed_s / static_cast<double>(done - first) *
-                                         static_cast<double>(steps - done)));
+        print(job.world,
+              fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
+                          100 * done / steps, done, steps, passed_s,
+                          *schedule::time_left_s(passed_s, static_cast<double>(done - first),
+                                                 static_cast<double>(steps - first))));
     }
     return stops;
 }

@@ -64,13 +64,9 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);
 
-/// The work of all ranks for the afferents of a case.
-engines::Work receptors_work(const Case& c, const neural::Scene& scene);
-/// The time of the afferents of a case for a motion without amplitude, which is made longer until
-/// it takes about `seconds`; nothing without afferents. Collective.
-std::vector<engines::TimedWork> timed_receptors(const Case& c,
-                                                const std::shared_ptr<const neural::Scene>& scene,
-                                                double seconds, const Comm& team);
+/// The number of operations of all ranks for the afferents of a case, in waves of a pin at an
+/// afferent and a sample.
+double receptors_work(const Case& c, const neural::Scene& scene);
 
 /// Memory per rank for the afferents of a case, in addition to the engine [B].
 double afferents_memory_B(const Case& c, const neural::Scene& scene, int ranks);

@@ -46,45 +46,14 @@ std::shared_ptr<const Scene> receptors_of(const Case& c) {
     return latest.second;
 }
 
-engines::Work receptors_work(const Case& c, const Scene& scene) {
+double receptors_work(const Case& c, const Scene& scene) {
     const AfferentOptions& options = *c.afferents;
     const Counts n = counts_of(c, scene);
-    const bool by_stress = uses_stress(options.input);
-    // Each afferent sums the waves of all pins at each sample, then its neuron is simulated.
-    return {fmt::format("receptors{}{}", by_stress ? " stress" : " pins",
-                        options.noise == Switch::on ? " noise" : ""),
-            n.afferents * (by_stress ? 1.0 : n.pins),
-            n.samples + n.seconds * neural::neuron_rate_Hz};
-}
-
-std::vector<engines::TimedWork> timed_receptors(const Case& c,
-                                                const std::shared_ptr<const Scene>& scene,
-                                                double seconds, const Comm& team) {
-    if (!scene) return {};
-    constexpr std::ptrdiff_t first = 16, growth = 4;
-    Case brief = c;
-    brief.time.regime = Regime::transient;
-    for (brief.time.frames = std::min(first, c.time.frames);;
-         brief.time.frames = std::min(growth * brief.time.frames, c.time.frames)) {
-        ReceptorMotion motion{
-            .pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
-            .name = "probe"};
-        const std::vector<double> still(static_cast<std::size_t>(brief.time.frames));
-        std::visit(overloaded{[&](const PinInput&) {
-                                  motion.pins.u_m.assign(c.afferents->pins_m.size(), still);
-                              },
-                              [&](const StressInput&) {
-                                  motion.compression_Pa.assign(scene->afferents.size(), still);
-                              },
-                              [&](const CarrierInput&) { motion.pins.u_m.assign(1, still); }},
-                   c.afferents->input);
-        const auto began = Clock::now();
-        perceived(motion, *c.afferents, *scene, team);
-        const double took_s = seconds_since(began);
-        const bool is_last =
-            brief.time.frames == c.time.frames || static_cast<double>(growth) * took_s > seconds;
-        if (team.broadcast(is_last)) return {{receptors_work(brief, *scene), took_s}};
-    }
+    // Each afferent sums the waves of all pins at each sample, then its neuron is simulated, which
+    // takes as long as the waves of 75 pins.
+    constexpr double neuron_pins = 75.0;
+    return n.afferents * (neuron_pins + (uses_stress(options.input) ? 0.0 : n.pins)) *
+           (n.samples + n.seconds * neural::neuron_rate_Hz);
 }
 
 double afferents_memory_B(const Case& c, const Scene& scene, int ranks) {

@@ -46,10 +46,7 @@ public:
     bool stop() const override { return stops_; } // not collective
     bool stop_asked() override;
     void progressed(double share) override;
-    void timed(const engines::TimedWork& part) override { times_.push_back(part); }
 
-    /// The times that the engine has reported. Not collective.
-    const std::vector<engines::TimedWork>& times() const { return times_; }
     /// Whether a checkpoint was found or saved. Not collective.
     bool has_state() const { return newest_.has_value(); }
     /// The record of the unfinished case file in the newest checkpoint; on the root. Not
@@ -84,7 +81,6 @@ private:
     std::function<std::string()> part_;
     std::optional<State> newest_;
     double earlier_seconds_ = 0.0;
-    std::vector<engines::TimedWork> times_;
     Clock::time_point began_, saved_, looked_, progressed_;
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;

@@ -32,13 +32,4 @@ CasePlan plan_case(const Case& c, int ranks, const engines::Solver& engine);
 /// "memory per rank: 120.0 MB: ", and the arrays with their sizes in MB, the largest first.
 std::string memory_text(const engines::Resources& needs);
 
-/// Whether the rate of a part of the work can be measured without writing a case file. Not
-/// collective.
-bool can_be_probed(const engines::Work& part);
-/// The times of the parts of a case that has taken `seconds`: those of the engine, of the
-/// receptors, and the rest as that of the files. Not collective.
-std::vector<engines::TimedWork> times_of_parts(const CasePlan& plan,
-                                               std::vector<engines::TimedWork> of_engine,
-                                               double receptors_s, double seconds);
-
 } // namespace shearwake::pipeline

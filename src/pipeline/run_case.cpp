@@ -111,15 +111,11 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const bool stores_fields = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, stores_fields ? &writer : nullptr, tick);
     record_receptors(c, plan.receptors, recorder);
-    const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
-    const double solve_s = seconds_since(began) - before_solve_s;
 
-    const auto solved = Clock::now();
     const Comm::Unwatched writing;
     const CaseResults results = case_results(planned, recorder, plan.receptors, team);
-    const double receptors_s = seconds_since(solved);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
@@ -139,9 +135,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     });
     writer.commit(results.groups, case_attributes(planned, facts));
     checkpoints.discard();
-    return CaseOutcome{
-        facts.wall_s, solve_s, facts.solver,
-        times_of_parts(plan, checkpoints.times(), receptors_s, seconds_since(began))};
+    return CaseOutcome{facts.wall_s, facts.solver, plan.needs, checkpoints.earlier_seconds() > 0.0};
 }
 
 } // namespace

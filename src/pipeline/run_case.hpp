@@ -37,10 +37,10 @@ struct JobFacts {
 
 /// The result of computing a case.
 struct CaseOutcome {
-    double seconds = 0.0;       // over all runs
-    double solve_seconds = 0.0; // of this run, in the engine including measures and frames
+    double seconds = 0.0; // over all runs
     engines::SolverReport solver;
-    std::vector<engines::TimedWork> times; // of the parts that this run has computed
+    engines::Resources needs;
+    bool is_resumed = false; // from a checkpoint, so that this run has computed a part of it
 };
 
 /// Computes one case on a team, from its newest checkpoint if it has one, and writes its file.

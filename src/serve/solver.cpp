@@ -85,12 +85,11 @@ pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
                                      c.domain.nx, c.domain.ny, c.time.frames, values,
                                      limits_.values));
     pipeline::CasePlan plan = pipeline::plan_case(c, world_.size(), *engine_);
-    const double receptors =
-        plan.receptors ? pipeline::receptors_work(c, *plan.receptors).amount() : 0.0;
-    if (!(receptors <= limits_.receptor_values))
-        throw UsageError(fmt::format("the receptors need {:.3g} values, of each fibre, pin and "
-                                     "sample; serve computes at most {:.3g}",
-                                     receptors, limits_.receptor_values));
+    const double receptors = plan.receptors ? pipeline::receptors_work(c, *plan.receptors) : 0.0;
+    if (!(receptors <= limits_.receptor_operations))
+        throw UsageError(
+            fmt::format("the receptors need {:.3g} operations; serve computes at most {:.3g}",
+                        receptors, limits_.receptor_operations));
     const double frames_B = 2.0 * values * sizeof(float);
     const double needed_B = plan.needs.memory_per_rank_B() + frames_B;
     if (!(needed_B <= limits_.memory_per_rank_B))

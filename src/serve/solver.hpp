@@ -40,8 +40,8 @@ private:
 struct Limits {
     double memory_per_rank_B = 2e9;
     double time_s = 60.0;
-    double values = 6.4e7;           // points of the surface times frames
-    double receptor_values = 6.4e10; // engines::Work::amount() of the receptors, about a minute
+    double values = 6.4e7;               // points of the surface times frames
+    double receptor_operations = 3.2e10; // pipeline::receptors_work(), about a minute
 };
 
 /// The result of a request, on rank 0; empty elsewhere. The frames are valid until the next

@@ -3,13 +3,12 @@
 import json
 import math
 import os
-import signal
 import unittest
 from unittest import mock
 
 import pytest
 
-from program import PATIENCE_s, SWEEP, ProgramTest, case_files, changed, without_reference
+from program import SWEEP, ProgramTest, without_reference
 
 BRIEF = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"), ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
 
@@ -17,11 +16,6 @@ BRIEF = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.
 class Bench(ProgramTest):
     def planned(self, *words):
         return json.loads(self.shearwake("plan", *words, "--json").stdout)
-
-    def rates(self, cache, ranks=1):
-        """What was measured on this number of ranks."""
-        (file,) = cache.glob(f"rates-*-{ranks}.json")
-        return json.loads(file.read_text(encoding="utf-8"))["rates"]
 
     def measured(self, *arguments, ranks=1):
         """The document of a benchmark. Speeds are not asserted, since they depend on the machine."""
@@ -57,65 +51,49 @@ class Bench(ProgramTest):
             with self.subTest(grid):
                 self.says(self.shearwake("bench", "spectral", "--grid", grid, expect=2).said, "--grid")
 
-    def test_a_run_measures_missing_rates_and_records_those_of_its_cases(self):
+    def test_a_run_records_one_rate_per_engine_with_which_plan_estimates_its_time(self):
+        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
+                                                  '"solver.engine" = ["layered", "pstd", "spectral"]'), *BRIEF))
+        cache = self.folder / "cache"
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
+            before = self.shearwake("plan", "job.toml")
+            self.assertEqual(before.said.count("time: not known on this machine yet"), 1)
+            self.assertNotIn("core hours", before.said)
+            unknown = self.planned("job.toml")
+            self.assertEqual({unknown[name] for name in ("wall_s", "core_hours", "longest_case_s")}, {None})
+            self.assertEqual({case["seconds"] for case in unknown["cases"]}, {None})
+            self.shearwake("run", "job.toml", "--quiet", "--only", unknown["cases"][0]["id"])
+            partly = self.planned("job.toml")  # one of three engines
+            self.assertIsNone(partly["wall_s"])
+            self.assertEqual([case["seconds"] is None for case in partly["cases"]], [False, True, True])
+            self.shearwake("run", "job.toml", "--quiet", ranks=2)
+            (file,) = cache.glob("rates-*.json")
+            self.assertEqual(set(json.loads(file.read_text(encoding="utf-8"))["rates"]), {"layered", "pstd", "spectral"})
+            known = self.planned("job.toml")
+            self.assertGreater(known["wall_s"], sum(case["seconds"] for case in known["cases"]))  # by the start of the program
+            said = self.shearwake("plan", "job.toml").said
+            self.says(said, "core hours", "longest case")
+            self.assertNotIn("not known", said)
+            on_two = self.planned("job.toml", "-n", 2, "--ranks-per-case", 2)
+            for case, other in zip(known["cases"], on_two["cases"], strict=True):
+                self.assertAlmostEqual(case["seconds"], 2 * other["seconds"])
+            file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
+            self.assertIn("time: not known on this machine yet", self.shearwake("plan", "job.toml").said)
+
+    def test_the_size_of_the_teams_does_not_depend_on_recorded_rates(self):
         self.write_job()
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            before = self.shearwake("plan", "job.toml").said
-            self.assertIn("time: unknown: run `plan --probe`", before)
-            self.assertNotIn("core hours", before)
-            self.assertEqual(self.planned("job.toml")["wall_s"], None)
-            probed = self.shearwake("plan", "job.toml", "--probe").said
-            self.assertIn("measuring the speed of 1 kind of case (layered), for at most 2 s each after its setup", probed)
-            self.assertIn("time: probed on this machine", probed)
-            self.assertNotIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
-            self.assertEqual([rate["is_probed"] for rate in self.rates(cache) if rate["kind"] == "files"], [True])
-            first = self.shearwake("run", "job.toml").said
-            self.assertNotIn("measuring", first)
-            measured = self.shearwake("plan", "job.toml").said
-            self.assertIn("time: measured on this machine", measured)
-            self.assertIn("core hours", measured)
-            (file,) = cache.glob("rates-*-1.json")
-            rates = self.rates(cache)
-            self.assertLess({"layered frames", "files"}, {rate["kind"] for rate in rates if not rate["is_probed"]})
-            self.assertFalse([rate for rate in rates if rate["kind"].startswith(("spectral", "pstd"))], rates)
-            file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
-            self.assertIn("measuring", self.shearwake("run", "job.toml", "--out", "again").said)
-
-    def test_every_engine_is_probed_and_measured(self):
-        body = ("[load]", '[[medium.body]]\nname = "b"\nshape = "ellipsoid"\nsemi_axes_mm = [6.0, 6.0, 2.0]\n'
-                'center_mm = [0.0, 0.0]\ndepth_mm = 4.0\nc_s_m_s = 9.0\n\n[load]')
-        for engine, changes in (("spectral", (body,)), ("pstd", ())):
-            with self.subTest(engine):
-                self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]'), *changes))
-                words = ("job.toml", "-S", f"solver.engine={engine}")
-                with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / engine)}):
-                    probed = self.planned(*words, "--probe")
-                    self.assertEqual(probed["time_origin"], "probed")
-                    self.assertGreater(probed["wall_s"], probed["longest_case_s"])  # by the start of the program
-                    self.shearwake("run", *words, "--quiet", "--out", engine + "-out")
-                    self.assertEqual(self.planned(*words)["time_origin"], "measured")
-
-    def test_the_rates_of_all_cases_of_a_short_run_are_recorded(self):
-        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
-                                                  '"solver.engine" = ["layered", "pstd", "spectral"]'), *BRIEF))
-        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
-            self.shearwake("run", "job.toml", "--quiet", ranks=2)
-            self.assertEqual({case["time_origin"] for case in self.planned("job.toml", "-n", 2)["cases"]}, {"measured"})
-
-    def test_a_signal_ends_the_probes_of_a_run(self):
-        # Far more steps than are computed before the signal arrives.
-        self.write_job(changed(("frames = true", ""), ("duration_ms = 4.0", "duration_ms = 4000.0")))
-        cache = self.folder / "cache"
-        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            process = self.start("run", "job.toml", "-S", "solver.engine=pstd", "--force")
-            for line in process.stdout:
-                if "measuring the speed" in line:
-                    break
-            process.send_signal(signal.SIGTERM)
-            said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
-        self.assertEqual(case_files(self.out), [])
+            names = ("teams", "ranks_per_case")
+            before = [self.planned("job.toml", "-n", ranks) for ranks in (3, 4, 8)]
+            self.shearwake("run", "job.toml", "--quiet")
+            (file,) = cache.glob("rates-*.json")
+            slow = json.loads(file.read_text(encoding="utf-8"))
+            slow["rates"] = {engine: 1e6 * rate for engine, rate in slow["rates"].items()}
+            file.write_text(json.dumps(slow), encoding="utf-8")
+            after = [self.planned("job.toml", "-n", ranks) for ranks in (3, 4, 8)]
+        self.assertGreater(after[0]["wall_s"], 1e4)
+        self.assertEqual(*([[plan[name] for name in names] for plan in plans] for plans in (before, after)))
 
     @pytest.mark.long
     def test_fftw_plans_are_measured_once_regardless_of_earlier_engines(self):
@@ -136,21 +114,6 @@ class Bench(ProgramTest):
             write('["layered", "pstd"]')
             self.shearwake("run", "job.toml", "--quiet", "--out", "both")
         self.assertEqual({name: text for name, text in plans().items() if name in first}, first)
-
-    def test_a_plan_for_other_ranks_uses_the_rates_of_this_processor(self):
-        self.write_job()
-        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
-            self.shearwake("run", "job.toml", "--quiet")
-            said = self.shearwake("plan", "job.toml", "-n", 2).said
-        self.says(said, "core hours", "time: measured on this machine")
-
-    @pytest.mark.long
-    def test_without_a_cache_no_rates_are_saved(self):
-        self.write_job()
-        for place in ("off", "/proc/nowhere"):
-            with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": place}):
-                for _ in range(2):
-                    self.assertIn("measuring", self.shearwake("plan", "job.toml", "--probe").said)
 
     def test_a_plan_has_no_more_teams_than_cases(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))

@@ -92,7 +92,8 @@ class Json(ProgramTest):
     @pytest.mark.long
     def test_results_are_described(self):
         self.write_job()
-        plan = self.document("plan", "job.toml", "-n", 3, "--ranks-per-case", 1, "--probe")
+        self.shearwake("run", "job.toml", "--quiet", "--out", "rate")
+        plan = self.document("plan", "job.toml", "-n", 3, "--ranks-per-case", 1)
         self.assertEqual((plan["ranks"], plan["teams"], plan["ranks_per_case"]), (3, 3, 1))
         self.assertEqual(plan["next"], "mpirun -n 3 shearwake run job.toml --ranks-per-case 1")
         self.assertAlmostEqual(plan["core_hours"], 3 * plan["wall_s"] / 3600)

@@ -164,7 +164,8 @@ class Sweep(ProgramTest):
 
     def test_long_plans_are_summarised(self):
         self.write_job(changed(("[400, 500, 1000]", "{ linspace = [300, 1000, 40] }")))
-        short = self.shearwake("plan", "job.toml", "-n", 2, "--probe").said
+        self.shearwake("run", "job.toml", "-S", 'sweep."load.modulation.am_frequency_Hz"=[400]', "--out", "rate", "--quiet")
+        short = self.shearwake("plan", "job.toml", "-n", 2).said
         listed = re.findall(r"(?m)^([0-9a-f]{16}) ", short)
         self.assertEqual((len(listed), len(set(listed))), (20, 20), short)
         self.says(short, "26 further cases", "--all lists every case")

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All ranks of a run must compute the same cases in the same order on the same teams.
-#include "pipeline/memory.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "support/cases.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstdlib>
 
 namespace test_arrangement {
 
@@ -13,99 +12,71 @@ using namespace shearwake;
 
 namespace {
 
-/// Three cases of each medium, whose tables make it worthwhile that one team computes all three.
-Plan plan_of(int media) {
+/// `of_each` cases of each medium.
+Plan plan_of(int media, int of_each) {
     Plan plan;
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     for (int medium = 0; medium < media; ++medium) {
         c.scene().medium.layers[0].c_s_m_s = 4.0 + 0.01 * medium;
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < of_each; ++i)
             plan.cases.push_back({std::to_string(plan.cases.size()), c, {}, false, ""});
     }
     return plan;
 }
 
-/// Costs as ranks may have measured them: rank 0 tables that take longer than the frames, the
-/// others tables so fast that they do not matter.
-cost::CaseCosts costs_of(const std::vector<const PlannedCase*>& cases, int rank) {
-    cost::CaseCosts costs(cases, {});
-    cost::Rates rates;
-    for (const engines::Work& part : costs.of(cases.front()->physics).work)
-        rates.add({part.kind, part.size, 1,
-                   !part.is_shared ? 1e-9
-                   : rank > 0      ? 1e-18
-                                   : 1e-3,
-                   false});
-    costs.use(rates);
-    return costs;
+schedule::Arrangement arranged(const Plan& plan, std::size_t complete, int wanted) {
+    std::vector<std::size_t> work;
+    for (std::size_t n = complete; n < plan.cases.size(); ++n)
+        work.push_back(n);
+    cost::CaseCosts costs({}, 0.0);
+    return schedule::arrange(plan, work, wanted, 1e12, costs, Comm::world());
 }
 
 std::vector<double> flat(const schedule::Arrangement& all) {
     std::vector<double> values(all.numbers.begin(), all.numbers.end());
-    for (const schedule::Bundle& bundle : all.bundles) {
-        values.push_back(static_cast<double>(bundle.first));
-        values.push_back(static_cast<double>(bundle.count));
-    }
-    values.insert(values.end(),
-                  {static_cast<double>(all.layout.ranks_per_case),
-                   static_cast<double>(all.layout.teams), all.layout.seconds, all.layout.busy});
+    values.insert(values.end(), all.portions.begin(), all.portions.end());
+    values.insert(values.end(), all.work.begin(), all.work.end());
+    values.push_back(all.layout.ranks_per_case);
+    values.push_back(all.layout.teams);
     return values;
 }
 
 } // namespace
 
-TEST_CASE("all ranks arrange a sweep alike although they measured different times", "[mpi]") {
+TEST_CASE("all ranks arrange a sweep alike", "[mpi]") {
     const Comm world = Comm::world();
-    // As many media as teams can share evenly: otherwise one team of all ranks may be faster.
-    const Plan plan = plan_of(1 + 4 * world.size());
-    std::vector<std::size_t> work;
-    std::vector<const PlannedCase*> cases;
-    for (std::size_t n = 3; n < plan.cases.size(); ++n) { // the first three are complete
-        work.push_back(n);
-        cases.push_back(&plan.cases[n]);
-    }
-    cost::CaseCosts costs = costs_of(cases, world.rank());
-    const schedule::Arrangement all = schedule::arrange(plan, work, 0, 1e12, costs, world);
-
+    const Plan plan = plan_of(1 + 4 * world.size(), 3);
+    const schedule::Arrangement all = arranged(plan, 3, 0); // the first three are complete
     std::vector<double> of_root = flat(all);
     world.broadcast(of_root);
     CHECK(flat(all) == of_root);
-
-    std::vector<bool> seen(plan.cases.size(), false);
-    REQUIRE(all.numbers.size() == work.size());
-    for (std::size_t n = 0; n < all.numbers.size(); ++n) {
-        seen.at(all.numbers[n]) = true;
+    REQUIRE(all.numbers.size() + 3 == plan.cases.size());
+    std::vector<std::size_t> numbers = all.numbers;
+    std::ranges::sort(numbers);
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+        CHECK(numbers[n] == n + 3);
         CHECK(all.cases[n] == &plan.cases[all.numbers[n]]);
     }
-    for (const std::size_t number : work)
-        CHECK(seen[number]);
-    std::size_t bundled = 0;
-    for (const schedule::Bundle& bundle : all.bundles)
-        bundled += bundle.count;
-    CHECK(bundled == work.size());
-
-    // The measured times matter: with its own, each other rank would divide the cases otherwise.
-    if (world.rank() > 0)
-        CHECK_FALSE(schedule::bundles_of(all.cases, all.layout, costs) == all.bundles);
 }
 
-TEST_CASE("the team size that is best with the measured rates is measured as well", "[mpi]") {
-    ::setenv("SHEARWAKE_CACHE", "off", 1);
-    const Comm world = Comm::world();
-    const Plan plan = plan_of(1);
-    const std::vector<const PlannedCase*> cases = {&plan.cases.front()};
-    cost::CaseCosts costs(cases, {});
-    int calls = 0;
-    cost::measure_rates(costs, cases, [&] { return ++calls == 1 ? world.size() : 1; }, 1e12, world,
-                        {.report = [](const std::string&) {}});
-    ::unsetenv("SHEARWAKE_CACHE");
-    CHECK(calls == (world.size() == 1 ? 2 : 3));
-    for (const int size : {1, world.size()})
-        for (const engines::Work& part : costs.of(plan.cases.front().physics, size).work)
-            if (pipeline::can_be_probed(part) && part.amount() > 0.0) {
-                INFO(part.kind);
-                CHECK(costs.rates().of(part, size).origin == cost::Origin::probed);
-            }
+TEST_CASE("a team computes all cases of a medium if there are many media", "[mpi]") {
+    const schedule::Arrangement all = arranged(plan_of(20, 3), 0, Comm::world().size());
+    REQUIRE(all.layout.teams == 1);
+    REQUIRE(all.portions.size() == 20);
+    for (std::size_t n = 0; n < 20; ++n)
+        CHECK(all.portions[n] == 3 * n);
+}
+
+TEST_CASE("the cases of a medium with most of the work are taken one by one", "[mpi]") {
+    Plan plan = plan_of(1, 300);
+    for (PlannedCase& other : plan_of(5, 2).cases) {
+        other.physics.scene().medium.layers[0].density_kg_m3 = 1100.0;
+        plan.cases.push_back(std::move(other));
+    }
+    const schedule::Arrangement all = arranged(plan, 0, 1);
+    CHECK(std::ranges::count_if(
+              all.portions, [&](std::size_t first) { return all.numbers[first] < 300; }) == 300);
+    CHECK(arranged(plan_of(1, 5), 0, 1).portions == std::vector<std::size_t>{0, 1, 2, 3, 4});
 }
 
 } // namespace test_arrangement

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/submit without Slurm: the batch scripts that it writes and the options that it rejects."""
+import json
+import os
 import shlex
 import shutil
 import subprocess
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from program import PROGRAM, ROOT, ProgramTest, environment
 
@@ -28,6 +31,20 @@ class Submit(ProgramTest):
         self.assertFalse(self.out.exists())
         for words in (["--time", "1-0"], ["--time", "0-1:30"], ["--time", "4:01", "--warning", "120"]):
             self.submit(*words)
+
+    def test_the_time_limit_is_twice_the_time_that_plan_estimates(self):
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
+            said = self.submit()
+            self.says(said, "time limit 4:00:00: time: not known on this machine yet; --time sets another limit")
+            script = self.out / "slurm" / "single.sh"
+            self.says(script.read_text(encoding="utf-8"), "#SBATCH --time=4:00:00")
+            self.shearwake("run", "job.toml", "--quiet")
+            planned_s = json.loads(self.shearwake("plan", "job.toml", "--json").stdout)["wall_s"]
+            self.assertLess(planned_s, 300.0)  # so that the shortest limit applies
+            self.says(self.submit(), "time limit 0:10:00: plan estimates")
+            self.says(script.read_text(encoding="utf-8"), "#SBATCH --time=0:10:00")
+            self.says(self.submit("--warning", "600"), "time limit 0:21:00: plan estimates")
+            self.assertNotIn("time limit", self.submit("--time", "1:00:00"))
 
     def test_a_missing_program_is_reported_in_one_line(self):
         said = self.submit(program=self.folder / "nowhere" / "shearwake", expect=6)

@@ -10,27 +10,13 @@
 #include <cstddef>
 
 namespace shearwake::springs {
-namespace {
-
-engines::Work work_of(const Case& c) {
-    return {.kind = "springs",
-            .size = static_cast<double>(c.domain.nx * c.domain.ny),
-            .count = static_cast<double>(c.time.frames)};
-}
-
-} // namespace
 
 engines::Resources SpringsEngine::resources(const Case& c, int ranks) const {
-    const engines::Work work = work_of(c);
-    return {.arrays = {{"displacement", 8.0 * work.size / ranks}},
-            .work = {work},
+    const auto points = static_cast<double>(c.domain.nx * c.domain.ny);
+    constexpr double pressure_ns = 20.0;
+    return {.arrays = {{"displacement", 8.0 * points / ranks}},
+            .work = pressure_ns * points * static_cast<double>(c.time.frames),
             .useful_ranks = static_cast<int>(c.domain.nx)};
-}
-
-std::optional<Case> SpringsEngine::shortened(const Case& c, std::ptrdiff_t frames) const {
-    Case brief = c;
-    brief.time.frames = frames;
-    return brief;
 }
 
 std::vector<Remark> SpringsEngine::limits(const Case& c) const {
@@ -39,7 +25,7 @@ std::vector<Remark> SpringsEngine::limits(const Case& c) const {
 }
 
 void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
-                        engines::Checkpoints* checkpoints) {
+                        engines::Checkpoints* /*checkpoints*/) {
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const std::ptrdiff_t start = nx * team.rank() / team.size();
     const std::ptrdiff_t count = nx * (team.rank() + 1) / team.size() - start;
@@ -48,7 +34,6 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
     const double peak_m = load.peak_Pa * springs.length_m / springs.modulus_Pa;
     std::vector<double> u_z_m(static_cast<std::size_t>(count * ny));
     observer.begin({start, count});
-    const auto began = Clock::now();
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         const double t_s = c.time.frame_s(n);
         const auto places = foci(load.modulation, t_s);
@@ -63,7 +48,6 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
             }
         observer.frame({.number = n, .u_z_m = View2<const double>(u_z_m.data(), count, ny)});
     }
-    if (checkpoints) checkpoints->timed({work_of(c), seconds_since(began)});
 }
 
 } // namespace shearwake::springs

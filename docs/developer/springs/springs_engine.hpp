@@ -14,7 +14,6 @@ class SpringsEngine : public engines::Engine {
 public:
     engines::Resources resources(const Case& c, int ranks) const override;
     /// Its runs are not stopped.
-    std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
     std::vector<std::string> choices(const Case&) const override { return {}; }
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case&) const override { return engines::Edges::periodic; }

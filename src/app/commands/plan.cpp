@@ -7,6 +7,7 @@
 #include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
+#include "schedule/cost/rates.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -17,7 +18,9 @@
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace shearwake::app {
 namespace {
@@ -29,7 +32,6 @@ struct PlanArguments : schedule::JobArguments {
     int ranks_per_case = 0; // 0: choose
     bool all_cases = false; // list every case of a long plan
     bool verbose = false;   // list the arrays of the largest case
-    bool probe = false;     // measure the speed of kinds of cases that have not been measured
 };
 
 using Json = nlohmann::ordered_json;
@@ -67,22 +69,11 @@ double points_per_wave(const Case& c) {
 /// The estimates of a case on a team of the layout.
 struct PlannedCost {
     const PlannedCase* planned;
-    double seconds, memory_per_rank_B, disk_B;
-    cost::Origin origin;  // of the seconds, which are only relative if it is unknown
+    double work;
+    std::optional<double> seconds = {}; // nothing without a recorded rate of its engine
+    double memory_per_rank_B, disk_B;
     bool is_of_neighbour; // resources of another case, which stand for its own
 };
-
-/// The name of an origin in documents, and its text; in the order of cost::Origin.
-constexpr std::pair<const char*, const char*> origins[] = {
-    {"measured", "measured on this machine"},
-    {"probed", "probed on this machine"},
-    {"similar", "measured on this machine for other sizes, bodies or numbers of ranks; `plan "
-                "--probe` measures the others"},
-    {"unknown", "unknown: run `plan --probe`"}};
-
-const char* name_of(cost::Origin origin) {
-    return origins[static_cast<std::size_t>(origin)].first;
-}
 
 /// A choice of an engine, and the number of cases to which it applies.
 struct Choice {
@@ -94,20 +85,18 @@ struct Choice {
 struct Estimates {
     std::vector<PlannedCost> cases;
     std::vector<Choice> choices;
-    std::size_t probed = 0;    // cases whose time step is known before they run
+    std::size_t chosen = 0;    // cases whose time step is known before they run
     std::size_t estimated = 0; // cases whose memory and time are not those of a neighbour
     schedule::TeamLayout layout;
     int ranks = 1;
-    int busy = 1; // teams that have a case
-    double longest_s = 0.0;
-    cost::Origin origin = cost::Origin::measured; // the worst of all cases
+    int busy = 1;                            // teams that have a case
+    std::optional<double> wall_s, longest_s; // nothing if the time of a case is unknown
     schedule::Demand demand;
     std::string arrays; // of the case that needs most memory
     std::string error;  // memory or disk do not suffice; empty: they do
 
-    bool has_times() const { return origin != cost::Origin::unknown; }
     /// Ranks times wall time, including idle ranks.
-    double core_hours() const { return layout.seconds * ranks / 3600.0; }
+    double core_hours() const { return wall_s.value_or(0.0) * ranks / 3600.0; }
 };
 
 /// CPU time for time steps, for choices and for resources. At least one case is computed.
@@ -119,12 +108,12 @@ void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseC
     const std::clock_t began = std::clock();
     for (const PlannedCase* planned : cases) {
         const Case& c = planned->physics;
-        if (!costs.is_probed(c)) continue;
+        if (!costs.is_step_chosen(c)) continue;
         const double used_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-        if (e.probed > 0 && used_s > most_notes_s) return;
-        ++e.probed;
+        if (e.chosen > 0 && used_s > most_notes_s) return;
+        ++e.chosen;
         std::vector<std::string> notes = files_read(c);
-        if (e.probed == 1) notes.push_back(image_uplift_text(c));
+        if (e.chosen == 1) notes.push_back(image_uplift_text(c));
         std::erase(notes, "");
         for (std::string& choice : costs.engine_of(c).choices(c))
             notes.push_back(std::move(choice));
@@ -138,24 +127,39 @@ void add_choices(const std::vector<const PlannedCase*>& cases, const cost::CaseC
     }
 }
 
-void add_estimates(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
-                   int ranks, cost::CaseCosts& costs, Estimates& e) {
-    e.layout = layout;
-    e.ranks = ranks;
-    e.busy = static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
+/// The time of the first of several cases that share data contains their computation.
+void add_estimates(const std::vector<const PlannedCase*>& cases,
+                   const std::vector<const PlannedCase*>& in_order_of_work, cost::CaseCosts& costs,
+                   Estimates& e) {
+    const int ranks = e.layout.ranks_per_case;
+    const std::vector<double> all = schedule::work_per_rank(in_order_of_work, ranks, costs);
+    std::map<const PlannedCase*, double> work;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        work[in_order_of_work[i]] = all[i];
+    std::map<std::string, std::optional<double>> rates_s; // by engine
+    for (const std::string& engine : engine_names())
+        rates_s[engine] = cost::recorded_rate_s(engine);
+    std::vector<double> known_s;
     for (const PlannedCase* planned : cases) {
         const Case& c = planned->physics;
-        const cost::CaseTime time = costs.time(c, layout.ranks_per_case);
-        e.cases.push_back({planned, time.own_s, costs.memory_per_rank_B(c, layout.ranks_per_case),
-                           costs.of(c).written_B, time.origin, costs.is_of_neighbour(c)});
-        e.longest_s = std::max(e.longest_s, time.own_s);
-        e.origin = std::max(e.origin, time.origin);
-        if (e.cases.back().memory_per_rank_B > e.demand.memory_per_rank_B) {
-            e.demand.memory_per_rank_B = e.cases.back().memory_per_rank_B;
-            e.arrays = pipeline::memory_text(costs.of(c, layout.ranks_per_case));
+        PlannedCost cost{.planned = planned,
+                         .work = work.at(planned),
+                         .memory_per_rank_B = costs.of(c, ranks).memory_per_rank_B(),
+                         .disk_B = costs.of(c).written_B,
+                         .is_of_neighbour = costs.is_of_neighbour(c)};
+        if (const auto rate_s = rates_s.at(engine_name(c.solver)); rate_s && costs.has_step(c))
+            known_s.push_back(cost.seconds.emplace(*rate_s * cost.work));
+        if (cost.memory_per_rank_B > e.demand.memory_per_rank_B) {
+            e.demand.memory_per_rank_B = cost.memory_per_rank_B;
+            e.arrays = pipeline::memory_text(costs.of(c, ranks));
         }
-        e.demand.disk_B += e.cases.back().disk_B;
+        e.demand.disk_B += cost.disk_B;
+        e.cases.push_back(cost);
     }
+    if (known_s.size() < cases.size()) return;
+    // `run` starts in the same way.
+    e.wall_s = schedule::sweep_length(known_s, e.busy) + seconds_since_start();
+    e.longest_s = std::ranges::max(known_s);
 }
 
 void print_case(const PlannedCost& cost) {
@@ -165,8 +169,7 @@ void print_case(const PlannedCost& cost) {
         fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
         fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
         fmt::format("{}{:.0f}", cost.is_of_neighbour ? "~" : "", cost.memory_per_rank_B / 1e6),
-        cost.origin == cost::Origin::unknown ? "?" : fmt::format("{:.2g}", cost.seconds),
-        settings_of(*cost.planned));
+        cost.seconds ? fmt::format("{:.2g}", *cost.seconds) : "?", settings_of(*cost.planned));
 }
 
 /// All cases of a short plan. Of a long one, the first and the longest, unless all are wanted.
@@ -180,8 +183,7 @@ void print_cases(const std::vector<PlannedCost>& cases, bool all) {
         print_case(cases[i]);
     if (listed == cases.size()) return;
     std::vector<PlannedCost> others(cases.begin() + first, cases.end());
-    std::ranges::partial_sort(others, others.begin() + longest, std::greater(),
-                              &PlannedCost::seconds);
+    std::ranges::partial_sort(others, others.begin() + longest, std::greater(), &PlannedCost::work);
     fmt::print("{} further cases, of which the longest {} are:\n", others.size(), longest);
     for (std::size_t i = 0; i < longest; ++i)
         print_case(others[i]);
@@ -197,15 +199,15 @@ void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& wa
         };
         if (std::ranges::any_of(warnings, is_note)) continue;
         fmt::print("{}{}\n", note,
-                   count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
+                   count == e.chosen ? "" : fmt::format(" ({} of {} cases)", count, e.chosen));
     }
-    if (e.probed == 0)
-        fmt::print("choosing time steps takes more than a second and is left to `run` or `plan "
-                   "--probe`; memory is estimated with one step per frame\n");
-    else if (e.probed < e.cases.size())
+    if (e.chosen == 0)
+        fmt::print("choosing time steps takes more than a second and is left to `run`; memory is "
+                   "estimated with one step per frame\n");
+    else if (e.chosen < e.cases.size())
         fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
                    "estimated from the most similar of these {} cases\n",
-                   e.cases.size() - e.probed, e.probed);
+                   e.cases.size() - e.chosen, e.chosen);
 }
 
 /// "2.5 s", or "3 h 20 min".
@@ -213,22 +215,22 @@ std::string duration_of(double seconds) {
     return seconds < 60.0 ? fmt::format("{:.2g} s", seconds) : hours_and_minutes(seconds);
 }
 
-/// The teams, the origin of the times and, at last, the totals.
+/// The teams and, at last, the totals.
 void print_totals(const Estimates& e) {
     const Domain& d = e.cases.front().planned->physics.domain;
     fmt::print("\nthe grid of the first case covers {:g} x {:g} mm\n", 1e3 * d.extent_x_m(),
                1e3 * d.extent_y_m());
-    if (e.has_times())
-        fmt::print("longest case: {:.2g} s; teams are busy {:.0f} % of the time\n", e.longest_s,
-                   100.0 * std::min(1.0, e.layout.busy));
-    fmt::print("time: {}\n", origins[static_cast<std::size_t>(e.origin)].second);
+    if (e.longest_s)
+        fmt::print("longest case: {:.2g} s\n", *e.longest_s);
+    else
+        fmt::print("{}\n", cost::unknown_time);
     fmt::print("{} on {} ({} of {}{}): {}at most {:.0f} MB per rank, {:.3g} MB on disk\n",
                counted(e.cases.size(), "case"), counted(e.ranks, "rank"), counted(e.busy, "team"),
                e.layout.ranks_per_case,
                schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()),
-               e.has_times() ? fmt::format("{:.2g} core hours, about {} of wall time, ",
-                                           e.core_hours(), duration_of(e.layout.seconds))
-                             : "",
+               e.wall_s ? fmt::format("{:.2g} core hours, about {} of wall time, ", e.core_hours(),
+                                      duration_of(*e.wall_s))
+                        : "",
                e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
     if (e.estimated < e.cases.size())
         fmt::print("memory and time are estimated from {} of {} cases, the largest and others that "
@@ -256,7 +258,7 @@ void print_adaptive(const Estimates& e, const std::vector<AdaptiveAxis>& axes) {
             "the estimates above cover the first round only; all rounds together take at most "
             "{:.0f} cases{}\n",
             std::ceil(ratio * static_cast<double>(e.cases.size())),
-            e.has_times() ? fmt::format(" and {:.2g} core hours", ratio * e.core_hours()) : "");
+            e.wall_s ? fmt::format(" and {:.2g} core hours", ratio * e.core_hours()) : "");
 }
 
 nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
@@ -278,8 +280,7 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
             {"frames", c.time.frames},
             {"points_per_focus", points_per_focus(c)},
             {"points_per_wave", points_per_wave(c)},
-            {"seconds", cost.origin == cost::Origin::unknown ? Json() : Json(cost.seconds)},
-            {"time_origin", name_of(cost.origin)},
+            {"seconds", cost.seconds ? Json(*cost.seconds) : Json()},
             {"memory_per_rank_B", cost.memory_per_rank_B},
             {"is_of_neighbour", cost.is_of_neighbour},
             {"disk_B", cost.disk_B}};
@@ -287,7 +288,7 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
 
 void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
                 const std::string& next) {
-    const auto time = [&](double value) { return e.has_times() ? Json(value) : Json(); };
+    const auto time = [&](double value) { return e.wall_s ? Json(value) : Json(); };
     Json cases = Json::array(), choices = Json::array(), adaptive = Json::array();
     for (const AdaptiveAxis& axis : job.plan.adaptive)
         adaptive.push_back(json_of(axis));
@@ -306,12 +307,10 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"teams", e.busy},
                                             {"ranks_per_case", e.layout.ranks_per_case},
                                             {"core_hours", time(e.core_hours())},
-                                            {"wall_s", time(e.layout.seconds)},
-                                            {"longest_case_s", time(e.longest_s)},
-                                            {"busy_share", std::min(1.0, e.layout.busy)},
+                                            {"wall_s", time(e.wall_s.value_or(0.0))},
+                                            {"longest_case_s", time(e.longest_s.value_or(0.0))},
                                             {"memory_per_rank_B", e.demand.memory_per_rank_B},
                                             {"disk_B", e.demand.disk_B},
-                                            {"time_origin", name_of(e.origin)},
                                             {"error", e.error.empty() ? Json() : Json(e.error)},
                                             {"next", e.error.empty() ? Json(next) : Json()}}));
 }
@@ -339,25 +338,19 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     const std::vector<const PlannedCase*> cases = cases_of(job.plan);
-    // Ranks that probe together need the same time steps and resources of all cases.
-    const bool is_limited = !arguments.probe;
-    cost::CaseCosts costs(cases, cost::known_rates(ranks, world), {},
-                          is_limited ? most_choosing_s : std::numeric_limits<double>::infinity());
-    Estimates estimates{.estimated = cases.size()};
-    if (world.is_root()) {
-        add_choices(cases, costs, estimates); // engines remember the steps of a few cases
-        if (is_limited) estimates.estimated = costs.limit_resources(cases, most_resources_s);
-    }
-    const auto planned = Clock::now();
-    if (arguments.probe)
-        schedule::probe(cases, arguments.ranks_per_case, available_B, costs, world);
-    const double probe_s = seconds_since(planned);
     if (!world.is_root()) return ExitCode::done;
-    add_estimates(
-        cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
-        ranks, costs, estimates);
-    // `run` starts in the same way.
-    estimates.layout.seconds += seconds_since_start() - probe_s;
+    cost::CaseCosts costs(cases, most_choosing_s);
+    Estimates estimates{.ranks = ranks};
+    add_choices(cases, costs, estimates); // engines remember the steps of a few cases
+    estimates.estimated = costs.limit_resources(cases, most_resources_s);
+    std::vector<const PlannedCase*> in_order;
+    for (const std::size_t place : schedule::order_of_work(cases, costs))
+        in_order.push_back(cases[place]);
+    estimates.layout =
+        schedule::choose_teams(in_order, ranks, arguments.ranks_per_case, available_B, costs);
+    estimates.busy =
+        static_cast<int>(std::min(static_cast<std::size_t>(estimates.layout.teams), cases.size()));
+    add_estimates(cases, in_order, costs, estimates);
     if (!elsewhere)
         estimates.error =
             schedule::excess(estimates.demand, available_B,
@@ -385,9 +378,6 @@ void add_plan(CLI::App& app, Action& action) {
               "plan for N ranks (default: the number of ranks that run this command)")
         ->check(CLI::Range(1, 1000000));
     add_ranks_per_case(command, arguments.ranks_per_case);
-    command.add_flag("--probe", arguments.probe,
-                     "measure the speed of each kind of case that has not been measured on this "
-                     "machine, for about two seconds after its setup");
     command.add_flag("-v,--verbose", arguments.verbose,
                      "list the arrays of the case that needs most memory");
     command.add_flag("--all", arguments.all_cases, "list every case, also of a long plan");

@@ -15,7 +15,6 @@
 #include "studies/tables.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -35,29 +34,19 @@ struct Tally {
     std::vector<std::string> damaged;
     std::vector<std::string> not_valid; // complete cases whose readings are not valid
     std::size_t active_runs = 0;
-    bool is_preparing = false;                          // all of them choose time steps
     int teams = 1;                                      // of the active runs, or of the last one
-    double elapsed_s = 0.0;                             // of the running cases together
     std::optional<schedule::RecordedProgress> progress; // of the active runs
 
     bool is_active() const { return active_runs > 0; }
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
-    /// Computing time of all teams together that remains, in s. Of the running cases, the elapsed
-    /// time is subtracted, but at most half of an average case.
-    double work_left_s() const {
-        const double all_s = static_cast<double>(to_do()) * seconds_per_case();
-        const double running_s = static_cast<double>(running) * seconds_per_case();
-        return all_s - std::min(elapsed_s, 0.5 * running_s);
-    }
     /// Time in s until the teams have computed all cases; nothing if it is unknown.
     std::optional<double> time_left_s() const {
         if (to_do() == 0) return 0.0;
         if (progress && progress->cases_per_second > 0.0)
             return static_cast<double>(to_do()) / progress->cases_per_second;
-        if (!(seconds > 0.0)) return std::nullopt;
-        const auto rounds = static_cast<double>(std::max<std::size_t>(1, to_do()));
-        return work_left_s() / std::min(static_cast<double>(teams), rounds);
+        return schedule::time_left_s(seconds / teams, static_cast<double>(done),
+                                     static_cast<double>(done + to_do()));
     }
 };
 
@@ -65,14 +54,11 @@ struct Tally {
 void add_runs(const std::vector<std::string>& runs, const storage::JournalContents& journal,
               const schedule::OutputFolder& folder, Tally& tally) {
     tally.active_runs = runs.size();
-    tally.is_preparing = !runs.empty();
     int teams = 0;
-    for (const std::string& run : runs) {
-        const auto open = journal.runs.find(run);
-        if (open == journal.runs.end()) continue; // it has only begun
-        teams += open->second.teams;
-        tally.is_preparing = tally.is_preparing && open->second.is_preparing;
-    }
+    for (const std::string& run : runs)
+        if (const auto open = journal.runs.find(run);
+            open != journal.runs.end()) // else it has only begun
+            teams += open->second;
     tally.teams = std::max(1, teams > 0 ? teams : journal.teams);
     tally.progress = schedule::recorded_progress(folder, runs);
 }
@@ -82,7 +68,6 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
     Tally tally;
     const std::vector<std::string> runs = storage::active_runs(folder.locks());
     add_runs(runs, journal, folder, tally);
-    const double now_s = static_cast<double>(std::time(nullptr));
     for (const storage::IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
@@ -102,7 +87,6 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             const bool is_running =
                 std::ranges::count(runs, storage::claimed_by(folder.locks(), c.id)) > 0;
             ++(is_running ? tally.running : tally.interrupted);
-            if (is_running) tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
         } else {
             ++tally.left;
         }
@@ -149,7 +133,6 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
 /// What the run does, or why there is none.
 const char* state_of(const State& state) {
     const Tally& tally = state.tally;
-    if (tally.is_preparing) return "preparing";
     if (tally.is_active()) return "running";
     return tally.to_do() > 0 || state.points_to_add > 0 ? "stopped" : "finished";
 }
@@ -208,8 +191,7 @@ void print_text(const schedule::OutputFolder& folder, State& state) {
                counted(plan.cases.size(), "case"), tally.done, tally.running, tally.failed,
                tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("{}\n", tally.is_preparing ? "; a run is preparing its cases"
-                       : tally.active_runs > 1
+    fmt::print("{}\n", tally.active_runs > 1
                            ? fmt::format("; {} runs are active", tally.active_runs)
                        : tally.is_active() ? "; a run is active"
                                            : "");

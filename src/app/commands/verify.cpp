@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/output_folder.hpp"
+#include "schedule/run/progress.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -49,10 +50,11 @@ public:
         if (quiet_ || since < (live_ ? 0.25 : 10.0)) return;
         last_ = Clock::now();
         drawn_ = true;
-        const double rate = p.bytes / seconds_since(began_);
+        const double passed_s = seconds_since(began_);
         fmt::print(stderr, "{}{}/{} files, {:.2f}/{:.2f} GB, {:.2f} GB/s, {:.0f} s remaining{}",
                    live_ ? "\r\x1b[K" : "", p.files, p.all_files, p.bytes / 1e9, p.all_bytes / 1e9,
-                   rate / 1e9, rate > 0.0 ? (p.all_bytes - p.bytes) / rate : 0.0,
+                   p.bytes / passed_s / 1e9,
+                   schedule::time_left_s(passed_s, p.bytes, p.all_bytes).value_or(0.0),
                    live_ ? "" : "\n");
         std::fflush(stderr);
     }

@@ -258,16 +258,6 @@ void LayeredEngine::store_table(std::unique_ptr<TransferTable>& table, const Tra
                                             is_open ? open_grid_.get() : nullptr, &progress);
 }
 
-std::optional<Case> LayeredEngine::shortened(const Case& c, std::ptrdiff_t frames) const {
-    Case brief = c;
-    auto& options = std::get<LayeredOptions>(brief.solver);
-    options.time_step_s = time_transform(solved_case(c), options).step_s;
-    options.wrap_suppression = std::pow(
-        options.wrap_suppression, static_cast<double>(frames) / static_cast<double>(c.time.frames));
-    brief.time.frames = frames;
-    return brief;
-}
-
 engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
     auto options = std::get<LayeredOptions>(c.solver);
     options.time_step_s = 0.5 * time_transform(solved_case(c), options).step_s;
@@ -353,7 +343,6 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                        observer.tangential({.number = n, .component = component, .u_m = values});
                    });
     }
-    progress.report_times(plan.stages());
 }
 
 } // namespace shearwake::layered

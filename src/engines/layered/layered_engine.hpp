@@ -37,8 +37,6 @@ public:
     engines::StepChooser step_chooser(const Case&) const override { return {}; }
     /// Also the interpolation of H has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
-    /// Fewer samples of the same step and decay, hence of the same range of frequencies.
-    std::optional<Case> shortened(const Case& c, std::ptrdiff_t frames) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 
@@ -85,8 +83,6 @@ struct LayeredPlan {
 
     /// Whether a table is expanded once, not for each batch of frames.
     bool is_stored(const TransferKey& table) const;
-    /// The work of the stages, by CaseProgress::Stage.
-    std::array<engines::Work, CaseProgress::stages> stages() const;
     /// The decisions that do not depend on the ranks, one line each.
     std::vector<std::string> notes() const;
     std::vector<engines::Array> arrays() const;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
@@ -58,11 +59,11 @@ double cached_bessel_B(const TransferKey& key) {
                                            radii);
 }
 
-/// Expected costs relative to each other, which are used for the share of a case that is complete
-/// until its stages have been measured: of a product for the radial tables; and per point, time
-/// sample or frame, and depth. The evaluations of H come first and are measured at once.
-constexpr double of_radial = 0.5, of_expansion = 2.5, of_open_expansion = 20.0, of_sample = 4.0,
-                 of_moving_sample = 10.0, of_frame = 4.5;
+/// Time in ns of one core: of the evaluations of H per layer and frequency; of a product for the
+/// radial tables; per point; and per point, time sample or frame, and depth. Measured on an AVX-512
+/// processor.
+constexpr double response_ns = 7e5, radial_ns = 1.1, expansion_ns = 13.0, open_expansion_ns = 30.0,
+                 setup_ns = 2e3, sample_ns = 16.0, moving_sample_ns = 22.0, frame_ns = 24.0;
 
 /// Where a Gaussian has fallen to 3e-8 of its peak, in widths (FWHM).
 constexpr double gaussian_reach_fwhm = 2.5;
@@ -145,11 +146,12 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
     const double frequencies = std::floor(static_cast<double>(key.time.samples) / 2.0) + 1.0;
     // With open edges H is evaluated on the contour as well.
     const double fits = (is_open ? 2.0 : 1.0) * std::ceil(frequencies / ranks);
-    progress.expect(Stage::response, fits, 0.0);
+    progress.expect(Stage::response, fits,
+                    fits * static_cast<double>(key.medium.layers.size()) * response_ns);
     if (is_open)
         progress.expect(Stage::radial,
                         static_cast<double>(radial_blocks(key.spacing_m, reach_m(key))),
-                        radial_products(key) * of_radial / ranks);
+                        radial_products(key) * radial_ns / ranks);
     if (!is_open &&
         TransferTable::expanded_bytes(key, ky_count) > TransferTable::largest_expansion_B)
         return;
@@ -157,7 +159,7 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
     progress.expect(Stage::expansion,
                     depths * (is_open ? frequencies : static_cast<double>(ky_count)),
                     depths * points * static_cast<double>(key.time.samples) *
-                        (is_open ? of_open_expansion : of_expansion) / ranks);
+                        (is_open ? open_expansion_ns : expansion_ns) / ranks);
 }
 
 void expect_frames(CaseProgress& progress, const LayeredPlan& plan, std::ptrdiff_t ky_count) {
@@ -168,13 +170,14 @@ void expect_frames(CaseProgress& progress, const LayeredPlan& plan, std::ptrdiff
     const double batches = std::ceil(frames / static_cast<double>(plan.frames_together));
     const std::ptrdiff_t stored_nx = plan.moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double lines = depths * batches * static_cast<double>(ky_count * stored_nx);
-    progress.expect(Stage::setup, 1.0, 0.0); // transforms and memory
+    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+    progress.expect(Stage::setup, 1.0, points * setup_ns / plan.ranks); // transforms and memory
+    // A line of ky stands for two lines of points.
     progress.expect(Stage::samples, lines,
                     2.0 * lines * static_cast<double>(plan.keys[displacement_table].time.samples) *
-                        (plan.moves_along_x ? of_sample : of_moving_sample));
-    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+                        (plan.moves_along_x ? sample_ns : moving_sample_ns));
     progress.expect(Stage::frames, depths * frames,
-                    depths * frames * points * of_frame / plan.ranks);
+                    depths * frames * points * frame_ns / plan.ranks);
 }
 
 LayeredPlan::LayeredPlan(const Case& given, int team)
@@ -188,43 +191,6 @@ LayeredPlan::LayeredPlan(const Case& given, int team)
 bool LayeredPlan::is_stored(const TransferKey& table) const {
     return table.edges == DomainEdges::open ||
            TransferTable::expanded_bytes(table, ky_count) <= TransferTable::largest_expansion_B;
-}
-
-std::array<engines::Work, CaseProgress::stages> LayeredPlan::stages() const {
-    const TransferKey& key = keys[displacement_table];
-    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
-    const double samples = static_cast<double>(key.time.samples);
-    const double frames = static_cast<double>(c.time.frames);
-    const double batches = std::ceil(frames / static_cast<double>(frames_together));
-    const double stored_points = (moves_along_x ? 0.5 : 1.0) * points; // kx < 0 mirrors kx > 0
-    const bool is_open = key.edges == DomainEdges::open;
-    double tables = 0.0, products = 0.0, stored_depths = 0.0;
-    bool is_repeated = false; // whether a table is expanded again for each batch
-    for (const TransferKey& one : keys) {
-        if (one.depths_m.empty()) continue;
-        tables += 1.0;
-        products += radial_products(one);
-        if (is_stored(one))
-            stored_depths += static_cast<double>(one.depths_m.size());
-        else
-            is_repeated = true;
-    }
-    const std::string edges = is_open ? " open" : "";
-    const double layers = static_cast<double>(key.medium.layers.size());
-    const auto kind = [](const char* stage, const std::string& how) {
-        return fmt::format("layered {}{}", stage, how);
-    };
-    return {engines::Work{
-                kind("response", (c.time.regime == Regime::periodic ? " periodic" : "") + edges),
-                tables * layers, std::floor(samples / 2.0) + 1.0, true},
-            {kind("radial", edges), products, is_open ? 1.0 : 0.0, true},
-            {kind("expansion", edges), points * stored_depths, samples, true},
-            {kind("setup", ""), points, 1.0},
-            {kind("samples", std::string(moves_along_x ? " along x" : "") +
-                                 (is_repeated ? " with expansion" : "")),
-             stored_points * depths, batches * samples},
-            {kind("frames", ""), points * depths, frames}};
 }
 
 std::vector<engines::Array> LayeredPlan::arrays() const {
@@ -272,15 +238,45 @@ std::vector<std::string> LayeredPlan::notes() const {
     return all;
 }
 
+namespace {
+
+/// Everything that the tables depend on.
+std::string name_of_tables(const LayeredPlan& plan) {
+    Case tables;
+    tables.scene().medium = plan.c.scene().medium;
+    tables.domain = plan.c.domain;
+    tables.time = plan.c.time;
+    tables.measure.depths_m = plan.c.measure.depths_m;
+    tables.solver = plan.c.solver;
+    const TransferKey& key = plan.keys[displacement_table];
+    const std::string text =
+        fmt::format("{} {:.17g} {:.17g} {}", canonical_text(tables), key.time.step_s,
+                    fmt::join(plan.keys[stress_table].depths_m, " "),
+                    plan.keys[tangential_table].depths_m.size());
+    return fmt::format("{:016x}", stable_hash(text));
+}
+
+} // namespace
+
 engines::Resources LayeredEngine::resources(const Case& given, int ranks) const {
+    using Stage = CaseProgress::Stage;
     const LayeredPlan plan(given, ranks);
     const Domain& domain = plan.c.domain;
-    engines::Resources all{
-        .arrays = plan.arrays(),
-        .useful_ranks = static_cast<int>(std::min(domain.nx, fft::below_nyquist(domain.ny)))};
-    for (const engines::Work& stage : plan.stages())
-        if (stage.amount() > 0.0) all.work.push_back(stage);
-    return all;
+    CaseProgress of_rank(nullptr);
+    expect_frames(of_rank, plan, plan.ky_count);
+    for (const TransferKey& key : plan.keys)
+        expect_table(of_rank, key, plan.ky_count, ranks);
+    const auto work = [&](std::initializer_list<Stage> stages) {
+        double sum = 0.0;
+        for (const Stage stage : stages)
+            sum += ranks * of_rank.work_ns(stage);
+        return sum;
+    };
+    return {.arrays = plan.arrays(),
+            .work = work({Stage::setup, Stage::samples, Stage::frames}),
+            .shared_work = work({Stage::response, Stage::radial, Stage::expansion}),
+            .shared = name_of_tables(plan),
+            .useful_ranks = static_cast<int>(std::min(domain.nx, fft::below_nyquist(domain.ny)))};
 }
 
 Domain solved_domain(const Case& c) {

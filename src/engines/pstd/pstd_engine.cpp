@@ -124,7 +124,6 @@ engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
                      engines::Checkpoints* checkpoints) {
     if (c.study()) return run_study(c, team, observer, checkpoints);
-    const auto began = Clock::now();
     const auto& options = std::get<PstdOptions>(c.solver);
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
@@ -134,8 +133,7 @@ void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observe
              {.setup = [&] { return setup_of(c, options, grid, plan); },
               .grid = &grid,
               .report = {.notes = notes_of_case(c, step, plan),
-                         .warnings = engines::warnings_of(step_choices(options, step))},
-              .began = began},
+                         .warnings = engines::warnings_of(step_choices(options, step))}},
              team, observer, checkpoints);
 }
 

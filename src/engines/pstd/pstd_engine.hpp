@@ -23,7 +23,6 @@ namespace shearwake::pstd {
 class PstdEngine : public engines::Engine {
 public:
     engines::Resources resources(const Case& c, int ranks) const override;
-    std::optional<Case> shortened(const Case&, std::ptrdiff_t) const override { return {}; }
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
@@ -60,7 +59,6 @@ struct PstdRun {
     std::function<Setup()> setup; // called on all ranks together
     const CaseGrid* grid;         // of a scene; null for a grid study
     engines::SolverReport report; // notes and warnings
-    Clock::time_point began;
 };
 /// Collective.
 void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
@@ -68,10 +66,6 @@ void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Com
 
 /// Number of coefficients of a stepper that vary laterally with these properties.
 double varying_coefficients(bool density, bool speeds, bool viscosity, Absorption absorption);
-
-/// The work of the steps. Each step also adds to the displacements of the columns of the domain or,
-/// with snapshots, of all its points, and each frame passes them on at all depths. Not collective.
-engines::MarchWork march_work(const Case& c, const PstdPlan& plan);
 
 /// Grid, absorbing layer, precision and materials; one line. Not collective.
 std::string note_of(const PstdPlan& plan);

@@ -125,8 +125,8 @@ void run_with(const Case& c, const PstdPlan& plan, const PstdRun& run, const Com
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
     PstdMarch<Real> field(c, plan, run, team);
     field.begin(observer);
-    if (engines::march(field, static_cast<std::ptrdiff_t>(plan.steps), observer, checkpoints,
-                       march_work(c, plan), run.began) == engines::MarchEnd::complete)
+    if (engines::march(field, static_cast<std::ptrdiff_t>(plan.steps), observer, checkpoints) ==
+        engines::MarchEnd::complete)
         field.finish(run.report, observer);
 }
 

@@ -140,8 +140,7 @@ void run_study(const Case& c, const Comm& team, engines::Observer& observer,
     run_plan(c, plan_of(c),
              {.setup = [&] { return study_setup(study_of(c)); },
               .grid = nullptr,
-              .report = {.notes = study_notes(c)},
-              .began = Clock::now()},
+              .report = {.notes = study_notes(c)}},
              team, observer, checkpoints);
 }
 

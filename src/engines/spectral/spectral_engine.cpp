@@ -82,7 +82,6 @@ engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
 
 void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,
                          engines::Checkpoints* checkpoints) {
-    const auto began = Clock::now();
     const SpectralPlan plan = plan_of(given); // a copy, since an observer may ask for other plans
     const auto& [rigid, time, mesh] = plan;
     const Case& c = rigid.c;
@@ -92,8 +91,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     Stepper stepper(rigid, mesh, slabs, time.step_s, team, time.per_frame);
     observer.begin({slabs.share().x_start, slabs.share().x_count});
     if (!c.record.volumes_s.empty()) observer.volume_levels(mesh.clear_levels_m());
-    if (engines::march(stepper, plan.steps(), observer, checkpoints, plan.work(), began) ==
-        engines::MarchEnd::stopped)
+    if (engines::march(stepper, plan.steps(), observer, checkpoints) == engines::MarchEnd::stopped)
         return;
     const StepStatistics& s = stepper.statistics();
     const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time

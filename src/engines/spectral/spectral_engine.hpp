@@ -17,7 +17,6 @@ namespace shearwake::spectral {
 class SpectralEngine : public engines::Engine {
 public:
     engines::Resources resources(const Case& c, int ranks) const override;
-    std::optional<Case> shortened(const Case&, std::ptrdiff_t) const override { return {}; }
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;

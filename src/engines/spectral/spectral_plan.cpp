@@ -203,6 +203,35 @@ SpongePlan SpectralPlan::sponge(const VariationPlan& varying) const {
     return sponge_plan(rigid.c, varies ? Lateral::varies : Lateral::uniform, time.step_s);
 }
 
+namespace {
+
+/// Time in ns of one core: of an unknown of a solve, of a strain and its transform, and of a
+/// product of two planes of a box.
+constexpr double unknown_ns = 18.0, strain_ns = 40.0, product_ns = 0.3;
+/// Mean iterations of a step that iterates, and solves before the first step.
+constexpr double iterations = 2.0, first_solves = 12.0;
+
+/// A step solves once, or twice with bodies. Each plane of a box takes a solve before the first
+/// step, and its iterations take products; other iterations solve on the complete plane.
+double work_of(const SpectralPlan& plan, const VariationPlan& v) {
+    const Domain& domain = plan.rigid.c.domain;
+    const double points = static_cast<double>(domain.nx * domain.ny),
+                 solve_ns = 3.0 * static_cast<double>(plan.mesh.levels() - 1) * points * unknown_ns,
+                 strain = v.planes() * points * strain_ns;
+    const bool varies = v.points > 0.0 || plan.rigid.treatment != RigidTreatment::none;
+    double step_ns = (varies ? 2.0 : 1.0) * solve_ns, first_ns = first_solves * solve_ns;
+    if (v.box) {
+        step_ns += iterations * product_ns * v.planes() * v.planes() *
+                   static_cast<double>(v.box->nx * v.box->ny);
+        first_ns += v.planes() * solve_ns;
+    } else {
+        step_ns += strain + (v.iterates ? iterations * (solve_ns + strain) : 0.0);
+    }
+    return first_ns + static_cast<double>(plan.steps()) * step_ns;
+}
+
+} // namespace
+
 engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int ranks) const {
     const Case& c = rigid.c;
     const VariationPlan v = variation(sampled, ranks);
@@ -219,7 +248,7 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
     if (rigid.treatment == RigidTreatment::lumps)
         all.arrays.push_back({"rigid lumps", lump_memory_B(rigid, mesh, ranks) +
                                                  lump_stress_memory_B(rigid, mesh, ranks)});
-    all.work = engines::parts_of(work());
+    all.work = work_of(*this, v);
     all.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
     all.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));
     return all;
@@ -236,15 +265,6 @@ Case varying_part(const Case& c) {
     return alone;
 }
 
-/// The hash of what determines the number of iterations: the varying part, and the time step within
-/// a factor of about 1.4.
-std::string hash_of_bodies(const Case& c, double step_s) {
-    Case alone = varying_part(c);
-    std::get<SpectralOptions>(alone.solver).time_step_s.reset(); // which an estimate may specify
-    const long step = std::lround(2.0 * std::log2(step_s));
-    return fmt::format("#{:016x}", stable_hash(fmt::format("{} {}", canonical_text(alone), step)));
-}
-
 } // namespace
 
 std::string SpectralPlan::key_of_variation() const {
@@ -253,29 +273,6 @@ std::string SpectralPlan::key_of_variation() const {
     alone.scene().load.footprint = c.scene().load.footprint;
     alone.afferents = c.afferents; // see has_laminates()
     return fmt::format("{} {:.17g}", canonical_text(alone), time.step_s);
-}
-
-engines::MarchWork SpectralPlan::work() const {
-    const Case& c = rigid.c;
-    const auto points = static_cast<double>(c.domain.nx * c.domain.ny);
-    const double given =
-        static_cast<double>(c.measure.depths_m.size()) + ReceptorStress::planes(rigid.layers, mesh);
-    engines::MarchWork work{.kind = "spectral",
-                            .unknowns = points * (3.0 * static_cast<double>(mesh.levels() - 1) +
-                                                  given / static_cast<double>(time.per_frame)),
-                            .steps = static_cast<double>(steps()),
-                            .snapshots = static_cast<double>(c.record.volumes_s.size())};
-    if (!c.record.volumes_s.empty()) work.kind += " volumes";
-    for (const VolumeField field : c.record.volume_fields) {
-        if (field != VolumeField::u) work.kind += fmt::format(" {}", name_of(field));
-        work.values +=
-            points * static_cast<double>(mesh.clear_levels() * components_of(field).size());
-    }
-    if (c.domain.sponge_m > 0.0) work.kind += " sponge";
-    if (!stress_depths_m(c).empty()) work.kind += " receptors";
-    if (!c.scene().medium.bodies.empty() || c.scene().medium.map)
-        work.kind += " bodies " + hash_of_bodies(c, time.step_s);
-    return work;
 }
 
 } // namespace shearwake::spectral

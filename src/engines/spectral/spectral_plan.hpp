@@ -62,8 +62,6 @@ struct SpectralPlan {
     /// Equal for plans whose sampled_variation() is equal.
     std::string key_of_variation() const;
     std::ptrdiff_t steps() const { return rigid.c.time.frames * time.per_frame; }
-    /// Not collective.
-    engines::MarchWork work() const;
     /// By lateral_variation() on a part of the grid points. Not collective.
     SampledVariation sampled_variation() const;
     /// On a number of ranks.

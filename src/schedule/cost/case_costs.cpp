@@ -17,8 +17,8 @@ namespace shearwake::cost {
 namespace {
 
 /// About 2 s in total, at 0.15 s each.
-constexpr std::size_t most_probes = 12;
-/// With a limit, the time after which a probe is given up, as of meshes of 100 elements.
+constexpr std::size_t most_chosen = 12;
+/// The time after which the choice of a step is given up, as of meshes of 100 elements.
 constexpr double most_one_s = 0.75;
 
 double log_distance(double a, double b) {
@@ -81,49 +81,20 @@ double distance(const Case& a, const Case& b) {
 
 } // namespace
 
-bool shares_work(const engines::Resources& needs) {
-    return std::ranges::any_of(needs.work, &engines::Work::is_shared);
-}
-
-CaseTime time_of(const engines::Resources& needs, int ranks, const Rates& rates) {
-    const int used = std::max(1, std::min(ranks, needs.useful_ranks));
-    // Ratio of the most slabs per rank to the mean.
-    const double slabs = needs.useful_ranks;
-    const double fullest = std::ceil(slabs / used) * used / slabs;
-    CaseTime time;
-    for (const engines::Work& part : needs.work) {
-        if (!(part.amount() > 0.0)) continue;
-        const Rates::Found rate = rates.of(part, ranks);
-        const bool is_probed = pipeline::can_be_probed(part);
-        if (rate.origin == Origin::unknown && !is_probed) continue;
-        // The measured rate of this number of ranks contains their imbalance.
-        const double imbalance = rate.origin == Origin::measured || rate.origin == Origin::probed
-                                     ? static_cast<double>(used) / ranks
-                                     : fullest;
-        (part.is_shared ? time.shared_s : time.own_s) +=
-            rate.core_s * part.amount() / used * imbalance;
-        if (is_probed) time.origin = std::max(time.origin, rate.origin);
-    }
-    return time;
-}
-
-CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Rates rates,
-                     const BeforeProbe& before_probe, double most_s)
-    : rates_(std::move(rates)) {
+CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, double most_s) {
     std::vector<const PlannedCase*> open;
     for (const PlannedCase* planned : cases) {
         if (is_open(planned->physics)) open.push_back(planned);
     }
-    const std::size_t wanted = std::min(most_probes, open.size());
+    const std::size_t wanted = std::min(most_chosen, open.size());
     const std::clock_t began = std::clock();
     for (const std::size_t i : spread_order(wanted)) {
-        if (!probes_.empty() && used_s(began) > most_s) break;
+        if (!chosen_.empty() && used_s(began) > most_s) break;
         const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
-        if (before_probe) before_probe(planned, probes_.size() + 1, wanted);
         const Case& c = planned.physics;
         try {
-            probes_.push_back({&c, engine_of(c).step_chooser(c)(engines::ChoiceLimit(
-                                       std::isfinite(most_s) ? most_one_s : most_s))});
+            chosen_.push_back({&c, engine_of(c).step_chooser(c)(
+                                       engines::ChoiceLimit(std::max(most_one_s, most_s)))});
         } catch (const engines::StepNotChosen&) {
             break;
         }
@@ -161,29 +132,24 @@ bool CaseCosts::is_open(const Case& c) const {
     return engine_of(c).step_chooser(c) != nullptr;
 }
 
-bool CaseCosts::is_probed(const Case& c) const {
-    return !is_open(c) || std::ranges::any_of(probes_, [&](const Probe& p) { return p.c == &c; });
+bool CaseCosts::is_step_chosen(const Case& c) const {
+    return !is_open(c) ||
+           std::ranges::any_of(chosen_, [&](const ChosenStep& p) { return p.c == &c; });
 }
 
 Case CaseCosts::with_step(const Case& c) const {
     if (!is_open(c)) return c;
     const auto nearest = std::ranges::min_element(
-        probes_, {}, [&](const Probe& probe) { return distance(*probe.c, c); });
+        chosen_, {}, [&](const ChosenStep& step) { return distance(*step.c, c); });
     Case given = c;
     std::visit(
         [&](auto& options) {
             if constexpr (requires { options.time_step_s; })
                 options.time_step_s =
-                    nearest == probes_.end() ? c.time.interval_s : nearest->step_s;
+                    nearest == chosen_.end() ? c.time.interval_s : nearest->step_s;
         },
         given.solver);
     return given;
-}
-
-CaseTime CaseCosts::time(const Case& c, int ranks) {
-    CaseTime time = time_of(of(c), ranks, rates_);
-    if (is_open(c) && probes_.empty()) time.origin = Origin::unknown;
-    return time;
 }
 
 const engines::Resources& CaseCosts::of(const Case& given, int ranks) {
@@ -215,7 +181,7 @@ fs::path existing_parent(const fs::path& path) {
 Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
     constexpr double most_s = 0.25;
     Demand demand;
-    cost::CaseCosts costs({}, {}); // without probes of time steps
+    cost::CaseCosts costs({}, 0.0); // without time steps
     costs.limit_resources(cases, most_s, ranks);
     for (const PlannedCase* planned : cases) {
         const engines::Resources& needs = costs.of(planned->physics, ranks);

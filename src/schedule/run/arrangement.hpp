@@ -5,31 +5,39 @@
 #include "problem/case/plan.hpp"
 #include "schedule/cost/case_costs.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 namespace shearwake::schedule {
 
-/// The number of the group of each case. Cases of a group share data, for example the transfer
-/// function of their medium; a case that shares none forms a separate group. Not collective.
-std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
-                                   cost::CaseCosts& costs);
-
 /// Division of the world into teams of equal size; excess ranks join the last team.
 struct TeamLayout {
     int ranks_per_case = 1;
     int teams = 1;
-    double seconds = 0.0; // estimated time of the sweep
-    double busy = 1.0;    // average share of this time in which a team computes
 
     int team_of(int rank) const { return std::min(rank / ranks_per_case, teams - 1); }
 };
 
-/// The layout with the shortest time: small cases run concurrently on one rank each, large ones on
-/// several. `wanted` > 0 fixes the number of ranks per case. A team has at most as many ranks as
-/// the slabs can use and as the world has. The number of cases that exceed the memory of a rank is
-/// minimised first.
+/// Positions in `cases`, most work first, so that no long case remains at the end. Cases that share
+/// data are adjacent, so that a team computes these data once. Not collective.
+std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
+                                       cost::CaseCosts& costs);
+
+/// The work of each case for a rank of a team of `ranks` ranks, in units of engines::Resources. The
+/// first one of adjacent cases that share data includes their computation. Not collective.
+std::vector<double> work_per_rank(const std::vector<const PlannedCase*>& cases, int ranks,
+                                  cost::CaseCosts& costs);
+
+/// The time until `teams` teams have computed cases of these lengths, without the imbalance of
+/// different cases: that of the longest case, or of as many average cases as the busiest team has.
+double sweep_length(const std::vector<double>& lengths, int teams);
+
+/// The layout of cases in the order of work. `wanted` > 0 fixes the number of ranks per case.
+/// Otherwise a team has the smallest number of ranks that divides the world, does not exceed the
+/// rows of the grids and, in this order, lets most cases fit into the memory of a rank and needs at
+/// most 5/4 of the shortest time. Not collective.
 TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
                         double memory_per_rank_B, cost::CaseCosts& costs);
 
@@ -39,23 +47,6 @@ std::string excessive_team(int wanted, int ranks);
 /// ", 1 rank stays idle" for teams that have no case; otherwise empty.
 std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases);
 
-/// Positions in `cases`, longest case first, so that no long case remains at the end. Cases that
-/// share a medium are adjacent, so that its transfer function is computed once.
-std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
-                                       int ranks_per_case, cost::CaseCosts& costs);
-
-/// Consecutive cases that one team computes one after the other.
-struct Bundle {
-    std::size_t first = 0, count = 1;
-    bool operator==(const Bundle&) const = default;
-};
-
-/// Divides cases that are in the order of work into bundles, which the teams take in this order. A
-/// bundle is a single case, or a complete group of cases that share data, so that only one team
-/// computes this data. Groups stay together if the estimated time is shorter then. Not collective.
-std::vector<Bundle> bundles_of(const std::vector<const PlannedCase*>& cases,
-                               const TeamLayout& layout, cost::CaseCosts& costs);
-
 /// The cases at the positions `numbers` of the plan.
 std::vector<const PlannedCase*> cases_of(const Plan& plan, const std::vector<std::size_t>& numbers);
 
@@ -64,20 +55,17 @@ std::vector<const PlannedCase*> cases_of(const Plan& plan, const std::vector<std
 struct Arrangement {
     std::vector<const PlannedCase*> cases; // in the order of work
     std::vector<std::size_t> numbers;      // their positions in the plan
+    std::vector<double> work;              // see work_per_rank()
     TeamLayout layout;
-    std::vector<Bundle> bundles; // of the cases, in the order in which they start
+    /// The position in `cases` of the first case of each portion. The teams take the portions in
+    /// this order. A portion is a case, or all cases that share data if they are at most half of
+    /// the work of a team.
+    std::vector<std::size_t> portions;
 };
 
-/// Arranges the cases at the positions `work` of the plan. Rank 0 decides and broadcasts the
-/// result, since `costs` contains measured times, which differ between ranks: teams that had
-/// different orders would compute some cases twice and others never. `wanted`: see choose_teams().
-/// Collective.
+/// Arranges the cases at the positions `work` of the plan. Rank 0 decides. `wanted`: see
+/// choose_teams(). Collective.
 Arrangement arrange(const Plan& plan, const std::vector<std::size_t>& work, int wanted,
                     double memory_per_rank_B, cost::CaseCosts& costs, const Comm& world);
-
-/// Measures the rates of the cases and of files for `plan --probe`, with a message on stderr.
-/// Collective.
-void probe(const std::vector<const PlannedCase*>& cases, int ranks_per_case,
-           double memory_per_rank_B, cost::CaseCosts& costs, const Comm& world);
 
 } // namespace shearwake::schedule

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.hpp"
 #include "pipeline/provenance.hpp"
+#include "schedule/cost/rates.hpp"
 #include "schedule/run/worker.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_file_writer.hpp"
@@ -34,10 +35,10 @@ long Worker::next() {
         look_for_folder();
         if (stop_asked()) counters_.fetch_add(stopping, 1);
         if (counters_.read(stopping) != 0) return no_case;
-        std::optional<std::size_t> place = next_in_bundles();
+        std::optional<std::size_t> place = next_in_portions();
         const bool is_first_try = place.has_value();
         if (!place && deferred_.empty()) break;
-        if (!place) { // in reverse, since the other run computes its bundle in order
+        if (!place) { // in reverse, since the other run computes its portion in order
             place = deferred_.back();
             deferred_.pop_back();
         }
@@ -45,35 +46,36 @@ long Worker::next() {
             const Claim answer = claim(*place);
             if (answer == Claim::granted) found = static_cast<long>(*place);
             if (answer == Claim::deferred) (is_first_try ? deferred_ : refused).push_back(*place);
-            if (answer == Claim::deferred) // the other run computes the rest of its bundle as well
-                for (; bundle_.count > 0; --bundle_.count)
-                    deferred_.push_back(bundle_.first++);
-            if (answer == Claim::ended) times_.end(*place);
+            if (answer == Claim::deferred) // the other run computes the rest of its portion as well
+                for (; portion_ < portion_end_; ++portion_)
+                    deferred_.push_back(portion_);
+            if (answer == Claim::ended) leave_out(*place);
         } catch (const std::exception& error) { // the file system fails, or memory is lacking
             counters_.fetch_add(begun, 1);
-            record(*list_.cases[*place], error.what(), storage::Cause::files);
-            times_.end(*place);
+            record(*list_.work.cases[*place], error.what(), storage::Cause::files);
+            leave_out(*place);
         }
     }
     deferred_.insert(deferred_.end(), refused.rbegin(), refused.rend());
     return found == no_case && !deferred_.empty() ? no_case_yet : found;
 }
 
-/// The next position in the bundles; nothing when all of them are taken.
-std::optional<std::size_t> Worker::next_in_bundles() {
-    while (bundle_.count == 0) {
-        const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_bundle, 1));
-        if (taken >= list_.bundles.size()) return std::nullopt;
-        bundle_ = list_.bundles[taken];
+/// The next position in the portions; nothing when all of them are taken.
+std::optional<std::size_t> Worker::next_in_portions() {
+    if (portion_ == portion_end_) {
+        const std::vector<std::size_t>& all = list_.work.portions;
+        const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_portion, 1));
+        if (taken >= all.size()) return std::nullopt;
+        portion_ = all[taken];
+        portion_end_ = taken + 1 < all.size() ? all[taken + 1] : list_.work.cases.size();
     }
-    --bundle_.count;
-    return bundle_.first++;
+    return portion_++;
 }
 
 /// Reserves a case for this team, if it can be begun now and no other run computes it or has
 /// computed it since this run began. On the root of the team.
 Worker::Claim Worker::claim(std::size_t place) {
-    const PlannedCase& planned = *list_.cases[place];
+    const PlannedCase& planned = *list_.work.cases[place];
     if (has_ended_elsewhere(planned)) return Claim::ended;
     if (!in_time(place)) {
         counters_.fetch_add(put_off, 1);
@@ -122,18 +124,16 @@ void Worker::wait() {
     tick();
 }
 
-double Worker::estimated_s(const PlannedCase& planned) const {
-    return expected_s(planned.physics, before_, list_.ranks_per_case, list_.costs);
-}
-
-/// Whether a case may start now, according to its estimate corrected by measured times, minus the
-/// time that its checkpoint already contains.
+/// Whether a case may start now, according to its work minus the time that its checkpoint already
+/// contains. Without a measured time, only the case itself can show it.
 bool Worker::in_time(std::size_t index) {
     if (!list_.deadline.exists()) return true;
-    const PlannedCase& planned = *list_.cases[index];
-    const bool is_known = list_.costs.time(planned.physics, list_.ranks_per_case).origin !=
-                          cost::Origin::unknown; // otherwise only the case itself can show it
-    const double needed_s = is_known ? allowance * times_.ratio() * estimated_s(planned) : 0.0;
+    const PlannedCase& planned = *list_.work.cases[index];
+    const auto work = static_cast<double>(counters_.read(work_done));
+    const double pace_s = // per unit of work
+        work > 0.0 ? seconds_since(began_) * list_.work.layout.teams / work
+                   : cost::recorded_rate_s(engine_name(planned.physics.solver)).value_or(0.0);
+    const double needed_s = allowance * list_.work.work[index] * pace_s;
     const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
                                                   {planned.id, pipeline::program_git_id()});
     return list_.deadline.lets_begin(needed_s - before);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -74,7 +75,7 @@ std::string Progress::json() const {
     line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
     line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
     line.add("running", counts_.running).add("partial", counts_.partial);
-    return line.add("left_s", counts_.left_s).text();
+    return line.add("left_s", counts_.left_s.value_or(std::nan(""))).text(); // null
 }
 
 void Progress::write_log() {
@@ -129,7 +130,8 @@ std::string Progress::line(const SweepCounts& counts) const {
                             100.0 * counts.partial / static_cast<double>(counts.running));
     text += fmt::format(", {} failed", counts.failed);
     if (ended > 0) text += fmt::format(", {:.3g} cases/s", static_cast<double>(ended) / elapsed);
-    if (ended < counts.total) text += fmt::format(", {} remaining", duration_text(counts.left_s));
+    if (ended < counts.total && counts.left_s)
+        text += fmt::format(", {} remaining", duration_text(*counts.left_s));
     return text;
 }
 
@@ -146,34 +148,6 @@ void Progress::finish() {
     if (!log_.state.empty()) std::filesystem::remove(log_.state, none);
     if (drawn_) fmt::print(stderr, "\n");
     drawn_ = false;
-}
-
-double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs) {
-    const cost::CaseTime time = costs.time(c, ranks);
-    const bool is_shared =
-        before && before->scene().medium == c.scene().medium && before->domain == c.domain;
-    return time.own_s + (is_shared ? 0.0 : time.shared_s);
-}
-
-std::vector<double> expected_s(const std::vector<const PlannedCase*>& cases,
-                               const std::vector<Bundle>& bundles, int ranks, int teams,
-                               cost::CaseCosts& costs) {
-    std::vector<double> all(cases.size());
-    const auto in_turn = static_cast<std::size_t>(teams); // the teams take similar bundles
-    for (std::size_t b = 0; b < bundles.size(); ++b) {
-        const Case* before = nullptr;
-        if (b >= in_turn) {
-            const Bundle& last = bundles[b - in_turn];
-            before = &cases[last.first + last.count - 1]->physics;
-        }
-        for (std::size_t n = 0; n < bundles[b].count; ++n) {
-            const std::size_t place = bundles[b].first + n;
-            const Case& c = cases[place]->physics;
-            all[place] = expected_s(c, before, ranks, costs);
-            before = &c;
-        }
-    }
-    return all;
 }
 
 std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder,

@@ -3,9 +3,6 @@
 
 #include "base/units.hpp"
 #include "problem/case/plan.hpp"
-#include "schedule/cost/case_costs.hpp"
-#include "schedule/cost/remaining_time.hpp"
-#include "schedule/run/arrangement.hpp"
 #include "schedule/run/output_folder.hpp"
 
 #include <filesystem>
@@ -21,9 +18,17 @@ struct SweepCounts {
     long done = 0;
     long failed = 0;
     long running = 0;
-    double partial = 0.0; // sum of the complete shares of the running cases
-    double left_s = 0.0;  // estimated time until the teams have ended
+    double partial = 0.0;         // sum of the complete shares of the running cases
+    std::optional<double> left_s; // until the teams have ended, see time_left_s()
 };
+
+/// The remaining time, if `done` of `total` units of work have taken `elapsed_s`; nothing before
+/// any is done. All commands estimate remaining times with this function.
+constexpr std::optional<double> time_left_s(double elapsed_s, double done, double total) {
+    if (done >= total) return 0.0;
+    if (!(done > 0.0)) return std::nullopt;
+    return elapsed_s * (total - done) / done;
+}
 
 /// What the active runs of an output folder have recorded.
 struct RecordedProgress {
@@ -70,15 +75,5 @@ private:
     bool drawn_ = false, ended_ = false;  // ended_: the last line is printed
     Clock::time_point began_, last_;
 };
-
-/// Estimated time in s of a case on a team of `ranks` ranks after the case `before` (null: none),
-/// with which it may share work. Not collective.
-double expected_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs);
-
-/// The estimated times of cases that `teams` teams of `ranks` ranks compute in these bundles. Not
-/// collective.
-std::vector<double> expected_s(const std::vector<const PlannedCase*>& cases,
-                               const std::vector<Bundle>& bundles, int ranks, int teams,
-                               cost::CaseCosts& costs);
 
 } // namespace shearwake::schedule

@@ -146,7 +146,7 @@ ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Sel
                                                       : "done";
     const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
     on_root(world, [&] {
-        storage::Journal(folder.journal(run)).run_ended(how, result.times);
+        storage::Journal(folder.journal(run)).run_ended(how);
         if (arguments.json) {
             const Json members =
                 closing_document(folder, job, selection, result, ending, arguments);
@@ -199,50 +199,6 @@ std::string layout_text(const std::string& name, std::size_t cases, const TeamLa
                        counted(layout.teams, "team"), counted(layout.ranks_per_case, "rank"),
                        cases > 0 ? idle_ranks_text(layout, ranks, cases) : "",
                        folder.root.string());
-}
-
-/// Thrown on all ranks together.
-struct StoppedBeforeCases {};
-
-/// What the choice of time steps reports, and when it ends early: on a signal, at the time limit,
-/// or for a STOP file.
-struct Preparation {
-    const OutputFolder& folder;
-    const Deadline& deadline;
-    const Comm& world;
-    storage::Journal journal;
-    const storage::RunStart& start;
-    std::function<void(const std::string&)> report;
-    std::chrono::steady_clock::time_point last_report = {};
-
-    /// Before the time step of a case is chosen. Collective.
-    void before(const PlannedCase& planned, std::size_t number, std::size_t count) {
-        std::error_code none;
-        const bool stop = stop_requested() || deadline.left_s() <= 0.0 ||
-                          (world.is_root() && std::filesystem::exists(folder.stop_file(), none));
-        if (world.any(stop)) throw StoppedBeforeCases{};
-        if (number == 1) on_root(world, [&] { journal.run_prepares(start); });
-        // Most choices take a tenth of a second; a line for each would hide the others.
-        const auto now = std::chrono::steady_clock::now();
-        if (number > 1 && now - last_report < std::chrono::seconds(2)) return;
-        last_report = now;
-        report(
-            fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
-    }
-};
-
-/// The costs of the cases; nothing if a stop was requested before all time steps were
-/// chosen. Collective.
-std::optional<cost::CaseCosts> costs_of(const std::vector<const PlannedCase*>& cases,
-                                        Preparation preparation) {
-    try {
-        return cost::CaseCosts(
-            cases, {}, [&](const PlannedCase& planned, std::size_t number, std::size_t count) {
-                preparation.before(planned, number, count);
-            });
-    } catch (const StoppedBeforeCases&) {
-        return std::nullopt;
-    }
 }
 
 storage::RunStart start_of(const RunArguments& arguments, const std::string& run, int ranks) {
@@ -300,22 +256,10 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     print_beginning(beginning, arguments, progress);
     Selection& selection = beginning.selection;
     share(selection, world);
-    const std::vector<const PlannedCase*> cases = cases_of(job.plan, selection.work);
     const storage::Journal journal(folder.journal(run));
-    std::optional<cost::CaseCosts> costs =
-        costs_of(cases, {folder, deadline, world, journal, start, report});
-    if (!costs) {
-        WorkResult none;
-        none.asked_to_stop = true;
-        return concluded(folder, job, selection, none, arguments, world, run, document);
-    }
-    costs->use(cost::known_rates(world.size(), world));
-    Arrangement work;
-    const auto team_size = [&] {
-        work = arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
-        return work.layout.ranks_per_case;
-    };
-    cost::measure_rates(*costs, cases, team_size, memory_B, world, {report, stop_requested});
+    cost::CaseCosts costs({}, 0.0); // time steps are chosen when the cases run
+    const Arrangement work =
+        arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, costs, world);
     const TeamLayout& layout = work.layout;
     on_root(world, [&] { report(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
@@ -326,9 +270,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const pipeline::JobFacts facts{job.plan.title, job.text,
                                    fmt::format("{}", fmt::join(arguments.overrides, "\n")),
                                    memory_B};
-    const WorkList list{work.cases, work.numbers, work.bundles, facts,
-                        folder,     run,          began,        arguments,
-                        *costs,     deadline,     layout.teams, layout.ranks_per_case};
+    const WorkList list{work, facts, folder, run, began, arguments, costs, deadline};
     progress.start();
     Worker worker(list, world, team, progress);
     worker.work();

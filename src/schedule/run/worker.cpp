@@ -3,6 +3,7 @@
 
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
+#include "schedule/cost/rates.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
@@ -12,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <thread>
 
 namespace shearwake::schedule {
@@ -59,17 +61,17 @@ std::string further_host(const Comm& world) {
 
 Worker::Worker(const WorkList& list, const Comm& world, const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
-      journal_(list.folder.journal(list.run, host_)), counters_(world, shared_count),
-      times_(expected_s(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
-             world, {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
+      journal_(list.folder.journal(list.run, host_)), counters_(world, shared_count) {
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.locks(), list_.run);
     });
-    computed_.reserve(list_.cases.size());
+    computed_.reserve(list_.work.cases.size());
+    const double all = std::accumulate(list_.work.work.begin(), list_.work.work.end(), 0.0);
+    if (world.is_root()) counters_.fetch_add(work_left, std::lround(all));
 }
 
 void Worker::work() {
-    const auto began = std::chrono::steady_clock::now();
+    began_ = Clock::now();
     while (true) {
         long index = -1;
         if (team_.is_root()) index = next();
@@ -79,22 +81,30 @@ void Worker::work() {
             wait();
             continue;
         }
-        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        const std::size_t number = list_.work.numbers[static_cast<std::size_t>(index)];
         at_ = static_cast<std::size_t>(index);
-        if (team_.is_root()) times_.begin(at_);
-        const bool is_done = one_case(*list_.cases[at_]);
+        const bool is_done = one_case(*list_.work.cases[at_]);
         if (!team_.is_root()) continue;
-        times_.end(at_);
-        claims_->release(list_.cases[at_]->id);
+        if (is_done && counted_work_) count_work(1.0);
+        leave_out(at_);
+        claims_->release(list_.work.cases[at_]->id);
         if (is_done) computed_.push_back(static_cast<double>(number));
     }
-    worked_us_ =
-        std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
-            .count();
-    if (!team_.is_root()) return;
-    save_rates();
-    counters_.fetch_add(teams_us, worked_us_);
-    counters_.fetch_add(teams_ended, 1);
+    if (team_.is_root()) counters_.fetch_add(teams_ended, 1);
+}
+
+/// Work before the first share of a resumed case does not show the speed of this run.
+void Worker::count_work(double share) {
+    const long work = std::lround(share * list_.work.work[at_]);
+    const long more = work - counted_work_.value_or(0);
+    if (counted_work_) counters_.fetch_add(work_done, more);
+    counters_.fetch_add(work_left, -more);
+    counted_work_ = work;
+}
+
+void Worker::leave_out(std::size_t place) {
+    counters_.fetch_add(work_left, counted_work_.value_or(0) - std::lround(list_.work.work[place]));
+    counted_work_.reset();
 }
 
 /// Computes a case and repeats it after a temporary failure of the file system. A failure of any
@@ -114,6 +124,7 @@ bool Worker::one_case(const PlannedCase& planned) {
         }
         is_done = false;
         list_.costs.free_engines(); // their data may be incomplete
+        shared_.clear();
         const bool passing = error && error->persistence == Persistence::passing;
         if (!team_.all(passing) || attempt == waits_for_files.size()) {
             if (team_.is_root() && error) {
@@ -121,6 +132,7 @@ bool Worker::one_case(const PlannedCase& planned) {
                     record(planned, error->reason, error->cause);
                 } else { // another run has taken it over, since this one has stood still for long
                     counters_.fetch_add(begun, -1);
+                    counters_.fetch_add(work_left, std::lround(list_.work.work[at_])); // it is left
                     deferred_.push_back(at_);
                 }
             }
@@ -132,7 +144,7 @@ bool Worker::one_case(const PlannedCase& planned) {
         std::this_thread::sleep_for(waits_for_files[attempt]);
     }
     before_ = &planned.physics;
-    if (team_.is_root()) progressed(0.0);
+    if (team_.is_root()) show_share(0.0);
     return is_done;
 }
 
@@ -140,30 +152,29 @@ bool Worker::one_case(const PlannedCase& planned) {
 bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
     // What an engine shares between its cases is in the way of another engine's.
-    if (before_ && before_->solver.index() != planned.physics.solver.index())
+    if (before_ && before_->solver.index() != planned.physics.solver.index()) {
         list_.costs.free_engines();
+        shared_.clear();
+    }
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
         {[this] { return stop_asked(); }, [this](const auto& text) { report(text); },
-         [this](double share) { progressed(share); }});
-    const auto began = std::chrono::steady_clock::now();
+         [this](double share) {
+             count_work(share);
+             show_share(share);
+         }});
+    if (team_.is_root() && !checkpoints.has_state()) count_work(0.0);
+    const auto began = Clock::now();
     auto outcome =
         pipeline::run_case(planned, list_.facts, list_.costs.engine_of(planned.physics), team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
     if (!outcome) {
-        if (!team_.is_root()) return false;
-        counters_.fetch_add(begun, -1);
-        const auto solving = std::chrono::steady_clock::now() - began; // not overhead
-        counters_.fetch_add(solves_us,
-                            std::chrono::round<std::chrono::microseconds>(solving).count());
+        if (team_.is_root()) counters_.fetch_add(begun, -1);
         return false;
     }
-    const auto written = Clock::now();
-    const storage::CaseTimes times{outcome->seconds, estimated_s(planned),
-                                   engine_name(planned.physics.solver)};
     on_root(team_, [&] {
-        journal_.finished(planned.id, times,
+        journal_.finished(planned.id, outcome->seconds, engine_name(planned.physics.solver),
                           storage::checksum_in(list_.folder.case_file(planned.id)));
         storage::add_to_index(list_.folder.index(list_.run, host_),
                               list_.folder.case_file(planned.id));
@@ -172,20 +183,22 @@ bool Worker::compute(const PlannedCase& planned) {
     });
     report(planned, outcome->solver);
     if (!team_.is_root()) return true;
-    times_.learn(at_, times.seconds);
-    outcome->times.back().seconds += seconds_since(written); // journal and index are files as well
-    for (const engines::TimedWork& part : outcome->times)
-        rates_.add(part, list_.ranks_per_case, false);
-    if (Clock::now() - rates_saved_ > 5s) save_rates();
-    counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
+    const engines::Resources& needs = outcome->needs;
+    if (!outcome->is_resumed) {
+        Measured& all = measured_.at(planned.physics.solver.index());
+        all.core_s += seconds_since(began) * std::min(team_.size(), needs.useful_ranks);
+        all.work += needs.work + (needs.shared == shared_ ? 0.0 : needs.shared_work);
+    }
+    shared_ = needs.shared;
     counters_.fetch_add(done, 1);
     return true;
 }
 
-void Worker::save_rates() {
-    if (rates_.all().empty()) return;
-    rates_saved_ = Clock::now();
-    if (const auto file = cost::rates_file(world_.size())) cost::save_rates(rates_, *file);
+void Worker::record_rates() const {
+    for (std::size_t i = 0; i < measured_.size(); ++i) {
+        const double core_s = world_.sum(measured_[i].core_s), work = world_.sum(measured_[i].work);
+        if (world_.is_root() && work > 0.0) cost::record_rate_s(engine_names()[i], core_s / work);
+    }
 }
 
 /// Prints one line with the iterations of the case and the choices that no case before it made.
@@ -285,11 +298,10 @@ bool Worker::stop_asked() {
     return signal_reported_ || signal_seen_;
 }
 
-void Worker::progressed(double share) {
+void Worker::show_share(double share) {
     const long ppm = std::lround(1e6 * share);
     counters_.fetch_add(partial_ppm, ppm - partial_ppm_);
     partial_ppm_ = ppm;
-    times_.progressed(share);
     tick();
 }
 
@@ -299,38 +311,31 @@ void Worker::tick() {
     if (now - last_tick_ < 50ms) return;
     last_tick_ = now;
     stop_asked(); // looks for the STOP file on behalf of the other teams
-    const long by_others = counters_.read(elsewhere);
-    SweepCounts counts{.total = static_cast<long>(list_.cases.size()) - by_others,
+    SweepCounts counts{.total =
+                           static_cast<long>(list_.work.cases.size()) - counters_.read(elsewhere),
                        .done = counters_.read(done),
                        .failed = counters_.read(failed)};
     counts.running = counters_.read(begun) - counts.done - counts.failed;
-    const long ended = counts.done + counts.failed + counters_.read(put_off);
-    counts.left_s = times_.wall_left_s(
-        static_cast<int>(std::clamp<long>(counts.total - ended, 1, list_.teams)));
+    const auto work = static_cast<double>(counters_.read(work_done));
+    counts.left_s = time_left_s(seconds_since(began_), work,
+                                work + static_cast<double>(counters_.read(work_left)));
     counts.partial = 1e-6 * static_cast<double>(counters_.read(partial_ppm));
     progress_.update(counts);
 }
 
 WorkResult Worker::wait_for_others() {
-    while (world_.is_root() && counters_.read(teams_ended) < list_.teams) {
+    while (world_.is_root() && counters_.read(teams_ended) < list_.work.layout.teams) {
         tick();
         std::this_thread::sleep_for(20ms);
     }
     world_.barrier();
+    record_rates();
     last_tick_ = {}; // so that the final progress is printed
     tick();
     const auto of = [&](Shared which) {
         return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);
     };
-    const double longest_us = world_.max(team_.is_root() ? static_cast<double>(worked_us_) : 0.0);
-    const auto all_us = static_cast<double>(of(teams_us));
-    const auto cases = static_cast<double>(std::max(1L, of(done)));
-    const storage::RunTimes times{
-        .idle_share = longest_us > 0.0 ? 1.0 - all_us / (longest_us * list_.teams) : 0.0,
-        .beside_solve_s = 1e-6 * (all_us - static_cast<double>(of(solves_us))) / cases};
-    std::vector<std::size_t> computed;
-    for (const double number : world_.gather(computed_))
-        computed.push_back(static_cast<std::size_t>(number));
+    const std::vector<double> computed = world_.gather(computed_);
     return {.done = of(done),
             .failed = of(failed),
             .failed_files = of(failed_files),
@@ -339,8 +344,7 @@ WorkResult Worker::wait_for_others() {
             .asked_to_stop = of(signalled) != 0,
             .given_up = of(given_up) != 0,
             .folder_removed = of(folder_removed) != 0,
-            .computed = std::move(computed),
-            .times = times};
+            .computed = {computed.begin(), computed.end()}};
 }
 
 } // namespace shearwake::schedule

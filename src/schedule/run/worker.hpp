@@ -6,7 +6,6 @@
 #include "pipeline/run_case.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/cost/case_costs.hpp"
-#include "schedule/cost/remaining_time.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/deadline.hpp"
 #include "schedule/run/output_folder.hpp"
@@ -15,19 +14,19 @@
 #include "storage/journal/journal.hpp"
 #include "storage/journal/claims.hpp"
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace shearwake::schedule {
 
 /// The cases that a run computes, and where. The references must outlive it.
 struct WorkList {
-    const std::vector<const PlannedCase*>& cases; // in the order of work
-    const std::vector<std::size_t>& numbers;      // their positions in the plan
-    const std::vector<Bundle>& bundles;           // of the cases, in the order in which they start
+    const Arrangement& work;
     const pipeline::JobFacts& facts;
     const OutputFolder& folder;
     std::string run;                       // its name; in those of journal and index, and in claims
@@ -35,7 +34,6 @@ struct WorkList {
     const RunArguments& arguments;
     cost::CaseCosts& costs;
     const Deadline& deadline;
-    int teams = 1, ranks_per_case = 1;
 };
 
 /// The outcome of a run. Identical on all ranks.
@@ -49,10 +47,9 @@ struct WorkResult {
     bool given_up = false;      // after file errors, or after any failure with --fail-fast
     bool folder_removed = false;
     std::vector<std::size_t> computed; // positions in the plan; on rank 0 only
-    storage::RunTimes times;
 };
 
-/// Computes cases on one team. It takes bundles of them from a counter that all teams share until
+/// Computes cases on one team. It takes portions of them from a counter that all teams share until
 /// none is left, the time limit is reached or a stop is requested. Cases that another run computes
 /// are deferred: the team waits until they are complete, and computes those that the other run
 /// leaves.
@@ -66,9 +63,9 @@ public:
     WorkResult wait_for_others();
 
 private:
-    /// Counters of all teams; times in microseconds.
+    /// Counters of all teams.
     enum Shared {
-        next_bundle,
+        next_portion,
         done,
         failed,
         failed_files,
@@ -80,27 +77,29 @@ private:
         put_off,
         elsewhere,
         folder_removed,
-        teams_us,
-        solves_us,
         partial_ppm, // sum of the complete shares of the running cases, in millionths
+        work_done,   // in this run, in units of engines::Resources
+        work_left,
         shared_count
     };
 
     /// Instead of a position in the list of cases.
     static constexpr long no_case = -1, no_case_yet = -2;
     long next();
-    std::optional<std::size_t> next_in_bundles();
+    std::optional<std::size_t> next_in_portions();
     enum class Claim { granted, deferred, ended };
     Claim claim(std::size_t place);
     bool has_ended_elsewhere(const PlannedCase& planned);
     void wait();
     bool in_time(std::size_t index);
-    /// Includes shared work, unless the previous case of the team has already done it.
-    double estimated_s(const PlannedCase& planned) const;
+    /// The case will not be computed, or not completed, in this run.
+    void leave_out(std::size_t place);
+    /// Counts the complete share of a case of this team for the remaining time.
+    void count_work(double share);
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
-    /// Adds the rates of all complete cases to the file of this machine. On the root of the team.
-    void save_rates();
+    /// Records the rates of the complete cases of all teams. Collective over the world.
+    void record_rates() const;
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
@@ -108,8 +107,8 @@ private:
     void report(const std::string& text);
     bool stop_asked();
     void look_for_folder();
-    /// Shares the progress of the running case with the other teams. On the root of the team.
-    void progressed(double share);
+    /// Shares the complete part of the running case with the other teams. On the root of the team.
+    void show_share(double share);
     void tick();
 
     WorkList list_;
@@ -120,20 +119,23 @@ private:
     storage::Journal journal_;
     std::optional<storage::CaseClaims> claims_; // on the root of the team
     SharedCounters counters_;
-    RemainingTime times_;
-    cost::Rates rates_; // of the cases that this team has computed; on its root
-    std::chrono::steady_clock::time_point rates_saved_{};
-    Bundle bundle_{0, 0};               // the remaining cases of the bundle of this team
-    std::vector<std::size_t> deferred_; // positions in the list
-    std::size_t at_ = 0;                // position of the running case in the list
-    const Case* before_ =
-        nullptr; // previous case of the team, which may share work with the next one
+    Clock::time_point began_ = Clock::now();
+    /// The time and the work of complete cases of each engine, by the index of its options.
+    struct Measured {
+        double core_s = 0.0, work = 0.0;
+    };
+    std::array<Measured, std::variant_size_v<SolverOptions>> measured_{}; // on the root of the team
+    std::size_t portion_ = 0, portion_end_ = 0; // the remaining cases of the portion of this team
+    std::vector<std::size_t> deferred_;         // positions in the list
+    std::size_t at_ = 0;                        // position of the running case in the list
+    std::optional<long> counted_work_;  // of the running case; nothing before a resumed one reports
+    const Case* before_ = nullptr;      // previous case of the team
+    std::string shared_;                // by the data that the team has, see engines::Resources
     std::vector<std::string> case_log_; // messages about the running case
     std::set<std::string> reported_;    // each is reported once
     int file_failures_in_a_row_ = 0;
     std::vector<double> computed_; // positions in the plan; on the root of the team
     long partial_ppm_ = 0;         // complete share of the running case of this team
-    long worked_us_ = 0;           // of this team, from its first search for a case to its last
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
         last_folder_{};
     bool signal_reported_ = false, signal_seen_ = false;

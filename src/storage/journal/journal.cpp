@@ -39,14 +39,15 @@ void add_line(const Json& line, JournalContents& contents) {
         contents.runs.clear();
         return;
     }
-    if (name == "run_prepares" || name == "run_started") {
+    if (name == "run_started") {
         contents.overrides = line.value("overrides", std::vector<std::string>{});
         contents.resumed_by = line.value("resumed_by", std::string());
         contents.unix_time_s = line.at("unix_s");
         contents.teams = line.value("teams", 1);
-        contents.runs[line.value("run", "")] = {contents.teams, name == "run_prepares"};
+        contents.runs[line.value("run", "")] = contents.teams;
         return;
     }
+    if (!line.contains("id")) return; // of another version of the program
     CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
     history.host = line.at("host");
     history.unix_time_s = line.at("unix_s");
@@ -54,7 +55,6 @@ void add_line(const Json& line, JournalContents& contents) {
         history.state = CaseHistory::State::started;
     } else if (name == "finished") {
         history.state = CaseHistory::State::finished;
-        history.times = {line.at("seconds"), line.at("estimated_seconds"), line.at("engine")};
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
         history.reason = line.at("reason");
@@ -65,16 +65,6 @@ void add_line(const Json& line, JournalContents& contents) {
 } // namespace
 
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
-
-void Journal::run_prepares(const RunStart& start) const {
-    JsonLine line = event("run_prepares");
-    line.add("run", start.run);
-    line.add("ranks", start.ranks);
-    line.add("git_id", start.git_id);
-    if (!start.overrides.empty()) line.add("overrides", start.overrides);
-    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
-    append_line(path_, seal(line.text()));
-}
 
 void Journal::run_started(const RunStart& start) const {
     JsonLine line = event("run_started");
@@ -90,11 +80,9 @@ void Journal::run_started(const RunStart& start) const {
     append_line(path_, seal(line.text()));
 }
 
-void Journal::run_ended(const std::string& how, const RunTimes& times) const {
+void Journal::run_ended(const std::string& how) const {
     JsonLine line = event("run_ended");
     line.add("how", how);
-    line.add("idle_share", times.idle_share);
-    line.add("beside_solve_s", times.beside_solve_s);
     append_line(path_, seal(line.text()));
 }
 
@@ -119,13 +107,12 @@ void Journal::resumed(const std::string& id, long step) const {
     append_line(path_, seal(line.text()));
 }
 
-void Journal::finished(const std::string& id, const CaseTimes& times,
+void Journal::finished(const std::string& id, double seconds, const std::string& engine,
                        const std::string& checksum) const {
     JsonLine line = event("finished");
     line.add("id", id);
-    line.add("seconds", times.seconds);
-    line.add("estimated_seconds", times.estimated_seconds);
-    line.add("engine", times.engine);
+    line.add("seconds", seconds);
+    line.add("engine", engine);
     if (!checksum.empty()) line.add(recorded_checksum, checksum);
     append_line(path_, seal(line.text()));
 }

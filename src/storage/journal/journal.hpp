@@ -23,19 +23,6 @@ struct RunStart {
     std::string resumed_by;             // command that resumes it; empty: `run` with its job
 };
 
-/// Computing time and its estimate.
-struct CaseTimes {
-    double seconds = 0.0;           // over all runs
-    double estimated_seconds = 0.0; // estimate of the engine for these ranks, uncorrected
-    std::string engine;
-};
-
-/// Use of the time of a run. The time of cases includes the solve, not the files.
-struct RunTimes {
-    double idle_share = 0.0;     // fraction of the time that teams wait for the last one
-    double beside_solve_s = 0.0; // per case on its team: claim, journal, file, scalars of the table
-};
-
 /// The journal contains one JSON object per line. Lines are only appended, each in one write, so
 /// that the teams of a run need not communicate. Each line ends in its own checksum; a line that
 /// was changed, or truncated by a kill, is ignored. Each run, and each additional host of a run,
@@ -46,15 +33,13 @@ public:
     explicit Journal(std::filesystem::path path);
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
-    /// The run chooses time steps and teams; run_started() or run_ended() follows.
-    void run_prepares(const RunStart& start) const;
     void run_started(const RunStart& start) const;
-    void run_ended(const std::string& how, const RunTimes& times) const;
+    void run_ended(const std::string& how) const;
     void started(const std::string& id, int ranks) const;
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
-    /// `checksum`: the last line of the case file.
-    void finished(const std::string& id, const CaseTimes& times,
+    /// `seconds`: over all runs. `checksum`: the last line of the case file.
+    void finished(const std::string& id, double seconds, const std::string& engine,
                   const std::string& checksum = "") const;
     void failed(const std::string& id, const std::string& reason, Cause cause) const;
     /// The case file was damaged and was moved aside.
@@ -69,25 +54,18 @@ struct CaseHistory {
     enum class State { started, finished, failed } state = State::started;
     std::string reason; // reason of the failure
     Cause cause = Cause::case_itself;
-    CaseTimes times; // of the last finished computation
     std::string host;
     double unix_time_s = 0.0;
 };
 
-/// A run without a recorded end: it is active or was killed.
-struct OpenRun {
-    int teams = 1;
-    bool is_preparing = false; // it has not started its cases yet
-};
-
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
-    std::map<std::string, OpenRun> runs; // by name
-    std::vector<std::string> overrides;  // overrides of the last run, key=value
-    std::string resumed_by;              // RunStart::resumed_by of the last run
-    double unix_time_s = 0.0;            // when the last run started
-    int teams = 1;                       // of the last run
-    long unreadable_lines = 0;           // number of ignored lines, damaged or truncated by a kill
+    std::map<std::string, int> runs;    // teams of the runs without a recorded end, by name
+    std::vector<std::string> overrides; // overrides of the last run, key=value
+    std::string resumed_by;             // RunStart::resumed_by of the last run
+    double unix_time_s = 0.0;           // when the last run started
+    int teams = 1;                      // of the last run
+    long unreadable_lines = 0;          // number of ignored lines, damaged or truncated by a kill
 };
 
 /// Empty when there is no journal. Throws UsageError (environment) when it cannot be read.

@@ -4,33 +4,24 @@
 #include "engines/checkpoint.hpp"
 
 #include <array>
-#include <functional>
 
 namespace shearwake::layered {
 
-/// Seconds since a fixed time.
-using Clock_s = std::function<double()>;
-Clock_s steady_clock_s();
-
-/// Reports the share of a case that is complete: elapsed time divided by the sum of elapsed and
-/// remaining time. The remaining time of a stage follows from its measured rate, and until the
-/// stage has taken a while from the expected one, corrected by the other stages. Also reports the
-/// time of the complete stages. Without checkpoints it reports nothing.
+/// The work of the stages of a case on a rank, and the share of it that is complete, which is
+/// reported to the checkpoints, if any.
 class CaseProgress {
 public:
     enum class Stage { response, radial, expansion, setup, samples, frames };
-    static constexpr std::size_t stages = 6;
 
-    explicit CaseProgress(engines::Checkpoints* checkpoints, Clock_s clock = steady_clock_s());
+    explicit CaseProgress(engines::Checkpoints* checkpoints) : checkpoints_(checkpoints) {}
 
-    /// Adds work that the case will do. Not collective.
-    void expect(Stage stage, double units, double seconds);
-    /// Reports completed work of a stage, to which the time since the last call belongs. Cheap. Not
-    /// collective.
+    /// Adds work that the case will do: `units` of a stage, which together take about `work_ns` on
+    /// a core. Not collective.
+    void expect(Stage stage, double units, double work_ns);
+    /// The expected work of a stage. Not collective.
+    double work_ns(Stage stage) const { return part(stage).work_ns; }
+    /// Reports completed units of a stage. Cheap. Not collective.
     void did(Stage stage, double units = 1.0);
-    /// Reports the time of the stages whose expected work is done; `work`: that of each stage. Not
-    /// collective.
-    void report_times(const std::array<engines::Work, stages>& work) const;
     /// Whether a stop was requested, see engines::Checkpoints::stop_asked(). Collective.
     bool stop_asked() { return checkpoints_ && checkpoints_->stop_asked(); }
     /// Throws StopRequested if a stop was requested. Collective.
@@ -38,18 +29,13 @@ public:
 
 private:
     struct Part {
-        double units = 0.0, expected_s = 0.0, done = 0.0, measured_s = 0.0;
-        bool is_measured() const;
-        double left_s(double slowness) const;
+        double units = 0.0, work_ns = 0.0;
     };
-    /// Measured time relative to the expected time of the stages whose work is known in advance,
-    /// which excludes the evaluations of H.
-    double slowness() const;
+    const Part& part(Stage stage) const { return parts_[static_cast<std::size_t>(stage)]; }
 
     engines::Checkpoints* checkpoints_;
-    Clock_s clock_;
-    double began_s_, last_s_, share_ = 0.0;
-    std::array<Part, stages> parts_;
+    std::array<Part, 6> parts_;
+    double expected_ns_ = 0.0, done_ns_ = 0.0;
 };
 
 } // namespace shearwake::layered

@@ -3,10 +3,12 @@
 
 #include "base/error.hpp"
 #include "schedule/cost/case_costs.hpp"
+#include "schedule/run/progress.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace test_deadline {
@@ -47,35 +49,16 @@ TEST_CASE("a case that cannot finish in time is not started, unless no other cas
     CHECK_FALSE(schedule::Deadline("10", Comm::world()).lets_begin(8.9, 8.0));
 }
 
-TEST_CASE("the time of a case is the sum of its parts", "[costs]") {
-    cost::Rates rates;
-    rates.add({"steps", 1e3, 1, 1e-6, false});
-    rates.add({"table", 1e3, 1, 1e-3, true});
-    rates.add({"steps", 1e3, 20, 2e-6, false});
-    const engines::Resources cost{.work = {{"steps", 1e3, 1e5}, {"table", 1e3, 10.0, true}},
-                                  .useful_ranks = 100};
-    CHECK(cost::shares_work(cost));
-    const cost::CaseTime alone = cost::time_of(cost, 1, rates);
-    CHECK(alone.own_s == Approx(100.0));
-    CHECK(alone.shared_s == Approx(10.0));
-    CHECK(alone.origin == cost::Origin::probed);
-    // 100 slabs on 30 ranks: four on the fullest. The nearest rate is that of 20 ranks.
-    const cost::CaseTime on_30 = cost::time_of(cost, 30, rates);
-    CHECK(on_30.own_s == Approx(2.0 * 4.0));
-    CHECK(on_30.shared_s == Approx(10.0 * 4.0 / 100.0));
-    CHECK(on_30.origin == cost::Origin::similar);
-    // A measured rate contains the imbalance.
-    CHECK(cost::time_of(cost, 20, rates).own_s == Approx(200.0 / 20.0));
-    // More ranks than slabs bring nothing.
-    CHECK(cost::time_of(cost, 1000, rates).own_s == cost::time_of(cost, 100, rates).own_s);
-    CHECK(cost::time_of(cost, 1, {}).origin == cost::Origin::unknown);
-    // The files, whose rate only a complete case shows, do not make a time unknown.
-    const engines::Resources files{.work = {{"steps", 1e3, 1.0}, {"files", 1e5, 1.0}}};
-    CHECK(cost::time_of(files, 1, rates).origin == cost::Origin::measured);
+TEST_CASE("the remaining time is that of the remaining work at the mean speed", "[remaining]") {
+    CHECK(schedule::time_left_s(30.0, 10.0, 40.0).value() == 90.0);
+    CHECK(schedule::time_left_s(30.0, 40.0, 40.0).value() == 0.0);
+    CHECK(schedule::time_left_s(0.0, 0.0, 0.0).value() == 0.0);
+    CHECK_FALSE(schedule::time_left_s(30.0, 0.0, 40.0)); // nothing is done
 }
 
-TEST_CASE("twelve cases of a sweep are measured, the others use the step of the nearest",
-          "[costs][slow]") {
+TEST_CASE(
+    "the time steps of twelve cases of a sweep are chosen, the others use the step of the nearest",
+    "[costs][slow]") {
     std::vector<PlannedCase> planned;
     for (int i = 0; i < 40; ++i) {
         Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
@@ -87,20 +70,20 @@ TEST_CASE("twelve cases of a sweep are measured, the others use the step of the 
     std::vector<const PlannedCase*> cases;
     for (const PlannedCase& p : planned)
         cases.push_back(&p);
-    cost::CaseCosts costs(cases, {});
-    int probed = 0;
+    cost::CaseCosts costs(cases, std::numeric_limits<double>::infinity());
+    int chosen = 0;
     for (const PlannedCase* p : cases)
-        probed += costs.is_probed(p->physics) ? 1 : 0;
-    CHECK(probed == 12);
-    CHECK(costs.is_probed(planned.front().physics));
-    CHECK(costs.is_probed(planned.back().physics));
-    std::set<double> of_probed, of_others;
+        chosen += costs.is_step_chosen(p->physics) ? 1 : 0;
+    CHECK(chosen == 12);
+    CHECK(costs.is_step_chosen(planned.front().physics));
+    CHECK(costs.is_step_chosen(planned.back().physics));
+    std::set<double> of_chosen, of_others;
     for (const PlannedCase* p : cases)
-        (costs.is_probed(p->physics) ? of_probed : of_others)
-            .insert(costs.time(p->physics, 1).own_s);
-    // The steps are those of the probed ones, and the meshes are nearly the same for all.
-    CHECK(*of_others.begin() > 0.8 * *of_probed.begin());
-    CHECK(*of_others.rbegin() < 1.25 * *of_probed.rbegin());
+        (costs.is_step_chosen(p->physics) ? of_chosen : of_others)
+            .insert(costs.of(p->physics).work);
+    // The steps are those of the chosen ones, and the meshes are nearly the same for all.
+    CHECK(*of_others.begin() > 0.8 * *of_chosen.begin());
+    CHECK(*of_others.rbegin() < 1.25 * *of_chosen.rbegin());
 }
 
 } // namespace test_deadline

@@ -38,7 +38,7 @@ Cases alike(int count) {
 }
 
 schedule::TeamLayout laid_out(const Cases& cases, int ranks, int wanted, double memory_B) {
-    cost::CaseCosts costs(cases.pointers(), {});
+    cost::CaseCosts costs({}, 0.0);
     return schedule::choose_teams(cases.pointers(), ranks, wanted, memory_B, costs);
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("a wanted team size is kept, and ranks left over join the last team", 
         ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
     CHECK(sizes == std::vector<int>{2, 3});
     CHECK(laid_out(alike(3), 2, 64, plenty_B).ranks_per_case == 2); // no more than there are
-    CHECK(laid_out({}, 3, 0, plenty_B).teams >= 1);                 // nothing to do
+    CHECK(laid_out({}, 3, 0, plenty_B).teams == 3);                 // nothing to do
 }
 
 TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]") {
@@ -72,42 +72,37 @@ TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]"
     REQUIRE(on_four_B < on_one_B);
     CHECK(laid_out(cases, 4, 0, on_one_B).ranks_per_case == 1);
     CHECK(laid_out(cases, 4, 0, on_four_B).ranks_per_case == 4);
-    // Where none fits, the fastest layout lets each fail by itself.
+    // Where none fits, each fails by itself.
     CHECK(laid_out(cases, 4, 0, 1.0).ranks_per_case == 1);
 }
 
-TEST_CASE("every medium of a sweep costs its own transfer function", "[teams]") {
-    Cases same = alike(300), different = alike(300), pairs = alike(300);
-    for (std::size_t i = 0; i < 300; ++i) {
-        different.planned[i].physics.scene().medium.layers[0].c_s_m_s =
-            5.0 + 1e-4 * static_cast<double>(i);
+TEST_CASE("the first of adjacent cases of a medium computes its transfer function", "[teams]") {
+    Cases pairs = alike(6);
+    for (std::size_t i = 0; i < 6; ++i)
         pairs.planned[i].physics.scene().medium.layers[0].c_s_m_s =
             5.0 + 1e-4 * static_cast<double>(i / 2);
-    }
-    cost::CaseCosts costs(same.pointers(), {});
-    const cost::CaseTime one = costs.time(same.planned[0].physics, 1);
-    REQUIRE(one.shared_s > 0.0);
-    CHECK(laid_out(same, 1, 1, plenty_B).seconds ==
-          Approx(300.0 * one.own_s + one.shared_s).epsilon(1e-9));
-    CHECK(laid_out(different, 1, 1, plenty_B).seconds ==
-          Approx(300.0 * (one.own_s + one.shared_s)).epsilon(1e-9));
-    CHECK(laid_out(pairs, 1, 1, plenty_B).seconds ==
-          Approx(300.0 * (one.own_s + 0.5 * one.shared_s)).epsilon(1e-9));
-    // Both teams compute the function of a medium that they share.
-    CHECK(laid_out(same, 2, 1, plenty_B).seconds ==
-          Approx(150.0 * one.own_s + one.shared_s).epsilon(1e-9));
+    cost::CaseCosts costs({}, 0.0);
+    const engines::Resources& one = costs.of(pairs.planned[0].physics);
+    REQUIRE(one.shared_work > 0.0);
+    const std::vector<double> work = schedule::work_per_rank(pairs.pointers(), 1, costs);
+    REQUIRE(work.size() == 6);
+    for (std::size_t i = 0; i < 6; ++i)
+        CHECK(work[i] == Approx(one.work + (i % 2 == 0 ? one.shared_work : 0.0)).epsilon(1e-9));
+    CHECK(schedule::work_per_rank(pairs.pointers(), 4, costs)[0] ==
+          Approx(0.25 * work[0]).epsilon(1e-9));
+    // No more ranks than rows.
+    CHECK(schedule::work_per_rank(pairs.pointers(), 1000000, costs)[0] ==
+          Approx(work[0] / one.useful_ranks).epsilon(1e-9));
 }
 
-TEST_CASE("a team that has one case more than the others determines the time", "[teams]") {
-    Cases three = alike(3);
-    for (std::size_t i = 0; i < 3; ++i)
-        three.planned[i].physics.scene().medium.layers[0].c_s_m_s =
-            5.0 + 1e-4 * static_cast<double>(i);
-    const double one_s = laid_out({{three.planned.front()}}, 1, 1, plenty_B).seconds;
-    const schedule::TeamLayout two = laid_out(three, 2, 1, plenty_B);
-    CHECK(two.seconds == Approx(2.0 * one_s).epsilon(1e-3)); // the media differ by as much
-    CHECK(two.busy == Approx(0.75).epsilon(1e-3));
-    CHECK(laid_out(three, 2, 0, plenty_B).ranks_per_case == 2); // so all ranks share each case
+TEST_CASE("a sweep lasts as long as its longest case or its busiest team", "[teams]") {
+    CHECK(schedule::sweep_length({}, 4) == 0.0);
+    CHECK(schedule::sweep_length({1.0, 1.0, 1.0}, 2) == 2.0);
+    CHECK(schedule::sweep_length({1.0, 1.0, 1.0}, 1) == 3.0);
+    CHECK(schedule::sweep_length({9.0, 1.0, 1.0, 1.0}, 4) == 9.0);
+    // Three cases on two ranks last two cases on one rank each, and 3/2 on both.
+    CHECK(laid_out(alike(3), 2, 0, plenty_B).ranks_per_case == 2);
+    CHECK(laid_out(alike(7), 2, 0, plenty_B).ranks_per_case == 1); // 4 instead of 7/2
 }
 
 TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
@@ -115,8 +110,8 @@ TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams
     cases.planned[1].physics.domain.nx = 512; // long
     cases.planned[2].physics.scene().medium.layers[0].c_s_m_s = 4.0;
     cases.planned[4].physics.scene().medium.layers[0].c_s_m_s = 4.0;
-    cost::CaseCosts costs(cases.pointers(), {});
-    const auto order = schedule::order_of_work(cases.pointers(), 1, costs);
+    cost::CaseCosts costs({}, 0.0);
+    const auto order = schedule::order_of_work(cases.pointers(), costs);
     CHECK(order.front() == 1);
     CHECK(std::set<std::size_t>(order.begin(), order.end()).size() == 6);
     const auto place = [&](std::size_t index) {

@@ -68,13 +68,13 @@ TEST_CASE("journals of runs and hosts are combined, and the latest entry counts"
     const storage::Journal first(folder / storage::journal_name("node1-8")),
         second(folder / storage::journal_name("node2-8"));
     first.run_started({.run = "node1-8", .teams = 2, .overrides = {"a=1"}});
-    second.run_prepares({.run = "node2-8"});
+    second.run_started({.run = "node2-8", .teams = 1});
     first.failed("x", "at first", storage::Cause::case_itself);
     second.failed("y", "for good", storage::Cause::files);
-    second.finished("x", {1.0, 2.0, "layered"});
+    second.finished("x", 1.0, "layered");
     const storage::JournalContents all = storage::read_journals(folder / "");
-    CHECK(all.runs.at("node1-8").teams == 2);
-    CHECK(all.runs.at("node2-8").is_preparing);
+    CHECK(all.runs.at("node1-8") == 2);
+    CHECK(all.runs.at("node2-8") == 1);
     CHECK(all.cases.at("x").state == storage::CaseHistory::State::finished);
     CHECK(all.cases.at("y").cause == storage::Cause::files);
     CHECK(storage::read_journals(folder / "none").cases.empty());

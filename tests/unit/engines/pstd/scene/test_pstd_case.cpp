@@ -296,9 +296,9 @@ TEST_CASE("the step that is planned is the one that is used, with bodies", "[pst
           Approx(c.time.duration_s()).epsilon(1e-12));
     CHECK(planned.choices(c) == store.report.notes);
     // With the step specified, the estimate is that of the same number of steps.
-    const double amount = planned.resources(c, 1).work[1].amount();
+    const double amount = planned.resources(c, 1).work;
     std::get<PstdOptions>(c.solver).time_step_s = step_s;
-    CHECK(planned.resources(c, 1).work[1].amount() == amount);
+    CHECK(planned.resources(c, 1).work == amount);
 }
 
 } // namespace test_pstd_case
