@@ -18,7 +18,7 @@ from .keys import cf_unit, short_keys, split_unit
 from .lazy import Cells, Columns, axis_of, lazy, union
 
 MAIN = {"traces": "u_z", "surface": "u_z", "mean": "u_z_squared"}  # the variable that the name of a group stands for
-OWN_TIME = ("surface", "volume", "sensor")  # groups whose times are not those of the quantities over time
+OWN_TIME = ("surface", "volume")  # groups whose times are not those of the quantities over time
 
 
 @dataclass
@@ -73,7 +73,7 @@ def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
 def layout_of(case: Case) -> str:
     """The part of the parameters that determines the axes of the file: cases with equal texts have equal axes."""
     sections = re.split(r"\n(?=\[)", case._parameters_text)
-    return "\n".join(s for s in sections if s.startswith(("[domain]", "[time]", "[record]", "[measure]", "[study]")))
+    return "\n".join(s for s in sections if s.startswith(("[domain]", "[time]", "[record]", "[measure]")))
 
 
 class Builder:

@@ -34,7 +34,6 @@ HOW = {
     "volume": "set record.volumes_ms in the job", "afferents": "add [afferents] to the job",
     "mean": "no whole period fits between measure.settled_after_ms and the end of the run",
     "sensation": "set measure.sensation in the job",
-    "sensor": "only cases with solver.pstd.study have a sensor",
 }
 
 

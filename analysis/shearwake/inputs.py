@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files of users: the links that no reader follows, maps of material properties and imported k-Wave studies."""
+"""Files of users: the links that no reader follows, and maps of material properties."""
 from __future__ import annotations
 
 import contextlib
@@ -92,18 +92,6 @@ class MaterialMap:
     c_s_m_s: np.ndarray
 
 
-@dataclass(frozen=True)
-class GridStudy:
-    """An imported k-Wave study: its grid, its shear-wave speed (a number or an array of the grid's shape), and the indices of
-    the nodes of its sources and sensors, with the shape (n, 3)."""
-
-    points: np.ndarray
-    spacing_m: np.ndarray
-    c_s_m_s: np.ndarray
-    source_nodes: np.ndarray
-    sensor_nodes: np.ndarray
-
-
 def read_map(path: Path) -> MaterialMap:
     """The shear-wave speed of a map. Raises OSError, and KeyError if the map does not contain it."""
     with opened(path) as file:
@@ -121,19 +109,3 @@ def in_order(data: h5py.Dataset, shape: tuple[int, ...]) -> np.ndarray:
     if sorted(scales) == sorted(AXES):
         return values.transpose([scales.index(axis) for axis in AXES])
     return values.T if values.shape != shape and values.shape == shape[::-1] else values
-
-
-def study_grid(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """The numbers of points and the spacings in m of a study along x, y and z. Raises OSError and KeyError."""
-    with opened(path) as file:
-        return file["grid/points"][()].astype(int), file["grid/spacing_m"][()]
-
-
-def read_study(path: Path) -> GridStudy:
-    """The grid and the nodes of a study. Raises OSError and KeyError."""
-    none = np.empty((0, 3), dtype=int)
-    points, spacing_m = study_grid(path)
-    with opened(path) as file:
-        sources = [file[name]["nodes"][()].astype(int) for name in file if name.startswith("source_") and "nodes" in file[name]]
-        sensors = file["sensor/nodes"][()].astype(int) if "sensor/nodes" in file else none
-        return GridStudy(points, spacing_m, file["medium/c_s_m_s"][()], np.concatenate([none, *sources]), sensors)

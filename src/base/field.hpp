@@ -55,8 +55,7 @@ struct Range {
 // keys` lists them (config/keys/key_table.hpp), and a test changes each of them. A walk provides
 //
 //     walk(field, {...})                a number, word, flag, enumerator, point or list of them
-//     walk.choice(variant, {...}, then) the name of the alternative, then its fields; a text walk
-//                                       calls then(walk) between them if it is given
+//     walk.choice(variant, {...})       the name of the alternative, then its fields
 //     walk.each("table", list, {...})   one table [[table]] per element
 //     walk.maybe("table", optional)     a table that may be absent
 //     walk.section("table")             the following fields are in [table]
@@ -146,7 +145,7 @@ public:
         if (key_ == field.key) found_ = field;
     }
     template <class T>
-    void choice(const T&, const Field& field, const auto&...) {
+    void choice(const T&, const Field& field) {
         key(field);
     }
     template <class T>

@@ -83,7 +83,7 @@ Json measure_layered(const Comm& world) {
     Json all = Json::array({measure_case("periodic edges", c, world)});
     c.domain.edges = DomainEdges::open;
     all.push_back(measure_case("open edges", c, world));
-    c.scene().load.modulation.trajectory = {{Travel{
+    c.scene.load.modulation.trajectory = {{Travel{
         Arc{{}, 10e-3, 0.0, two_pi}, ConstantSpeed{two_pi * 10e-3 * 100.0}, AtEnd::repeat}}};
     c.time = {128, 10e-3 / 128.0, Regime::periodic};
     c.measure = {.at_s = c.time.duration_s(), .settled_after_s = 0.0, .focal_radius_m = 3e-3};
@@ -96,13 +96,13 @@ Json measure_layered(const Comm& world) {
 Case spectral_case(const Grid& grid) {
     Case c = layered_bench_case();
     c.solver = SpectralOptions{.time_step_s = 50e-6, .longest_element_m = 4.04e-3};
-    auto& layers = c.scene().medium.layers;
+    auto& layers = c.scene.medium.layers;
     layers = {layers.back()};
     layers[0].thickness_m = 4e-3 * static_cast<double>(grid[2] / 8);
     layers[0].c_s_m_s = 5.0;
-    c.scene().load.modulation.trajectory = {
+    c.scene.load.modulation.trajectory = {
         {Travel{{{-5e-3, 0.0}, {300e-3, 0.0}}, ConstantSpeed{7.0}}}};
-    c.scene().load.modulation.envelope = {};
+    c.scene.load.modulation.envelope = {};
     c.domain = {good_even_length(grid[0]), good_even_length(grid[1]), 0.75e-3, 0.0};
     c.time = {560, 50e-6};
     c.measure.at_s = c.time.duration_s();
@@ -116,7 +116,7 @@ Json measure_spectral(const Grid& grid, const Comm& world) {
     // Elements need not end at the faces of bodies, since only the speed matters here.
     const auto mesh = spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver));
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world, fft::Planning::measured);
-    const double depth_m = c.scene().medium.layers[0].thickness_m, fft_s = plane_s(slabs, world);
+    const double depth_m = c.scene.medium.layers[0].thickness_m, fft_s = plane_s(slabs, world);
     Json all = Json::array();
     const auto measure_steps = [&](const std::string& kind) {
         spectral::Stepper stepper(c, mesh, slabs, c.time.interval_s, world);
@@ -137,13 +137,13 @@ Json measure_spectral(const Grid& grid, const Comm& world) {
               .centre_m = {0.0, 2e-3, 0.375 * depth_m}};
     for (const double contrast : {4.0, 16.0, 1000.0}) {
         body.c_s_m_s = 5.0 * std::sqrt(contrast);
-        c.scene().medium.bodies = {body};
+        c.scene.medium.bodies = {body};
         measure_steps(fmt::format("contrast {:g}", contrast));
     }
-    c.scene().medium.bodies = {{.shape = Cylinder{.radius_m = std::min(5e-3, 0.4 * depth_m)},
-                                .centre_m = {0.0, 0.0, 0.5 * depth_m},
-                                .density_kg_m3 = 1900.0,
-                                .rigid = true}};
+    c.scene.medium.bodies = {{.shape = Cylinder{.radius_m = std::min(5e-3, 0.4 * depth_m)},
+                              .centre_m = {0.0, 0.0, 0.5 * depth_m},
+                              .density_kg_m3 = 1900.0,
+                              .rigid = true}};
     measure_steps("rigid cylinder");
     return all;
 }
@@ -197,13 +197,13 @@ Json measure_pstd(const Grid& grid, bool is_lossy, const Comm& world) {
 
 Case layered_bench_case() {
     Case c;
-    c.scene().medium = {{{"epidermis", 0.1e-3, 1000.0, 1500.0, 36.5, KelvinVoigt{1.0}},
-                         {"dermis", 2e-3, 1000.0, 1500.0, 3.65, KelvinVoigt{1.0}},
-                         {"fat", 18e-3, 1000.0, 1500.0, 2.24, KelvinVoigt{1.0}}},
-                        Base::rigid};
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.footprint = GaussianFootprint{3e-3};
-    c.scene().load.modulation = {
+    c.scene.medium = {{{"epidermis", 0.1e-3, 1000.0, 1500.0, 36.5, KelvinVoigt{1.0}},
+                       {"dermis", 2e-3, 1000.0, 1500.0, 3.65, KelvinVoigt{1.0}},
+                       {"fat", 18e-3, 1000.0, 1500.0, 2.24, KelvinVoigt{1.0}}},
+                      Base::rigid};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.footprint = GaussianFootprint{3e-3};
+    c.scene.load.modulation = {
         .kind = "AM-STM",
         .trajectory = {{Travel{{{-49e-3, 0.0}, {49e-3, 0.0}}, ConstantSpeed{7.0}}}},
         .envelope = {{SineGain{.frequency_Hz = 200.0}}}};

@@ -199,7 +199,6 @@ Plan read_plan(const ParsedJob& parsed, std::span<const Override> overrides,
     plan.adaptive = sweep.adaptive;
     check_overrides(tree, overrides, plan.swept_keys, diagnostics);
     plan.cases = expand(tree, sweep, table.reference, files, diagnostics);
-    check_study_keys(plan, sweep, overrides, diagnostics);
     return plan;
 }
 
@@ -238,15 +237,13 @@ BadJob::BadJob(std::vector<Diagnostic> diagnostics)
 
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides, const MapLoader& load_map,
-             const TextLoader& load_text, const StudyLoader& load_study, const AxisPoints& points) {
+             const TextLoader& load_text, const AxisPoints& points) {
     DiagnosticList diagnostics;
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
     const ParsedJob parsed = parse(text, file_name, overrides, diagnostics);
     if (parsed.tree)
-        job.plan =
-            read_plan(parsed, overrides,
-                      {.load_map = load_map, .load_text = load_text, .load_study = load_study},
-                      points, job.optimise, diagnostics);
+        job.plan = read_plan(parsed, overrides, {.load_map = load_map, .load_text = load_text},
+                             points, job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     if (!overrides.empty())

@@ -38,14 +38,12 @@ private:
 };
 
 /// Reads, expands and checks a job. Throws BadJob with all errors and warnings. Does not access
-/// files: `file_name` is for messages, and the loaders provide maps, paths and studies; without a
-/// loader, a job that names such a file is rejected. `points`: of adaptive axes; the others have
-/// those of the first round. Collective if the loaders are; the same text
-/// and files give the same job.
+/// files: `file_name` is for messages, and the loaders provide maps and texts; without a loader, a
+/// job that names such a file is rejected. `points`: of adaptive axes; the others have those of the
+/// first round. Collective if the loaders are; the same text and files give the same job.
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
-             const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr,
-             const AxisPoints& points = {});
+             const TextLoader& load_text = nullptr, const AxisPoints& points = {});
 
 /// A job with its overrides and with a flattened [sweep] and [uncertain]; null after an error of
 /// TOML.

@@ -54,7 +54,7 @@ std::vector<Remark> refused_edges(const Case& c) {
 
 std::vector<Remark> refused_losses(const Case& c) {
     std::vector<Remark> refused;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         if (!newtonian_viscosity_Pa_s(layer.loss))
             refused.push_back(
                 {Severity::error, "solver.engine",

@@ -55,13 +55,6 @@ struct VolumePlane {
     View2<const double> values; // x_count rows of ny values, in the field's SI unit
 };
 
-/// A result of the sensor of a grid study, with one sample per step.
-struct SensorRecord {
-    std::string name, units;
-    enum class Of { points_and_samples, points, grid } of = Of::points;
-    std::vector<double> values; // [point][sample], [point], or [x][y][z] of the complete grid
-};
-
 /// Energies of one period in the steady state.
 struct PeriodEnergy {
     double work_J = 0.0;               // of the load
@@ -83,7 +76,6 @@ struct SolverReport {
     // Work of the load, and the kinetic and elastic energy half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
     std::optional<PeriodEnergy> period_energy = std::nullopt; // in the periodic regime
-    std::vector<SensorRecord> sensors = {};                   // of a grid study; on rank 0 only
     std::vector<Remark> warnings = {}; // those of the notes that reduce the accuracy
 };
 
@@ -148,7 +140,7 @@ struct Resources {
     double shared_work = 0.0;  // done once for consecutive cases with the same `shared`
     std::string shared;        // identifies the data that cases share; empty: none
     int useful_ranks = 1;      // further ranks would have no rows
-    double written_B = 0.0;    // volumes and sensor series in the case file
+    double written_B = 0.0;    // volumes in the case file
 
     /// The program and all arrays.
     double memory_per_rank_B() const;

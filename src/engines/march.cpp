@@ -20,31 +20,22 @@ void EnergyWatch::check(std::ptrdiff_t step, double kinetic_J_m2) {
     // Checked first, because comparisons with NaN are false.
     if (!std::isfinite(sums[0]) || !std::isfinite(sums[1])) not_finite(step);
     most_J_m2_ = std::max(most_J_m2_, sums[1]);
-    const double supplied = most_J_m2_ + accepted_J_m2_;
-    if (sums[0] > limits_.most_1 * supplied)
+    if (sums[0] > limits_.most_1 * most_J_m2_)
         throw FieldDiverges(fmt::format(
             "step {} at {:.4g} ms: the field diverges: its kinetic energy is {:.3g} J/m2, but the "
             "total work of the load is only {:.3g} J/m2; {}",
-            step, time_ms(step), sums[0], supplied, limits_.advice));
-}
-
-void EnergyWatch::accept(std::ptrdiff_t step, double energy_J_m2) {
-    const double energy = team_.sum(energy_J_m2);
-    if (!std::isfinite(energy)) not_finite(step);
-    accepted_J_m2_ = std::max(accepted_J_m2_, energy);
+            step, time_ms(step), sums[0], most_J_m2_, limits_.advice));
 }
 
 void EnergyWatch::save(StateWriter& state) const {
     state.put("work_J_m2", work_J_m2());
     state.put("most_work_J_m2", most_J_m2_);
-    state.put("accepted_J_m2", accepted_J_m2_);
 }
 
 void EnergyWatch::restore(const StateReader& state) {
     const double work_J_m2 = state.get("work_J_m2");
     work_J_m2_ = team_.is_root() ? work_J_m2 : 0.0;
     most_J_m2_ = state.get("most_work_J_m2");
-    accepted_J_m2_ = state.get("accepted_J_m2");
 }
 
 MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer,

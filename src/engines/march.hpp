@@ -31,14 +31,9 @@ public:
 
     /// Whether the field is checked at this step. Not collective.
     bool due(std::ptrdiff_t step) const { return step % limits_.interval == 0; }
-    std::ptrdiff_t interval() const { return limits_.interval; }
     /// Checks the field at a step. `kinetic_J_m2` is this rank's part of the kinetic energy per
     /// area. Throws FieldDiverges on all ranks together. Collective.
     void check(std::ptrdiff_t step, double kinetic_J_m2);
-    /// Instead of a check: takes an energy per area, of which this is the rank's part, as supplied
-    /// by sources whose work is not known. Throws FieldDiverges on all ranks together if it is not
-    /// finite. Collective.
-    void accept(std::ptrdiff_t step, double energy_J_m2);
 
     /// Adds this rank's part of the work per area of the load. Not collective.
     void add_work(double work_J_m2) { work_J_m2_ += work_J_m2; }
@@ -56,9 +51,8 @@ private:
     Comm team_;
     double step_s_;
     Limits limits_;
-    double work_J_m2_ = 0.0;     // this rank's part
-    double most_J_m2_ = 0.0;     // maximum work of all ranks at the checked steps
-    double accepted_J_m2_ = 0.0; // of all ranks
+    double work_J_m2_ = 0.0; // this rank's part
+    double most_J_m2_ = 0.0; // maximum work of all ranks at the checked steps
 };
 
 /// A field that is advanced step by step and passes its output to an observer.

@@ -16,13 +16,33 @@ std::string text_of(const Shape& shape) {
     return fmt::format("({}, {}, {})", shape[0], shape[1], shape[2]);
 }
 
-void check_finite(const std::string& name, std::span<const float> values, const Shape& shape,
+/// The size of a number in bytes.
+std::size_t width_of(const h5::Id& dataset) {
+    const h5::Id type(H5Dget_type(dataset.raw()), H5Tclose, "inspect a dataset");
+    return H5Tget_size(type.raw());
+}
+
+/// All values of a dataset, or those that the dataspaces select.
+Reals read_reals(const h5::Id& dataset, const std::string& name, std::size_t count,
+                 hid_t memory = H5S_ALL, hid_t in_file = H5S_ALL) {
+    Reals values;
+    const bool is_wide = width_of(dataset) == sizeof(double);
+    if (is_wide)
+        values.wide.resize(count);
+    else
+        values.narrow.resize(count);
+    void* const to = is_wide ? static_cast<void*>(values.wide.data()) : values.narrow.data();
+    h5::check(H5Dread(dataset.raw(), is_wide ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, memory,
+                      in_file, H5P_DEFAULT, to),
+              "read " + name);
+    return values;
+}
+
+void check_finite(const std::string& name, const Reals& values, const Shape& shape,
                   std::ptrdiff_t x0 = 0) {
-    const auto bad = std::find_if(values.begin(), values.end(),
-                                  [](float value) { return !std::isfinite(value); });
-    if (bad == values.end()) return;
-    const auto at = static_cast<hsize_t>(bad - values.begin());
-    throw UsageError(fmt::format("{} contains {} at index ({}, {}, {})", name, *bad,
+    const std::size_t at = values.find_if_not([](double value) { return std::isfinite(value); });
+    if (at == values.size()) return;
+    throw UsageError(fmt::format("{} contains {} at index ({}, {}, {})", name, values[at],
                                  at % shape[2] + static_cast<hsize_t>(x0) + 1,
                                  at / shape[2] % shape[1] + 1, at / shape[2] / shape[1] + 1));
 }
@@ -51,14 +71,15 @@ h5::Id Reader::open(const std::string& name, Kind kind) const {
     const bool integers = kind == Kind::integer;
     const std::size_t size = H5Tget_size(type.raw());
     if (H5Tget_class(type.raw()) != (integers ? H5T_INTEGER : H5T_FLOAT) ||
-        size != (integers ? 8 : 4) || (integers && H5Tget_sign(type.raw()) != H5T_SGN_NONE))
-        throw UsageError(fmt::format("{} must contain {} numbers, but contains others of {} bytes",
-                                     name,
-                                     integers ? "unsigned integers of 64 bits as"
-                                              : "floating-point numbers of "
-                                                "32 bits as",
-                                     size));
-    const std::string data = integers ? "long" : "float",
+        (size != 8 && (integers || size != 4)) ||
+        (integers && H5Tget_sign(type.raw()) != H5T_SGN_NONE))
+        throw UsageError(fmt::format(
+            "{} must contain {}, but contains other values of {} bytes", name,
+            integers ? "unsigned integers of 64 bits" : "floating-point numbers of 32 or 64 bits",
+            size));
+    const std::string data = integers    ? "long"
+                             : size == 8 ? "double"
+                                         : "float",
                       domain = kind == Kind::complex ? "complex" : "real";
     const auto found_data = text_attribute(dataset.raw(), "data_type"),
                found_domain = text_attribute(dataset.raw(), "domain_type");
@@ -87,7 +108,7 @@ h5::Id Reader::open(const std::string& name, Kind kind, const Shape& expected) c
     for (const hsize_t extent : shape)
         values *= extent;
     const bool is_field = shape == Shape{n_[2], n_[1], n_[0]};
-    require_memory(name, 4.0 * static_cast<double>(values) / (is_field ? ranks_ : 1));
+    require_memory(name, static_cast<double>(width_of(dataset) * values) / (is_field ? ranks_ : 1));
     return dataset;
 }
 
@@ -99,12 +120,8 @@ void Reader::require_memory(const std::string& name, double bytes) const {
                                      name, 1e-9 * required_B_, 1e-9 * available_B_));
 }
 
-std::vector<float> Reader::reals(const std::string& name, const Shape& shape, Kind kind) const {
-    const h5::Id dataset = open(name, kind, shape);
-    std::vector<float> values(static_cast<std::size_t>(shape[0] * shape[1] * shape[2]));
-    h5::check(
-        H5Dread(dataset.raw(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
-        "read " + name);
+Reals Reader::reals(const std::string& name, const Shape& shape, Kind kind) const {
+    Reals values = read_reals(open(name, kind, shape), name, shape[0] * shape[1] * shape[2]);
     check_finite(name, values, shape);
     return values;
 }
@@ -125,18 +142,19 @@ std::uint64_t Reader::flag(const std::string& name, std::uint64_t most) {
 }
 
 double Reader::number(const std::string& name, bool positive) {
-    const double value = static_cast<double>(reals(name, {1, 1, 1})[0]);
+    const double value = reals(name, {1, 1, 1})[0];
     if (value < 0.0 || (positive && value == 0.0))
-        throw UsageError(fmt::format("{} is {}; it must be {}", name, value,
+        throw UsageError(fmt::format("{} is {:.7g}; it must be {}", name, value,
                                      positive ? "positive" : "0 or more"));
     return input_.numbers[name] = value;
 }
 
 /// Indices of nodes, from 0.
-std::vector<std::ptrdiff_t> Reader::indices(const std::string& name) const {
+std::vector<std::ptrdiff_t> Reader::indices(const std::string& name, hsize_t most) const {
     const hsize_t count = shape_of(open(name, Kind::integer), name)[2];
-    if (count > n_[0] * n_[1] * n_[2])
-        throw UsageError(fmt::format("{} has {} nodes, more than the grid", name, count));
+    if (count > most)
+        throw UsageError(
+            fmt::format("{} has {} nodes; it must have at most {}", name, count, most));
     const h5::Id dataset = open(name, Kind::integer, {1, 1, count});
     std::vector<std::uint64_t> values(count);
     if (count > 0)
@@ -145,10 +163,10 @@ std::vector<std::ptrdiff_t> Reader::indices(const std::string& name) const {
             "read " + name);
     std::vector<std::ptrdiff_t> result;
     for (const std::uint64_t value : values) {
-        if (value < 1 || value > n_[0] * n_[1] * n_[2])
+        if (value < 1 || value > node_count())
             throw UsageError(fmt::format("{} contains {}; indices must be 1 to {}, the number of "
                                          "nodes",
-                                         name, value, n_[0] * n_[1] * n_[2]));
+                                         name, value, node_count()));
         result.push_back(static_cast<std::ptrdiff_t>(value) - 1);
     }
     return result;
@@ -171,19 +189,16 @@ NodeValues Reader::field(const std::string& name) const {
                          slabs_.x_count() == 0 ? 0
                                                : static_cast<hsize_t>(std::min(slabs_.x_count() + 1,
                                                                                slabs_.nx() - x0))};
-    NodeValues field{.values = std::vector<float>(count[0] * count[1] * count[2]),
-                     .x0 = x0,
-                     .nx = static_cast<std::ptrdiff_t>(count[2]),
-                     .ny = slabs_.ny()};
-    if (field.values.empty()) return field;
+    NodeValues field{
+        .values = {}, .x0 = x0, .nx = static_cast<std::ptrdiff_t>(count[2]), .ny = slabs_.ny()};
+    if (field.nx == 0) return field;
     const h5::Id in_file(H5Dget_space(dataset.raw()), H5Sclose, "find a dataspace"),
         memory(H5Screate_simple(3, count.data(), nullptr), H5Sclose, "create a dataspace");
     h5::check(
         H5Sselect_hyperslab(in_file.raw(), H5S_SELECT_SET, start, nullptr, count.data(), nullptr),
         "select a block");
-    h5::check(H5Dread(dataset.raw(), H5T_NATIVE_FLOAT, memory.raw(), in_file.raw(), H5P_DEFAULT,
-                      field.values.data()),
-              "read " + name);
+    field.values =
+        read_reals(dataset, name, count[0] * count[1] * count[2], memory.raw(), in_file.raw());
     check_finite(name, field.values, count, x0);
     return field;
 }
@@ -202,15 +217,16 @@ struct Material {
 
 void check_values(const std::string& name, const NodeValues& field, const char* must,
                   const auto& is_valid) {
-    const auto bad = std::find_if_not(field.values.begin(), field.values.end(), is_valid);
-    if (bad == field.values.end()) return;
-    const auto at = static_cast<std::ptrdiff_t>(bad - field.values.begin());
+    const std::size_t bad = field.values.find_if_not(is_valid);
+    if (bad == field.values.size()) return;
+    const auto at = static_cast<std::ptrdiff_t>(bad);
     const std::string where =
         field.values.size() == 1
             ? std::string()
             : fmt::format(" at index ({}, {}, {})", at % field.nx + field.x0 + 1,
                           at / field.nx % field.ny + 1, at / field.nx / field.ny + 1);
-    throw UsageError(fmt::format("{} is {}{}; it must be {}", name, *bad, where, must));
+    throw UsageError(
+        fmt::format("{} is {:.7g}{}; it must be {}", name, field.values[bad], where, must));
 }
 
 /// Limits of the step, and numbers of nodes and faces for warnings.
@@ -261,8 +277,8 @@ void Reader::read_material() {
     m.lossy = flag("absorbing_flag", 1) == 1;
     m.x0 = slabs_.x_start();
     m.x1 = std::min(m.x0 + slabs_.x_count() + 1, slabs_.nx());
-    const auto positive = [](float value) { return value > 0.0f; };
-    const auto not_negative = [](float value) { return value >= 0.0f; };
+    const auto positive = [](double value) { return value > 0.0; };
+    const auto not_negative = [](double value) { return value >= 0.0; };
     const auto moduli = [&](const std::string& name) {
         NodeValues values = field(name);
         check_values(name, values, "0 or more", not_negative);

@@ -6,7 +6,6 @@
 #include "engines/pstd/scheme/stepper.hpp"
 #include "kwave/run.hpp"
 #include "parallel/comm.hpp"
-#include "problem/case/study_data.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <filesystem>
@@ -39,24 +38,25 @@ struct Input {
     std::ptrdiff_t steps = 0;
     /// The sensor: all points in the order of the output, those of cuboids one after another, each
     /// with x fastest. No cuboids: a list of points.
-    SensorPoints sensor;
+    pstd::SensorPoints sensor;
     std::vector<Cuboid> cuboids;
     /// Scalars that the output file repeats, and the description of the file.
     std::map<std::string, std::uint64_t> integers;
     std::map<std::string, double> numbers;
     std::string description;
     StepLimits limits;
-    double soft_nodes = 0.0;                // of this rank, with a negative bulk modulus
-    double fluid_faces = 0.0;               // of this rank, between a fluid node and a solid one
-    std::size_t source_values = 0;          // stored on every rank
-    std::shared_ptr<const StudyData> study; // to which `setup` refers; none for a file of k-Wave
+    double soft_nodes = 0.0;  // of this rank, with a negative bulk modulus
+    double fluid_faces = 0.0; // of this rank, between a fluid node and a solid one
 };
 
-/// Reads the elastic input file that k-Wave's pstdElastic3D saves, or the file of a study that
-/// scripts/import-kwave writes, for a rank of a team, and validates all of it. Nothing is derived
-/// from speeds: densities and moduli of the staggered grid, profiles of the absorbing layer and
-/// scaled sources are those of the file. Throws UsageError whose message names the file, the
-/// dataset and its error, also before more than available_B are allocated. Not collective.
+/// Reads the elastic input file that k-Wave's pstdElastic3D saves for a rank of a team, and
+/// validates all of it. Nothing is derived from speeds: densities and moduli of the staggered grid,
+/// profiles of the absorbing layer and scaled sources are those of the file. Real numbers have 32
+/// bits and the data_type "float", as in k-Wave, or 64 bits and the data_type "double", as
+/// scripts/import-kwave writes them. The sensor_mask_type 2, which k-Wave does not have either,
+/// adds the dataset sensor_mask_weights, (1, points, n): n nodes of sensor_mask_index make up a
+/// point. Throws UsageError whose message names the file, the dataset and its error, also before
+/// more than available_B are allocated. Not collective.
 Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B);
 
 using Shape = std::array<hsize_t, 3>; // (z, y, x)
@@ -69,13 +69,30 @@ constexpr std::array planes = {"xy", "xz", "yz"};
 /// The text of an attribute of fixed or variable length; nothing if it is missing or is not a text.
 std::optional<std::string> text_attribute(hid_t object, const char* name);
 
+/// Real numbers with the width that they have in the file.
+struct Reals {
+    std::vector<float> narrow; // of 32 bits
+    std::vector<double> wide;  // of 64 bits; either is empty
+    std::size_t size() const { return narrow.size() + wide.size(); }
+    double operator[](std::size_t i) const {
+        return wide.empty() ? static_cast<double>(narrow[i]) : wide[i];
+    }
+    /// The index of the first number for which this is false; size() if there is none.
+    std::size_t find_if_not(const auto& is_valid) const {
+        std::size_t i = 0;
+        while (i < size() && is_valid((*this)[i]))
+            ++i;
+        return i;
+    }
+};
+
 /// Values of every node of a slab of x, or one for all.
 struct NodeValues {
-    std::vector<float> values;
+    Reals values;
     std::ptrdiff_t x0 = 0, nx = 0, ny = 0;
     double operator()(pstd::Node n) const {
         const std::ptrdiff_t at = values.size() == 1 ? 0 : (n[2] * ny + n[1]) * nx + n[0] - x0;
-        return static_cast<double>(values[static_cast<std::size_t>(at)]);
+        return values[static_cast<std::size_t>(at)];
     }
 };
 
@@ -96,12 +113,12 @@ private:
     /// Throws if these bytes and those before exceed the available memory.
     void require_memory(const std::string& name, double bytes) const;
     static Shape shape_of(const h5::Id& dataset, const std::string& name);
-    std::vector<float> reals(const std::string& name, const Shape& shape,
-                             Kind kind = Kind::real) const;
+    Reals reals(const std::string& name, const Shape& shape, Kind kind = Kind::real) const;
     std::uint64_t integer(const std::string& name);
     std::uint64_t flag(const std::string& name, std::uint64_t most);
     double number(const std::string& name, bool positive);
-    std::vector<std::ptrdiff_t> indices(const std::string& name) const;
+    std::vector<std::ptrdiff_t> indices(const std::string& name, hsize_t most) const;
+    hsize_t node_count() const { return n_[0] * n_[1] * n_[2]; }
     pstd::Node node_of(std::ptrdiff_t index) const;
 
     void check_kind();
@@ -112,6 +129,7 @@ private:
     void read_layer();
     void read_sources(const std::string& letter, std::span<const pstd::Field> fields);
     void read_sensor();
+    void read_cuboids();
 
     hid_t file_;
     int ranks_, rank_;

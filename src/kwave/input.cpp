@@ -2,7 +2,6 @@
 #include "kwave/files.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/study_run.hpp"
 #include "storage/input/input_files.hpp"
 
 #include <algorithm>
@@ -20,35 +19,7 @@ using pstd::Node;
 /// Sizes above these are not plausible, and products of smaller ones do not overflow.
 constexpr std::uint64_t most_points = 1u << 20, most_steps = 1u << 30;
 
-Input input_of_study(const std::filesystem::path& path) {
-    Input input;
-    auto study = std::make_shared<StudyData>(storage::read_study_file(path));
-    for (const Remark& remark : pstd::study_step_remarks(*study))
-        if (remark.severity == Severity::error)
-            throw UsageError(fmt::format("{}: the study {}", path.string(), remark.message));
-    input.setup = pstd::study_setup(*study);
-    input.steps = study->steps;
-    input.sensor = study->sensor;
-    for (const NodeSource& source : study->sources)
-        input.source_values += 2 * source.series.size();
-    input.description = "grid study " + study->content_hash;
-    const auto& grid = input.setup.grid;
-    input.numbers = {{"dt", grid.dt_s}, {"c_ref", study->layer_speed_m_s}};
-    input.integers = {{"Nt", static_cast<std::uint64_t>(input.steps)},
-                      {"elastic_flag", 1},
-                      {"axisymmetric_flag", 0},
-                      {"absorbing_flag", study->lossy() ? 1 : 0}};
-    for (std::size_t a = 0; a < 3; ++a) {
-        input.integers[fmt::format("N{}", axes[a])] = static_cast<std::uint64_t>(grid.points[a]);
-        input.integers[fmt::format("pml_{}_size", axes[a])] =
-            static_cast<std::uint64_t>(study->layer_points[a]);
-        input.numbers[fmt::format("d{}", axes[a])] = grid.spacing_m[a];
-        input.numbers[fmt::format("pml_{}_alpha", axes[a])] = study->layer_strength[a];
-    }
-    input.limits.alone_s = std::numeric_limits<double>::infinity(); // checked above
-    input.study = std::move(study);
-    return input;
-}
+constexpr std::array field_names = {"ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"};
 
 } // namespace
 
@@ -113,7 +84,7 @@ void Reader::check_operators() const {
                            double half_cells, bool derivative) {
         Shape shape = {1, 1, 1};
         shape[2 - axis] = 2 * count;
-        const std::vector<float> found = reals(name, shape, Kind::complex);
+        const Reals found = reals(name, shape, Kind::complex);
         const auto n = static_cast<double>(n_[axis]);
         const double d_m = input_.setup.grid.spacing_m[axis],
                      largest = derivative ? std::numbers::pi / d_m : 1.0;
@@ -122,8 +93,7 @@ void Reader::check_operators() const {
             const double k = 2.0 * std::numbers::pi / (n * d_m) * (2.0 * m < n ? m : m - n);
             const std::complex<double> shift = std::polar(1.0, half_cells * k * d_m / 2.0),
                                        expected = derivative ? std::complex(0.0, k) * shift : shift,
-                                       value(static_cast<double>(found[2 * i]),
-                                             static_cast<double>(found[2 * i + 1]));
+                                       value(found[2 * i], found[2 * i + 1]);
             // At the Nyquist frequency of a half spectrum the sign of k is a convention.
             const bool nyquist = 2.0 * m == n;
             if (std::min(std::abs(value - expected),
@@ -156,13 +126,16 @@ void Reader::read_layer() {
         Shape shape = {1, 1, 1};
         shape[2 - a] = n_[a];
         const auto profile = [&](const std::string& name) {
-            const std::vector<float> found = reals(name, shape);
-            for (std::size_t i = 0; i < found.size(); ++i)
-                if (found[i] < 0.0f || found[i] > 1.0f)
-                    throw UsageError(fmt::format("{} is {} at index {}; factors of the absorbing "
-                                                 "layer must be 0 to 1",
-                                                 name, found[i], i + 1));
-            return std::vector<double>(found.begin(), found.end());
+            const Reals found = reals(name, shape);
+            std::vector<double> factors;
+            for (std::size_t i = 0; i < found.size(); ++i) {
+                factors.push_back(found[i]);
+                if (factors[i] < 0.0 || factors[i] > 1.0)
+                    throw UsageError(fmt::format("{} is {:.7g} at index {}; factors of the "
+                                                 "absorbing layer must be 0 to 1",
+                                                 name, factors[i], i + 1));
+            }
+            return factors;
         };
         const std::string half = fmt::format("{0}_sg{0}", axis);
         pml.given[a] = {pstd::PmlProfile{profile(fmt::format("pml_{}", axis)),
@@ -177,12 +150,12 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
     std::vector<std::uint64_t> samples;
     for (const Field field : fields)
         samples.push_back(
-            flag(fmt::format("{}_source_flag", grid_fields[index_of(field)]), most_steps));
+            flag(fmt::format("{}_source_flag", field_names[index_of(field)]), most_steps));
     if (std::all_of(samples.begin(), samples.end(), [](auto n) { return n == 0; })) return;
     const bool dirichlet = flag(letter + "_source_mode", letter == "u" ? 2 : 1) == 0;
     flag(letter + "_source_many", 1);
     const std::string name = letter + "_source_index";
-    const std::vector<std::ptrdiff_t> at = indices(name);
+    const std::vector<std::ptrdiff_t> at = indices(name, node_count());
     if (at.empty()) throw UsageError(name + " contains no nodes");
     std::vector<std::ptrdiff_t> sorted = at;
     std::sort(sorted.begin(), sorted.end());
@@ -193,16 +166,14 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
         nodes.push_back(node_of(index));
     for (std::size_t i = 0; i < fields.size(); ++i) {
         if (samples[i] == 0) continue;
-        const std::string input = fmt::format("{}_source_input", grid_fields[index_of(fields[i])]);
+        const std::string input = fmt::format("{}_source_input", field_names[index_of(fields[i])]);
         const hsize_t rows = shape_of(open(input, Kind::real), input)[2];
         if (rows != 1 && rows != at.size())
             throw UsageError(fmt::format("{} has {} series for {} source nodes; there must be one, "
                                          "or one per node: the mask was labelled, and the file "
                                          "does not contain the labels",
                                          input, rows, at.size()));
-        auto values =
-            std::make_shared<const std::vector<float>>(reals(input, {1, samples[i], rows}));
-        input_.source_values += values->size();
+        const auto values = std::make_shared<const Reals>(reals(input, {1, samples[i], rows}));
         pstd::Source source{.field = fields[i],
                             .mode = dirichlet ? pstd::SourceMode::dirichlet
                                               : pstd::SourceMode::additive,
@@ -215,21 +186,31 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
         source.values = [values, rows, scale](std::ptrdiff_t sample,
                                               std::span<const std::size_t> which,
                                               std::span<double> out) {
-            const float* row = values->data() + static_cast<std::size_t>(sample) * rows;
+            const std::size_t first = static_cast<std::size_t>(sample) * rows;
             for (std::size_t n = 0; n < which.size(); ++n)
-                out[n] = scale * static_cast<double>(row[rows == 1 ? 0 : which[n]]);
+                out[n] = scale * (*values)[first + (rows == 1 ? 0 : which[n])];
         };
         input_.setup.sources.push_back(std::move(source));
     }
 }
 
 void Reader::read_sensor() {
-    if (flag("sensor_mask_type", 1) == 0) {
-        for (const std::ptrdiff_t index : indices("sensor_mask_index"))
-            input_.sensor.nodes.push_back(node_of(index));
-        if (input_.sensor.nodes.empty()) throw UsageError("sensor_mask_index contains no nodes");
-        return;
-    }
+    const std::uint64_t type = flag("sensor_mask_type", 2);
+    if (type == 1) return read_cuboids();
+    Shape shape = {1, node_count(), 1};
+    const std::string name = "sensor_mask_weights";
+    if (type == 2) shape = shape_of(open(name, Kind::real), name);
+    pstd::SensorPoints& sensor = input_.sensor;
+    for (const std::ptrdiff_t index : indices("sensor_mask_index", shape[1] * shape[2]))
+        sensor.nodes.push_back(node_of(index));
+    if (type == 0 || sensor.nodes.empty()) return;
+    sensor.nodes_of_a_point = shape[2];
+    const Reals weights = reals(name, {1, sensor.nodes.size() / shape[2], shape[2]});
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        sensor.weights.push_back(weights[i]);
+}
+
+void Reader::read_cuboids() {
     const std::string name = "sensor_mask_corners";
     const hsize_t count = shape_of(open(name, Kind::integer), name)[1];
     if (count < 1 || count > 1'000'000)
@@ -287,12 +268,8 @@ Input Reader::input() {
 }
 
 Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B) {
-    bool is_study = false;
-    Input input = storage::read_user_file(path, [&](hid_t file) {
-        is_study = text_attribute(file, "schema").value_or("").starts_with("shearwake grid study");
-        return is_study ? Input{} : Reader(file, ranks, rank, available_B).input();
-    });
-    return is_study ? input_of_study(path) : input;
+    return storage::read_user_file(
+        path, [&](hid_t file) { return Reader(file, ranks, rank, available_B).input(); });
 }
 
 } // namespace shearwake::kwave

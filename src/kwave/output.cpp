@@ -45,8 +45,8 @@ h5::Id create_dataset(const OutputFile& output, const std::string& name,
     h5::Id dataset(H5Dcreate2(output.file, name.c_str(), type, space.raw(), H5P_DEFAULT,
                               layout.raw(), H5P_DEFAULT),
                    H5Dclose, "create " + name);
-    h5::put_attribute(dataset.raw(), "data_type",
-                      std::string(numbers == Numbers::integer ? "long" : "float"));
+    const std::string real = output.doubles ? "double" : "float";
+    h5::put_attribute(dataset.raw(), "data_type", numbers == Numbers::integer ? "long" : real);
     h5::put_attribute(dataset.raw(), "domain_type", std::string("real"));
     return dataset;
 }
@@ -168,15 +168,19 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
         write_dataset(output, name, one, Numbers::real, &value);
     if (arguments.copies_sensor_mask) {
         const auto& n = input.setup.grid.points;
+        const pstd::SensorPoints& sensor = input.sensor;
         std::vector<std::uint64_t> values;
-        const std::uint64_t type = input.cuboids.empty() ? 0u : 1u;
+        const std::uint64_t type = input.integers.at("sensor_mask_type");
         write_dataset(output, "sensor_mask_type", one, Numbers::integer, &type);
-        std::array<hsize_t, 3> shape = {1, 1, 0};
-        if (input.cuboids.empty()) {
-            for (const pstd::Node& node : input.sensor.nodes)
+        std::array<hsize_t, 3> shape = {1, sensor.size(), sensor.nodes_of_a_point};
+        if (type == 2)
+            write_dataset(output, "sensor_mask_weights", shape, Numbers::real,
+                          sensor.weights.data());
+        if (type != 1) {
+            for (const pstd::Node& node : sensor.nodes)
                 values.push_back(
                     static_cast<std::uint64_t>((node[2] * n[1] + node[1]) * n[0] + node[0] + 1));
-            shape[2] = values.size();
+            shape = {1, 1, values.size()};
         } else {
             for (const Cuboid& cuboid : input.cuboids)
                 for (const pstd::Node& corner : {cuboid.first, cuboid.last})
@@ -184,7 +188,7 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
                         values.push_back(static_cast<std::uint64_t>(index + 1));
             shape = {1, input.cuboids.size(), 6};
         }
-        write_dataset(output, type == 0 ? "sensor_mask_index" : "sensor_mask_corners", shape,
+        write_dataset(output, type == 1 ? "sensor_mask_corners" : "sensor_mask_index", shape,
                       Numbers::integer, values.data());
     }
     std::array<char, 256> host{};

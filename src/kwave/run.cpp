@@ -3,6 +3,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "engines/march.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "kwave/files.hpp"
@@ -22,7 +23,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <unistd.h>
 #include <xxhash.h>
 
 namespace shearwake::kwave {
@@ -35,36 +35,6 @@ void print(const Comm& world, const std::string& line) {
     if (!world.is_root()) return;
     fmt::print("{}\n", line);
     std::fflush(stdout);
-}
-
-void check_arguments(const Arguments& a) {
-    const auto refuse = [](const std::string& what) { throw UsageError(what); };
-    if (!a.checkpoint.empty() && a.checkpoint_interval_s <= 0.0 && a.checkpoint_steps <= 0)
-        refuse("--checkpoint_file requires --checkpoint_interval or --checkpoint_timesteps");
-    if (a.checkpoint.empty() && (a.checkpoint_interval_s > 0.0 || a.checkpoint_steps > 0))
-        refuse("--checkpoint_interval and --checkpoint_timesteps require --checkpoint_file");
-    if (a.output.empty()) refuse("-o requires the name of a file, but is empty");
-    for (const auto& path : {a.output, a.checkpoint}) {
-        if (path.empty()) continue;
-        std::error_code error;
-        const auto folder = path.parent_path();
-        if (!std::filesystem::is_directory(folder, error))
-            refuse(fmt::format("{}: the folder does not exist", path.string()));
-        if (::access(folder.c_str(), W_OK) != 0)
-            refuse(fmt::format("{}: the folder is not writable", path.string()));
-        const auto found = std::filesystem::status(path, error);
-        if (found.type() == std::filesystem::file_type::none)
-            refuse(fmt::format("{}: {}", path.string(), error.message()));
-        if (std::filesystem::is_directory(found))
-            refuse(fmt::format("{} is a folder", path.string()));
-        if (std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
-            refuse(fmt::format("{} is not a regular file", path.string()));
-        if (std::filesystem::equivalent(path, a.input, error))
-            refuse(fmt::format("{} would replace the input file", path.string()));
-    }
-    if (!a.checkpoint.empty() && std::filesystem::weakly_canonical(a.checkpoint) ==
-                                     std::filesystem::weakly_canonical(a.output))
-        refuse("the checkpoint and the output have the same name");
 }
 
 /// A hash of the input file and of everything else that determines the result. Not collective.
@@ -90,7 +60,6 @@ void check_step(const Input& input, const std::string& name, const Comm& world) 
         throw UsageError(fmt::format("{}: dt is {:.6g} s, which is unstable in this medium: steps "
                                      "above {:.6g} s are unstable",
                                      name, grid.dt_s, alone_s));
-    if (input.study) return;
     pstd::Extremes extremes;
     extremes.p_modulus_Pa = world.max(input.limits.p_modulus_Pa);
     extremes.p_viscosity_Pa_s = world.max(input.limits.p_viscosity_Pa_s);
@@ -182,64 +151,135 @@ void describe(const Job& job, double required_B) {
         print(world, fmt::format("  about {:.3g} GB per rank", 1e-9 * required_B));
 }
 
-/// Restores the checkpoint, if there is one, after a check of its owner. Collective.
+/// The stepper and the records of a run.
 template <class Real>
-void resume(const Job& job, const storage::CheckpointOwner& owner, pstd::Stepper<Real>& stepper,
-            pstd::Recorder& recorder) {
-    const auto& path = job.arguments.checkpoint;
-    bool exists = false;
-    on_root(job.world, [&] {
-        if (!(exists = std::filesystem::exists(path))) return;
-        storage::CheckpointFacts facts;
-        if (const std::string error = storage::checkpoint_error(path, owner, facts); !error.empty())
-            throw UsageError(
-                fmt::format("{} {}; it must be a checkpoint of the same input file and options",
-                            path.string(), error));
-    });
-    if (!job.world.broadcast(exists)) return;
-    storage::CheckpointFileReader reader(path, job.world);
-    stepper.restore(reader);
-    recorder.restore(reader);
-    reader.close();
-    print(job.world, fmt::format("resumed after step {}", stepper.steps()));
-}
-
-/// Computes and records the steps. Returns whether it stops for a checkpoint. Collective.
-template <class Real>
-bool advance(const Job& job, pstd::Stepper<Real>& stepper, pstd::Recorder& recorder) {
-    const Arguments& arguments = job.arguments;
-    const long first = stepper.steps(), steps = job.steps;
-    long reported = steps > 0 ? 100 * first / steps / arguments.progress_percent : 0;
-    bool stops = false;
-    while (stepper.steps() < steps && !stops) {
-        stepper.step();
-        recorder.add(stepper, job.world);
-        const long done = stepper.steps();
-        if (done == steps || (done - first) % steps_between_checks == 0)
-            if (!std::isfinite(job.world.sum(stepper.kinetic_J())))
-                throw UsageError(fmt::format(
-                    "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
-                    "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio "
-                    "stabilises",
-                    job.name(), done, static_cast<double>(done) * job.input.setup.grid.dt_s));
-        if (!arguments.checkpoint.empty() && done < steps)
-            stops = job.world.any(
-                schedule::stop_requested() ||
-                (arguments.checkpoint_steps > 0 && done - first >= arguments.checkpoint_steps) ||
-                (arguments.checkpoint_interval_s > 0.0 &&
-                 seconds_since(job.phases.began) >= arguments.checkpoint_interval_s));
-        const long now = 100 * done / steps / arguments.progress_percent;
-        if (now == reported && !stops) continue;
-        reported = now;
-        const double passed_s = seconds_since(job.phases.phase);
-        print(job.world,
-              fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
-                          100 * done / steps, done, steps, passed_s,
-                          *schedule::time_left_s(passed_s, static_cast<double>(done - first),
-                                                 static_cast<double>(steps - first))));
+class Simulation : public engines::Marching {
+public:
+    /// `job` must outlive this object. Collective.
+    explicit Simulation(const Job& job) : job_(job), stepper_(job.input.setup, job.world) {
+        together(job.world, [&] {
+            recorder_.emplace(job.input.sensor, stepper_.slabs(), job.arguments.records,
+                              job.arguments.first_step, job.steps);
+        });
     }
-    return stops;
-}
+    const pstd::Stepper<Real>& stepper() const { return stepper_; }
+    pstd::Recorder& recorder() { return *recorder_; }
+
+    std::ptrdiff_t step() const override { return stepper_.steps(); }
+    void advance() override {
+        stepper_.step();
+        recorder_->add(stepper_, job_.world);
+        const long done = stepper_.steps();
+        if (done != job_.steps && done % steps_between_checks != 0) return;
+        if (!std::isfinite(job_.world.sum(stepper_.kinetic_J())))
+            throw UsageError(fmt::format(
+                "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
+                "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio stabilises",
+                job_.name(), done, static_cast<double>(done) * job_.input.setup.grid.dt_s));
+    }
+    void emit(engines::Observer& /*observer*/) override {} // the recorder has all output
+    void save(StateWriter& state) const override {
+        stepper_.save(state);
+        recorder_->save(state);
+    }
+    void restore(const StateReader& state) override {
+        stepper_.restore(state);
+        recorder_->restore(state);
+    }
+
+private:
+    const Job& job_;
+    pstd::Stepper<Real> stepper_;
+    std::optional<pstd::Recorder> recorder_;
+};
+
+/// Receives nothing, since a simulation has its records itself.
+class NoObserver : public engines::Observer {
+    void begin(const engines::Slab&) override {}
+    void frame(const engines::Frame&) override {}
+    void stress(const engines::StressFrame&) override {}
+    void tangential(const engines::TangentialFrame&) override {}
+    void volume_levels(const std::vector<double>&) override {}
+    void volume(const engines::VolumePlane&) override {}
+    void solved(const engines::SolverReport&) override {}
+    void save(StateWriter&) override {}
+    void restore(const StateReader&) override {}
+};
+
+/// The steps from the start, or from a checkpoint, to the end or to the next checkpoint.
+class Leg : public engines::Checkpoints {
+public:
+    /// Both must outlive this object. Collective.
+    Leg(const Job& job, const engines::Marching& field)
+        : job_(job), field_(field),
+          path_(job.arguments.checkpoint), owner_{.case_id = "",
+                                                  .git_id = pipeline::program_git_id()} {
+        if (path_.empty()) return;
+        on_root(job.world, [&] { owner_.case_id = identity_of(job.arguments, job.steps); });
+    }
+    long first() const { return first_; }
+
+    bool due() override {
+        const Arguments& a = job_.arguments;
+        return !path_.empty() &&
+               job_.world.any(
+                   schedule::stop_requested() ||
+                   (a.checkpoint_steps > 0 && field_.step() - first_ >= a.checkpoint_steps) ||
+                   (a.checkpoint_interval_s > 0.0 &&
+                    seconds_since(job_.phases.began) >= a.checkpoint_interval_s));
+    }
+    void save(const std::function<void(StateWriter&)>& write) override {
+        storage::CheckpointFileWriter writer(path_, job_.world);
+        for (const auto& [name, value] : job_.input.integers)
+            if (name.size() == 2 && name[0] == 'N') writer.put(name, static_cast<double>(value));
+        write(writer);
+        writer.commit(owner_, {});
+    }
+    /// A checkpoint of another run is an error.
+    bool restore(const std::function<void(const StateReader&)>& read) override {
+        if (path_.empty()) return false;
+        bool exists = false;
+        on_root(job_.world, [&] {
+            if (!(exists = std::filesystem::exists(path_))) return;
+            storage::CheckpointFacts facts;
+            if (const std::string error = storage::checkpoint_error(path_, owner_, facts);
+                !error.empty())
+                throw UsageError(
+                    fmt::format("{} {}; it must be a checkpoint of the same input file and options",
+                                path_.string(), error));
+        });
+        if (!job_.world.broadcast(exists)) return false;
+        storage::CheckpointFileReader reader(path_, job_.world);
+        read(reader);
+        reader.close();
+        print(job_.world, fmt::format("resumed after step {}", field_.step()));
+        return true;
+    }
+    bool stop() const override { return true; }
+    void progressed(double /*share*/) override {
+        const long done = field_.step(),
+                   now = 100 * done / job_.steps / job_.arguments.progress_percent;
+        if (reported_ < 0) {
+            first_ = done;
+            job_.phases.preparing_s = job_.phases.next();
+        } else if (now != reported_) {
+            const double passed_s = seconds_since(job_.phases.phase);
+            print(job_.world,
+                  fmt::format("{:4} %  step {} of {}, {:.1f} s passed, {:.1f} s to go",
+                              100 * done / job_.steps, done, job_.steps, passed_s,
+                              *schedule::time_left_s(passed_s, static_cast<double>(done - first_),
+                                                     static_cast<double>(job_.steps - first_))));
+        }
+        reported_ = now;
+    }
+
+private:
+    const Job& job_;
+    const engines::Marching& field_;
+    const std::filesystem::path& path_;
+    storage::CheckpointOwner owner_;
+    long first_ = 0, reported_ = -1; // the step at the start; the last interval of progress
+};
 
 /// Collective.
 template <class Real>
@@ -290,39 +330,22 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                                      job.name(), 1e-9 * required_B, 1e-9 * available_B));
     describe(job, required_B);
 
-    pstd::Stepper<Real> stepper(input->setup, world);
-    std::unique_ptr<pstd::Recorder> recorder;
-    together(world, [&] {
-        recorder = std::make_unique<pstd::Recorder>(input->sensor, stepper.slabs(),
-                                                    arguments.records, arguments.first_step, steps);
-    });
-    storage::CheckpointOwner owner{.case_id = "", .git_id = pipeline::program_git_id()};
-    if (!arguments.checkpoint.empty()) {
-        on_root(world, [&] { owner.case_id = identity_of(arguments, steps); });
-        resume(job, owner, stepper, *recorder);
-    }
-    phases.preparing_s = phases.next();
-    const long first = stepper.steps();
-    const bool stops = advance(job, stepper, *recorder);
+    Simulation<Real> field(job);
+    Leg leg(job, field);
+    NoObserver nobody;
+    const bool stops = engines::march(field, steps, nobody, &leg) == engines::MarchEnd::stopped;
     phases.stepping_s = phases.next();
-    if (stops) {
-        storage::CheckpointFileWriter writer(arguments.checkpoint, world);
-        for (const auto& [name, value] : input->integers)
-            if (name.size() == 2 && name[0] == 'N') writer.put(name, static_cast<double>(value));
-        stepper.save(writer);
-        recorder->save(writer);
-        writer.commit(owner, {});
-    }
-    recorder->finish();
-    write_output(job, stepper, *recorder);
+    field.recorder().finish();
+    write_output(job, field.stepper(), field.recorder());
     if (!stops && !arguments.checkpoint.empty() && world.is_root())
         std::filesystem::remove(arguments.checkpoint);
-    print(world, stops ? fmt::format("stopped after step {}; repeat the command to resume from {}",
-                                     stepper.steps(), arguments.checkpoint.string())
-                       : fmt::format("{}: {:.1f} s, {:.3g} Mpoint/s", arguments.output.string(),
-                                     seconds_since(phases.began),
-                                     1e-6 * job.points() * static_cast<double>(steps - first) /
-                                         std::max(phases.stepping_s, 1e-9)));
+    print(world, stops
+                     ? fmt::format("stopped after step {}; repeat the command to resume from {}",
+                                   field.step(), arguments.checkpoint.string())
+                     : fmt::format("{}: {:.1f} s, {:.3g} Mpoint/s", arguments.output.string(),
+                                   seconds_since(phases.began),
+                                   1e-6 * job.points() * static_cast<double>(steps - leg.first()) /
+                                       std::max(phases.stepping_s, 1e-9)));
 }
 
 } // namespace

@@ -29,6 +29,10 @@ struct Arguments {
     std::string precision = "double", output_precision = "single";
 };
 
+/// Throws UsageError for options that contradict each other, and for names of files that cannot be
+/// written. Not collective.
+void check_arguments(const Arguments& arguments);
+
 /// Runs the scheme of pstdElastic3D on an input file and writes the output file of k-Wave, under a
 /// temporary name until it is complete. A run that ends at a checkpoint also writes the output, in
 /// which t_index is the last step. Throws UsageError with the exit code 1 of k-Wave for all errors.

@@ -89,18 +89,17 @@ double set_window(const Case& c, SensationLines& lines) {
                  // The second difference at the last frame would need the one after it.
         to_s = std::min(c.measure.at_s, time.duration_s() - time.interval_s),
                  settled_s = to_s - settled_after_s + time.interval_s;
-    lines.reason =
-        no_focus_reason(c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
+    lines.reason = no_focus_reason(c.measure, time, off_time_s(c.scene.load.modulation.trajectory));
     if (!(settled_s > 4.0 * time.interval_s) && lines.reason.empty())
         lines.reason = "fewer than four frames lie between measure.settled_after_ms and "
                        "measure.at_ms";
     if (!lines.reason.empty()) return 0.0;
-    for (const Gain& gain : c.scene().load.modulation.envelope.gains)
+    for (const Gain& gain : c.scene.load.modulation.envelope.gains)
         if (acts_once(gain) && rests(gain, settled_after_s, to_s) &&
             !(shearwake::gain({{gain}}, 0.5 * (settled_after_s + to_s)) > 0.0))
             lines.reason = "the load is off between measure.settled_after_ms and measure.at_ms";
     if (!lines.reason.empty()) return 0.0;
-    const Load load = changing_load(c.scene().load, settled_after_s, to_s);
+    const Load load = changing_load(c.scene.load, settled_after_s, to_s);
     const LoadPeriod period = least_period(load, settled_s);
     if (!period.reason.empty()) {
         lines.reason = period_reason(load, period, c.measure.at_s - settled_after_s);

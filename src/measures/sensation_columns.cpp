@@ -162,7 +162,7 @@ std::vector<Vec2> counted_line(const Case& c, const std::vector<std::vector<Vec2
                 to = b.front();
             }
     if (!(norm(to - from) > 0.0)) return {};
-    const Vec2 beyond = fwhm_m(c.scene().load.footprint) / norm(to - from) * (to - from);
+    const Vec2 beyond = fwhm_m(c.scene.load.footprint) / norm(to - from) * (to - from);
     return {from - beyond, to + beyond};
 }
 
@@ -170,8 +170,8 @@ class PerceptionColumns {
 public:
     PerceptionColumns(const Case& c, const SensationMap& map)
         : c_(c), map_(map), lines_(sensation_lines(c)), levels_(c, map),
-          region_(measured_region(c.domain, c.measure)), fwhm_m_(fwhm_m(c.scene().load.footprint)),
-          shapes_(drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m)),
+          region_(measured_region(c.domain, c.measure)), fwhm_m_(fwhm_m(c.scene.load.footprint)),
+          shapes_(drawn_shape(c.scene.load.modulation, 0.25 * c.domain.spacing_m)),
           reason_(lines_.reason) {
         if (reason_.empty() && map.level_dB.empty())
             reason_ = "the measured region contains no sample";

@@ -34,7 +34,7 @@ struct Readings {
 /// The reason why the focal disc has no position at the instant: there a repeated path that is not
 /// closed starts again. Empty if it has one.
 std::string jump_reason(const Case& c) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     const double at_s = c.measure.at_s, aside_s = 1e-6 * c.time.interval_s;
     if (at_s <= aside_s) return {};
     const auto before = foci(modulation, at_s - aside_s), after = foci(modulation, at_s + aside_s);
@@ -59,8 +59,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
                                      at * 1e3, time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
         r.instant_note = "nothing has moved at the start of the run";
-    } else if (const std::string none = no_focus_reason(
-                   c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
+    } else if (const std::string none =
+                   no_focus_reason(c.measure, time, off_time_s(c.scene.load.modulation.trajectory));
                !none.empty()) {
         r.instant_note = none;
     } else if (const std::string jump = jump_reason(c); !jump.empty()) {
@@ -169,11 +169,8 @@ void add_surface(Columns& columns, const Case& c, const Readings& r,
     add_focal_rms(columns, c, r, frames);
 }
 
-/// The load of a grid study does not drive it; the study has sources of its own.
 void add_impulse(Columns& columns, const Case& c) {
-    columns.add("impulse_mN_ms",
-                c.study() ? not_a_number : impulse_N_s(c.scene().load, c.measure.at_s) * 1e6,
-                c.study() ? "the sources of a study are not a force on the surface" : "");
+    columns.add("impulse_mN_ms", impulse_N_s(c.scene.load, c.measure.at_s) * 1e6, "");
 }
 
 struct Band {
@@ -288,7 +285,7 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     columns.add("mach_angle_deg", mach ? mach->angle_deg : not_a_number,
                 mach ? mach->reason : "no surface frame was fitted");
 
-    const Trajectory& trajectory = c.scene().load.modulation.trajectory;
+    const Trajectory& trajectory = c.scene.load.modulation.trajectory;
     const double at = c.measure.at_s, speed = norm(velocity(trajectory, at));
     double theory = not_a_number;
     std::string note;
@@ -297,15 +294,15 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     } else if (const std::string none = no_focus_reason(c.measure, c.time, off_time_s(trajectory));
                !none.empty()) {
         note = none;
-    } else if (!has_constant_velocity(trajectory) || c.scene().load.modulation.foci_m.size() > 1) {
+    } else if (!has_constant_velocity(trajectory) || c.scene.load.modulation.foci_m.size() > 1) {
         note = "the wake has no single angle: this requires a single focus that moves along a "
                "straight line at constant speed";
-    } else if (c.scene().medium.layers.empty()) {
+    } else if (c.scene.medium.layers.empty()) {
         note = "no layer";
     } else {
         try {
             const double rayleigh = rayleigh_speed_m_s(
-                surface_wave_layer(c.scene().medium, fwhm_m(c.scene().load.footprint)));
+                surface_wave_layer(c.scene.medium, fwhm_m(c.scene.load.footprint)));
             theory = mach_angle_theory_deg(rayleigh, speed);
             if (std::isnan(theory))
                 note = fmt::format("{:.3g} m/s is not faster than the Rayleigh wave, {:.3g} m/s",
@@ -319,7 +316,7 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
 
 void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
                    const std::vector<double>& mean_u2) {
-    const double fwhm = fwhm_m(c.scene().load.footprint);
+    const double fwhm = fwhm_m(c.scene.load.footprint);
     double value = not_a_number;
     std::string note = window.reason;
     if (note.empty() && mean_u2.empty()) note = "no mean energy was recorded";
@@ -327,7 +324,7 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
     if (note.empty())
         value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
                           measured_region(c.domain, c.measure),
-                          drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m), fwhm);
+                          drawn_shape(c.scene.load.modulation, 0.25 * c.domain.spacing_m), fwhm);
     columns.add("sharpness_1", value, note);
 }
 
@@ -359,13 +356,13 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
                               const std::optional<MachFit>& mach,
                               const std::vector<double>& mean_u2) {
     const PeriodWindow window =
-        period_window(c.measure, c.time, modulation_frequency_Hz(c.scene().load.modulation),
-                      off_time_s(c.scene().load.modulation.trajectory));
+        period_window(c.measure, c.time, modulation_frequency_Hz(c.scene.load.modulation),
+                      off_time_s(c.scene.load.modulation.trajectory));
     Readings surface{.instant_note = "no depth recorded", .period_note = "no depth recorded"};
     if (!depths.empty()) surface = read(c, window, depths.front());
 
     Columns columns({{"radius", fmt::format("{:g}", c.measure.focal_radius_m * 1e3)},
-                     {"fwhm", fmt::format("{:g}", fwhm_m(c.scene().load.footprint) * 1e3)}});
+                     {"fwhm", fmt::format("{:g}", fwhm_m(c.scene.load.footprint) * 1e3)}});
     add_surface(columns, c, surface,
                 depths.empty() ? std::span<const SurfaceSums>{} : depths.front().frames);
     add_impulse(columns, c);

@@ -143,7 +143,7 @@ double focal_share(const Case& c, std::span<const SurfaceSums> frames,
     for (std::size_t n = 0; n < frames.size(); ++n) {
         if (weights[n] == 0.0) continue;
         const std::vector<Vec2> places =
-            foci(c.scene().load.modulation, c.time.frame_s(static_cast<std::ptrdiff_t>(n)));
+            foci(c.scene.load.modulation, c.time.frame_s(static_cast<std::ptrdiff_t>(n)));
         const double complete = disc_cells * static_cast<double>(places.size());
         double cells = frames[n].focal_weight;
         if (places.size() > 1 && cells < (1.0 - 1e-9) * complete) { // discs that overlap, too

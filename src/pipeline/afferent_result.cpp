@@ -295,7 +295,7 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
     ReceptorMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
                           .near_m = c.measure.focal_radius_m,
                           .modulation_Hz =
-                              modulation_frequency_Hz(c.scene().load.modulation).value_or(0.0),
+                              modulation_frequency_Hz(c.scene.load.modulation).value_or(0.0),
                           .name = planned.id};
     if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
         motion.modulation_Hz = carrier->am_frequency_Hz;
@@ -313,7 +313,7 @@ ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder
     for (const measures::TraceSeries& receptor : recorder.stresses_Pa())
         motion.compression_Pa.push_back(from_rest(receptor));
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-        for (const Vec2 place_m : foci(c.scene().load.modulation, c.time.frame_s(n)))
+        for (const Vec2 place_m : foci(c.scene.load.modulation, c.time.frame_s(n)))
             if (motion.path_m.empty() || !(motion.path_m.back() == place_m))
                 motion.path_m.push_back(place_m);
     return motion;

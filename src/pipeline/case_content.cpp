@@ -47,8 +47,8 @@ Variable series(const std::vector<measures::DepthSeries>& depths,
 }
 
 VariableGroup root_series(const Case& c, const std::vector<measures::DepthSeries>& depths) {
-    const Trajectory& trajectory = c.scene().load.modulation.trajectory;
-    Load averaged = c.scene().load; // frames do not resolve the carrier
+    const Trajectory& trajectory = c.scene.load.modulation.trajectory;
+    Load averaged = c.scene.load; // frames do not resolve the carrier
     averaged.carrier = AveragedCarrier{};
     const auto time = over_time(c, [](double t) { return t; });
     VariableGroup root;
@@ -93,7 +93,7 @@ VariableGroup trace_group(const Case& c, const std::vector<measures::TraceSeries
 VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
     const Domain& d = c.domain;
     std::vector<double> number, line, x, y;
-    const auto lines = drawn_shape(c.scene().load.modulation, d.spacing_m);
+    const auto lines = drawn_shape(c.scene.load.modulation, d.spacing_m);
     for (std::size_t l = 0; l < lines.size(); ++l)
         for (const Vec2 point : lines[l]) {
             number.push_back(static_cast<double>(number.size()));
@@ -162,50 +162,6 @@ std::string columns_in_samples(const VariableGroup& root) {
     return fmt::format("{}", fmt::join(names, " "));
 }
 
-VariableGroup sensor_group(const StudyData& study,
-                           const std::vector<engines::SensorRecord>& sensors) {
-    VariableGroup group{.name = "sensor", .variables = {}};
-    if (sensors.empty()) return group;
-    using Of = engines::SensorRecord::Of;
-    std::vector<double> samples_s, numbers(study.sensor.size());
-    for (std::ptrdiff_t n = study.sensor_start; n <= study.steps; ++n)
-        samples_s.push_back(study.time_step_s * static_cast<double>(n));
-    std::iota(numbers.begin(), numbers.end(), 0.0);
-    group.add("time", {"time"}, samples_s, "s",
-              "end of the step; velocities are half a step earlier");
-    group.add("node", {"node"}, numbers, "1", "point of the sensor");
-    for (const std::size_t axis : {0u, 1u, 2u}) {
-        std::vector<double> indices(study.sensor.size(), 0.0);
-        for (std::size_t n = 0; n < study.sensor.nodes.size(); ++n)
-            indices[n / study.sensor.nodes_of_a_point] +=
-                static_cast<double>(study.sensor.nodes[n][axis]) *
-                (study.sensor.weights.empty() ? 1.0 : study.sensor.weights[n]);
-        group.add(std::string(1, "ijk"[axis]), {"node"}, std::move(indices), "1",
-                  "index along an axis, from 0");
-    }
-    if (std::any_of(sensors.begin(), sensors.end(),
-                    [](const auto& record) { return record.of == Of::grid; }))
-        for (const std::size_t axis : {0u, 1u, 2u}) {
-            std::vector<double> places_m;
-            for (std::ptrdiff_t n = 0; n < study.points[axis]; ++n)
-                places_m.push_back(static_cast<double>(n - study.points[axis] / 2) *
-                                   study.spacing_m[axis]);
-            const std::string name(1, "xyz"[axis]);
-            group.add(name, {name}, std::move(places_m), "m", "from the middle node of the grid");
-        }
-    for (const engines::SensorRecord& record : sensors)
-        group.add(record.name,
-                  record.of == Of::grid     ? std::vector<std::string>{"x", "y", "z"}
-                  : record.of == Of::points ? std::vector<std::string>{"node"}
-                                            : std::vector<std::string>{"node", "time"},
-                  record.values, record.units,
-                  record.units == "m/s"    ? "particle velocity"
-                  : record.units == "W/m2" ? "intensity"
-                  : record.name[0] == 'p'  ? "pressure"
-                                           : "stress");
-    return group;
-}
-
 std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts) {
     const bool short_enough = facts.job_text.size() <= h5::largest_text;
     std::vector<Attribute> attributes = {
@@ -267,8 +223,6 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
         for (VariableGroup& group : afferents.groups)
             results.groups.push_back(std::move(group));
         if (c.vibrometer) results.groups.push_back(vibrometer_group(c, recorder.scan_m()));
-        if (!recorder.solver().sensors.empty())
-            results.groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
     });
     results.afferents = std::move(afferents.notes);
     return results;
@@ -366,7 +320,7 @@ std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solv
                                   std::span<const measures::SurfaceSums> surface) {
     std::vector<Remark> warnings = check(c);
     const auto edges = engines::make_engine(c.solver)->edges(c);
-    if (!c.study() && edges == engines::Edges::periodic && !mean_u2.empty())
+    if (edges == engines::Edges::periodic && !mean_u2.empty())
         check_returning_waves(edge_share(c.domain, mean_u2), warnings);
     check_image_uplift(c, surface, warnings);
     for (const Remark& warning : solver) // some follow from the case alone

@@ -33,10 +33,6 @@ void add_columns(const std::vector<measures::Column>& columns, VariableGroup& gr
 /// Names of the columns of the root group that count samples of the grid, separated by spaces.
 std::string columns_in_samples(const VariableGroup& root);
 
-/// The recorded data of the sensor of a study, group /sensor of the file.
-VariableGroup sensor_group(const StudyData& study,
-                           const std::vector<engines::SensorRecord>& sensors);
-
 /// When and on which resources the case was computed.
 struct RunFacts {
     std::string job_title;

@@ -93,8 +93,8 @@ constexpr double of_group_B = 6e3; // size of a further group
 
 bool has_mean(const Case& c) {
     return measures::period_window(c.measure, c.time,
-                                   modulation_frequency_Hz(c.scene().load.modulation),
-                                   off_time_s(c.scene().load.modulation.trajectory))
+                                   modulation_frequency_Hz(c.scene.load.modulation),
+                                   off_time_s(c.scene.load.modulation.trajectory))
         .fits();
 }
 

@@ -47,13 +47,12 @@ Object points(const std::vector<Vec2>& all) {
 /// What a display needs in addition to the results.
 Object description(const PlannedCase& planned) {
     const Case& c = planned.physics;
-    const double width_m = fwhm_m(c.scene().load.footprint);
-    return {
-        {"case", planned.id},
-        {"spacing_m", c.domain.spacing_m},
-        {"fwhm_m", width_m},
-        {"foci_m", points(c.scene().load.modulation.foci_m)},
-        {"surface_wave_m_s", rayleigh_speed_m_s(surface_wave_layer(c.scene().medium, width_m))}};
+    const double width_m = fwhm_m(c.scene.load.footprint);
+    return {{"case", planned.id},
+            {"spacing_m", c.domain.spacing_m},
+            {"fwhm_m", width_m},
+            {"foci_m", points(c.scene.load.modulation.foci_m)},
+            {"surface_wave_m_s", rayleigh_speed_m_s(surface_wave_layer(c.scene.medium, width_m))}};
 }
 
 Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,

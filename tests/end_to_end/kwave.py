@@ -13,6 +13,7 @@ from shearwake.kwave.main import main
 
 DATA = ROOT / "tests" / "data" / "pstd"
 POINTS = (48, 40, 32)
+AXES = "xyz"
 FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 
 
@@ -57,6 +58,12 @@ def import_kwave(folder, *words):
         os.chdir(before)
 
 
+def nodes_of(file, name):
+    """The nodes of a dataset of indices, counted from 0."""
+    points = [int(file[f"N{axis}"][0, 0, 0]) for axis in AXES]
+    return numpy.stack(numpy.unravel_index(file[name][0, 0].astype(int) - 1, points, order="F"), axis=1)
+
+
 def reference(run):
     """{traces, source_G, source_R, points_ijk0} of one of k-Wave's runs."""
     with h5py.File(DATA / f"{run}.h5", "r") as file:
@@ -79,8 +86,6 @@ def structures_of(run, of):
         "options": {"PMLAlpha": 0.0 if "off" in run else 2.0},
     }
 
-
-AXES = "xyz"
 
 
 def at_half(values, axis):

@@ -19,7 +19,7 @@ def study():
         "medium": {"sound_speed_compression": 20.0, "sound_speed_shear": c_s, "density": 1000.0,
                    "sound_speed_ref": "mean"},
         "source": {"u_mask": mask, "uz": numpy.arange(60.0).reshape(3, 20), "u_mode": "dirichlet"},
-        "sensor": {"mask": numpy.array([[3.0, 4, 2, 5, 4, 2]]).T, "record": ["p", "uz"]},
+        "sensor": {"mask": numpy.array([[3.0, 4, 2, 5, 4, 2]]).T, "record": ["p", "u"]},
         "options": {"PMLInside": True, "PMLSize": numpy.array([[2.0, 2, 2]])},
     }
 
@@ -41,7 +41,7 @@ class FilesTest(ProgramTest):
 
     def changed(self, **parts):
         structures = study()
-        structures["sensor"]["record"] = cell(["p", "uz"])
+        structures["sensor"]["record"] = cell(["p", "u"])
         for name, fields in parts.items():
             structures[name].update(fields)
         scipy.io.savemat(self.folder / "study.mat", structures)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
-import os
 import re
 import types
 import unittest
@@ -22,7 +21,7 @@ class Notes(FilesTest):
     def saved(self, changes, **others):
         """A study with changed fields, {structure: {field: value}}, and other variables."""
         structures = study()
-        structures["sensor"]["record"] = cell(["p", "uz"])
+        structures["sensor"]["record"] = cell(["p", "u"])
         for group, fields in changes.items():
             structures[group].update(fields)
         structures.update(others)
@@ -52,8 +51,8 @@ class Notes(FilesTest):
             self.says(said, "PMLSize 2, 3, 1, outside the grid, PMLAlpha 2", "options.PlotSim: ignored, does not change the physics",
                       "options.DataCast: ignored")
             with h5py.File(self.folder / "study.h5") as file:
-                numpy.testing.assert_array_equal(file["layer/points"][()], [2, 3, 1])
-                numpy.testing.assert_array_equal(file["grid/points"][()], [14, 15, 10])
+                self.assertEqual([file[f"pml_{axis}_size"][0, 0, 0] for axis in "xyz"], [2, 3, 1])
+                self.assertEqual([file[f"N{axis}"][0, 0, 0] for axis in "xyz"], [14, 15, 10])
         self.says(said, "note: the variable input_args is read as options")
         save(self.folder / "study.mat", {**{name: value for name, value in study().items() if name != "options"}})
         with h5py.File(self.folder / "study.mat", "r+") as file:  # the cell array of MATLAB 7.3
@@ -113,8 +112,7 @@ class Notes(FilesTest):
     def test_nodes_inside_the_layer_are_warned_of(self):
         self.says(self.imported(self.saved({}, options={"PMLSize": 3.0})),
                   "warning: source.uz: 3 of 3 nodes lie inside the absorbing layer",
-                  "warning: sensor.mask: 3 of 3 nodes lie inside the absorbing layer",
-                  "warning: the measured plane z 3 lies inside the absorbing layer")
+                  "warning: sensor.mask: 3 of 3 nodes lie inside the absorbing layer")
         for options in ({"PMLSize": 3.0, "PMLAlpha": 0.0}, {"PMLSize": 3.0, "PMLInside": False}):
             self.assertNotIn("inside the absorbing", self.imported(self.saved({}, options=options)))
 
@@ -133,39 +131,24 @@ class Notes(FilesTest):
 
     def test_results_of_the_import_are_not_imported(self):
         self.imported(self.saved({}))
-        self.refused("study.h5", "study.h5 is already an imported study")
+        self.refused("study.h5", "study.h5 is an elastic input file of k-Wave: run it with shearwake kwave -i study.h5")
+        (self.folder / "study.toml").write_text("schema = 1\n", encoding="utf-8")
         self.refused("study.toml", "study.toml is a job, not a k-Wave simulation")
-
-    def import_to(self, name):
-        code, said = import_kwave(self.folder, "study.mat", "--out", name)
-        self.assertEqual(code, 0, said)
-        return said
 
     def test_the_extension_of_the_output_is_not_repeated(self):
         self.saved({})
-        for name in ("a.toml", "a.h5"):
-            self.says(self.import_to(name), "next: shearwake run a.toml")
-        self.assertEqual(sorted(path.name for path in self.folder.glob("a.*")), ["a.h5", "a.toml"])
+        for name in ("a", "a.h5"):
+            code, said = import_kwave(self.folder, "study.mat", "--out", name)
+            self.assertEqual(code, 0, said)
+            self.says(said, "next: shearwake kwave -i a.h5 -o a-output.h5")
+        self.assertEqual([path.name for path in self.folder.glob("a*")], ["a.h5"])
 
-    def test_sensors_of_two_resolutions_are_compared(self):
-        signal = numpy.sin(2 * numpy.pi * 500.0 * 1e-5 * numpy.arange(20))[None, :]
-        for name, factor, corners in (("coarse", 1, [3, 4, 2, 5, 4, 2]), ("fine", 2, [5, 8, 3, 9, 8, 3])):
-            mask = numpy.zeros([factor * n for n in POINTS])
-            mask[5 * factor, 4 * factor + factor // 2, 4 * factor] = 1.0  # the middle node
-            self.saved({"kgrid": {**{f"N{axis}": factor * n for axis, n in zip("xyz", POINTS)},
-                                  **{f"d{axis}": mm * 1e-3 / factor for axis, mm in zip("xyz", (1, 1, 2))}},
-                        "medium": {"sound_speed_shear": 5.0}, "source": {"u_mask": mask, "uz": signal},
-                        "sensor": {"mask": numpy.array([corners], float).T}})
-            self.import_to(name)
-            self.shearwake("run", f"{name}.toml", "--quiet")
-        said = self.shearwake("compare", "out/coarse", "out/fine", expect=1).said
-        # Of the 5 nodes of the fine sensor, every second one is a node of the coarse sensor.
-        self.assertRegex(said, "measured depths +other: 8.5 mm -> 9 mm")
-        self.says(said, "sensor, uz at 3 nodes: relative L2",
-                  "velocities, which k-Wave stores between nodes and steps, are up to 0.5 mm apart")
-        os.utime(self.folder / "fine.h5", (4e9, 4e9))
-        self.says(self.shearwake("compare", "out/coarse", "out/fine", expect=1).said, "sensors not compared: the grids differ",
-                  "was not found or was changed after the run")
+    def test_without_a_mask_values_of_the_entire_grid_are_recorded(self):
+        for record, flags in ((["p", "u"], "--p_final"), (["p", "u_max_all"], "--u_max_all")):
+            said = self.imported(self.saved({}, sensor={"record": cell(record)}))
+            self.says(said, "note: sensor.mask is missing: only values of the entire grid are recorded", f"{flags} -s 1")
+        self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", "--u_max_all")
+        self.says(self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", "-p", expect=1).said, "the sensor has no points")
 
     def test_the_input_is_not_replaced(self):
         with h5py.File(self.folder / "study.h5", "w") as file:

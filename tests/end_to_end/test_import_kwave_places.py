@@ -6,17 +6,17 @@ import h5py
 import numpy
 import scipy.io
 
+from kwave import nodes_of
 from small_study import FilesTest, cell, study
 
 
 class Places(FilesTest):
     def test_places_of_sources_and_sensor_are_printed(self):
         structures = study()
-        structures["sensor"]["record"] = cell(["p", "uz"])
+        structures["sensor"]["record"] = cell(["p", "u"])
         scipy.io.savemat(self.folder / "study.mat", structures)
         self.says(self.imported("study.mat"), "10 x 9 x 8 nodes, 20 steps of 10 us, 1 source, 3 sensor nodes",
-                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (uz, sxx, syy, szz, p): 3 nodes, x 3 to 5, y 4, z 2",
-                  "measured: u_z in the plane z 3 (measure.depths_mm = [5])")
+                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (p, u): 3 nodes, x 3 to 5, y 4, z 2")
         # A cube whose array was stored with reversed indices has the right shape, but another place.
         cube = study()
         for axis in "xyz":
@@ -48,7 +48,7 @@ class Places(FilesTest):
         study_file = self.changed(sensor={"mask": numpy.array([[1.0, 1, 1, 10, 9, 1]]).T}, options={"PMLInside": False})
         self.imported("study.mat")
         with h5py.File(study_file) as file:
-            numpy.testing.assert_array_equal(file["sensor/nodes"][[0, -1]], [[2, 2, 2], [11, 10, 2]])
+            numpy.testing.assert_array_equal(file["sensor_mask_corners"][0], [[3, 3, 3, 12, 11, 3]])
 
     def test_cartesian_points_half_way_between_nodes_are_rounded_away_from_zero(self):
         # Centre (5, 4, 4) of 10 x 9 x 8 nodes; dz is 2 mm. The first point is replaced by the last at its node.
@@ -56,7 +56,7 @@ class Places(FilesTest):
         study_file = self.changed(sensor={"mask": 1e-3 * at_mm}, options={"CartInterp": "nearest"})
         self.imported("study.mat")
         with h5py.File(study_file) as file:
-            numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
+            numpy.testing.assert_array_equal(nodes_of(file, "sensor_mask_index"), [[6, 3, 4], [7, 7, 5], [2, 4, 2]])
         # 0.5 less one unit in the last place is below the half.
         below = 1e-3 * numpy.nextafter(0.5, 0.0)
         while below / 1e-3 >= 0.5:
@@ -64,14 +64,15 @@ class Places(FilesTest):
         study_file = self.changed(sensor={"mask": numpy.array([[below], [-below], [0.0]])}, options={"CartInterp": "nearest"})
         self.imported("study.mat")
         with h5py.File(study_file) as file:
-            numpy.testing.assert_array_equal(file["sensor/nodes"][()], [[5, 4, 4]])
+            numpy.testing.assert_array_equal(nodes_of(file, "sensor_mask_index"), [[5, 4, 4]])
 
     def test_cartesian_points_are_weighted_means_of_eight_nodes(self):
         at_mm = numpy.array([[0.25, 0.0, -1.0], [4.0, -4.0, 6.0]]).T
         study_file = self.changed(sensor={"mask": 1e-3 * at_mm})
         self.says(self.imported("study.mat"), "interpolated linearly", "2 points between 16 nodes")
         with h5py.File(study_file) as file:
-            nodes, weights = file["sensor/nodes"][()].reshape(2, 8, 3), file["sensor/weights"][()]
+            self.assertEqual(file["sensor_mask_type"][0, 0, 0], 2)
+            nodes, weights = nodes_of(file, "sensor_mask_index").reshape(2, 8, 3), file["sensor_mask_weights"][0]
         numpy.testing.assert_allclose(numpy.einsum("pn,pna->pa", weights, nodes), [[5.25, 4.0, 3.5], [9.0, 0.0, 7.0]], atol=1e-12)
         numpy.testing.assert_allclose(weights.sum(axis=1), 1.0)
         self.assertTrue((nodes >= 0).all() and (nodes < [10, 9, 8]).all())
@@ -91,9 +92,9 @@ class Places(FilesTest):
                     continue
                 self.imported("study.mat")
                 with h5py.File(study_file) as file:
-                    self.assertEqual(file["grid"].attrs["steps"], 15 if "Nt" in fields and "dt" not in fields else 20)
+                    self.assertEqual(file["Nt"][0, 0, 0], 15 if "Nt" in fields and "dt" not in fields else 20)
                     # Single precision after 10 ms: 1e-9 s of 2e-4 s.
-                    self.assertAlmostEqual(file["grid"].attrs["time_step_s"] / 1e-5, 1.0, places=4)
+                    self.assertAlmostEqual(file["dt"][0, 0, 0] / 1e-5, 1.0, places=4)
 
     def test_automatic_times_and_layers_are_those_of_kwave(self):
         study_file = self.changed(kgrid={"t_array": "auto", "dt": "auto", "Nt": "auto"},
@@ -103,8 +104,8 @@ class Places(FilesTest):
         self.says(self.imported("study.mat"), "837 steps of 5 us", "is, as in k-Wave, 11, 36, 12",
                   "k-Wave itself chooses times only for an initial pressure")
         with h5py.File(study_file) as file:
-            self.assertEqual((file["grid"].attrs["time_step_s"], file["grid"].attrs["steps"]), (5e-6, 837))
-            numpy.testing.assert_array_equal(file["grid/points"][()], [32, 81, 32])
+            self.assertEqual((file["dt"][0, 0, 0], file["Nt"][0, 0, 0]), (5e-6, 837))
+            self.assertEqual([file[f"N{axis}"][0, 0, 0] for axis in "xyz"], [32, 81, 32])
         self.changed(options={"PMLSize": "auto", "PMLInside": False, "PMLRange": [10.0, 20.0], "HDFCompressionLevel": 9.0})
         # 9 + 2 * 18 = 45
         self.says(self.imported("study.mat"), "is, as in k-Wave, 11, 18, 12", "HDFCompressionLevel: ignored")
@@ -118,7 +119,7 @@ class Places(FilesTest):
         structures["kgrid"].update(Nx=8, Ny=16, Nz=8, dt="auto", Nt="auto")
         structures["source"] = {"p0": numpy.ones((8, 16, 8))}
         structures["options"].update(Smooth=False)
-        structures["sensor"]["record"] = cell(["p", "uz"])
+        structures["sensor"]["record"] = cell(["p", "u"])
         scipy.io.savemat(self.folder / "study.mat", structures)
         said = self.imported("study.mat")
         self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999

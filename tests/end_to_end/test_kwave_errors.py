@@ -31,7 +31,7 @@ class Errors(KWaveTest):
                 ("Nt", 0, "Nt is 0"), ("Nx", 29, "expected"), ("dx", 0.0, "dx is 0"), ("dt", numpy.nan, "dt contains nan"),
                 ("dt", 2e-4, "dt", "unstable"), ("dx", 1.01e-3, "ddx_k_shift_pos_r"), ("u_source_mode", 3, "u_source_mode"),
                 ("ux_source_flag", 41, "ux_source_input", "(1, 41, 1)"), ("mu", -1.0, "mu is -1"), ("rho0_sgy", 0.0, "rho0_sgy is 0"),
-                ("lambda", -1e9, "lambda + 2 mu"), ("pml_x_size", 15, "pml_x_size"), ("sensor_mask_type", 2, "sensor_mask_type"),
+                ("lambda", -1e9, "lambda + 2 mu"), ("pml_x_size", 15, "pml_x_size"), ("sensor_mask_type", 3, "sensor_mask_type"), ("sensor_mask_type", 2, "sensor_mask_weights is missing"),
                 ("sensor_mask_index", 0, "sensor_mask_index contains 0"), ("sensor_mask_index", 16801, "16801"),
                 ("u_source_index", 16801, "u_source_index contains 16801"), ("pml_x", 1.5, "pml_x is 1.5", "index 1")):
             with self.subTest(name=name, value=value):
@@ -106,9 +106,11 @@ class Errors(KWaveTest):
 
         def double(file):
             value = file["lambda"][()].astype("f8")
-            put(file, "lambda", value)
+            put(file, "lambda", value, "float")
+            attributes = dict(file["lambda"].attrs)
             del file["lambda"]
             file["lambda"] = value
+            file["lambda"].attrs.update(attributes)
 
         def other_kind(file):
             file["mu"].attrs["data_type"] = numpy.bytes_("long")
@@ -129,13 +131,18 @@ class Errors(KWaveTest):
             put(file, "sensor_mask_type", [[[1]]])
             put(file, "sensor_mask_corners", [[[3, 1, 1, 2, 4, 4]]])
 
+        def weights(file):  # of 12 nodes
+            put(file, "sensor_mask_type", [[[2]]])
+            put(file, "sensor_mask_weights", numpy.ones((1, 5, 8)), "float")
+
         def link(file):
             del file["mu"]
             file["mu"] = h5py.ExternalLink("elsewhere.h5", "mu")
 
-        for change, words in ((without, ["mu_sgxy is missing"]), (double, ["lambda", "32 bits"]), (other_kind, ["mu", "data_type"]),
+        for change, words in ((without, ["mu_sgxy is missing"]), (double, ["lambda", 'must be "double" and "real"']), (other_kind, ["mu", "data_type"]),
                               (twice, ["u_source_index", "more than once"]), (labelled, ["3 series for 12 source nodes", "labelled"]),
                               (output, ["file_type", "output"]), (version, ["version 2.2"]), (corners, ["sensor_mask_corners", "cuboid 1"]),
+                              (weights, ["sensor_mask_weights", "(1, 5, 8), but (1, 1, 8) is expected"]),
                               (link, ['"mu" leads to another file'])):
             with self.subTest(change=change.__name__):
                 self.refused(change, *words)

@@ -17,7 +17,7 @@ Plan plan_of(int media, int of_each) {
     Plan plan;
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     for (int medium = 0; medium < media; ++medium) {
-        c.scene().medium.layers[0].c_s_m_s = 4.0 + 0.01 * medium;
+        c.scene.medium.layers[0].c_s_m_s = 4.0 + 0.01 * medium;
         for (int i = 0; i < of_each; ++i)
             plan.cases.push_back({std::to_string(plan.cases.size()), c, {}, false, ""});
     }
@@ -70,7 +70,7 @@ TEST_CASE("a team computes all cases of a medium if there are many media", "[mpi
 TEST_CASE("the cases of a medium with most of the work are taken one by one", "[mpi]") {
     Plan plan = plan_of(1, 300);
     for (PlannedCase& other : plan_of(5, 2).cases) {
-        other.physics.scene().medium.layers[0].density_kg_m3 = 1100.0;
+        other.physics.scene.medium.layers[0].density_kg_m3 = 1100.0;
         plan.cases.push_back(std::move(other));
     }
     const schedule::Arrangement all = arranged(plan, 0, 1);

@@ -36,8 +36,8 @@ Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
 TEST_CASE("iterations on a box yield the field of iterations on planes", "[mpi]") {
     Case c = test::small_tissue();
     c.domain = {48, 32, 1e-3, 0.0};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-3e-3, 1e-3},
-                                                                            {10e-3, 3e-3}};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-3e-3, 1e-3},
+                                                                          {10e-3, 3e-3}};
     SpectralOptions options;
     options.time_step_s = 50e-6;
     options.residual = 1e-11;
@@ -53,7 +53,7 @@ TEST_CASE("iterations on a box yield the field of iterations on planes", "[mpi]"
     SECTION("across the domain, so that the box is as long as the plane") {
         body.shape = Cylinder{.radius_m = 1.5e-3};
     }
-    c.scene().medium.bodies = {body};
+    c.scene.medium.bodies = {body};
     const Comm world = Comm::world();
     const Start plane = start_of(c, 4, world), box = start_of(c, 100000, world);
     REQUIRE_FALSE(plane.box); // too few steps

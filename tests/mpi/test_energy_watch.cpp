@@ -17,13 +17,13 @@ namespace {
 
 Case small_case(bool body) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 8e-3;
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 8e-3;
     if (body)
-        c.scene().medium.bodies = {{.name = "body",
-                                    .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
-                                    .centre_m = {1e-3, 2e-3, 4e-3},
-                                    .density_kg_m3 = 1300.0}};
+        c.scene.medium.bodies = {{.name = "body",
+                                  .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
+                                  .centre_m = {1e-3, 2e-3, 4e-3},
+                                  .density_kg_m3 = 1300.0}};
     c.domain = {24, 18, 1.5e-3, 0.0};
     c.time = {100, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 100e-6};

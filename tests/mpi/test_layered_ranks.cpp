@@ -14,15 +14,15 @@ namespace {
 
 Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    Layer film = c.scene().medium.layers[0];
+    Layer film = c.scene.medium.layers[0];
     film.thickness_m = 0.3e-3;
     film.c_s_m_s = 20.0;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     c.domain = {70, 54, 0.75e-3, 3e-3}; // divisible by 2 only
     c.time = {60, 50e-6};
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-15e-3, -2e-3};
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
     c.measure.at_s = 3e-3;
     c.measure.settled_after_s = 1e-3;
     c.measure.depths_m = {0.0, 1e-3};
@@ -33,8 +33,8 @@ Case small_case() {
 /// On a rigid base, for engine "spectral".
 Case on_rigid_base(double thickness_m, std::ptrdiff_t frames) {
     Case c = small_case();
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = thickness_m;
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers.back().thickness_m = thickness_m;
     c.time.frames = frames;
     c.solver = SpectralOptions{};
     return c;
@@ -45,10 +45,10 @@ Case with_thin_body(const Domain& domain, std::ptrdiff_t frames, const Vec3& hal
                     double c_s_m_s) {
     Case c = on_rigid_base(3e-3, frames);
     c.domain = domain;
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{half_axes_m},
-                                .centre_m = {1e-3, 2e-3, 1.5e-3},
-                                .c_s_m_s = c_s_m_s}};
+    c.scene.medium.bodies = {{.name = "body",
+                              .shape = Ellipsoid{half_axes_m},
+                              .centre_m = {1e-3, 2e-3, 1.5e-3},
+                              .c_s_m_s = c_s_m_s}};
     c.record.traces_m.clear();
     return c;
 }
@@ -90,7 +90,7 @@ TEST_CASE("frames of engine layered are identical on any number of ranks", "[mpi
     Case c = small_case();
     const bool oblique = GENERATE(false, true); // the general code path of the load's transform
     if (oblique)
-        std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+        std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
             .to_m = {150e-3, 40e-3};
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
 }
@@ -99,12 +99,12 @@ TEST_CASE("frames with open edges are identical on any number of ranks", "[mpi]"
     Case c = small_case();
     c.domain.edges = DomainEdges::open; // rows of the padded grid outside the domain are dropped
     if (GENERATE(false, true)) {
-        c.scene().load.modulation.trajectory = {{Travel{
+        c.scene.load.modulation.trajectory = {{Travel{
             Arc{{1e-3, 0.0}, 5e-3, 0.0, 6.283185307179586}, ConstantSpeed{2.0}, AtEnd::repeat}}};
-        c.scene().load.modulation.envelope = {};
+        c.scene.load.modulation.envelope = {};
         c.time = {40, 6.283185307179586 * 5e-3 / 2.0 / 40.0, Regime::periodic};
         c.measure.at_s = c.time.duration_s();
-        for (Layer& layer : c.scene().medium.layers)
+        for (Layer& layer : c.scene.medium.layers)
             layer.loss = KelvinVoigt{1.0};
     }
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
@@ -112,7 +112,7 @@ TEST_CASE("frames with open edges are identical on any number of ranks", "[mpi]"
 
 TEST_CASE("frames of a moving array focus are identical on any number of ranks", "[mpi]") {
     Case c = on_rigid_base(8e-3, 20);
-    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.02};
+    c.scene.load.footprint = ArrayFootprint{.reach_m = 0.02};
     c.measure.depths_m = {0.0};
     if (GENERATE(false, true)) c.solver = LayeredOptions{};
     // Each wave vector is computed by one rank in the same way.
@@ -121,7 +121,7 @@ TEST_CASE("frames of a moving array focus are identical on any number of ranks",
 
 TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mpi]") {
     Case c = on_rigid_base(8e-3, 20); // the sponge acts on fewer wave vectors, in separate slabs
-    if (GENERATE(true, false)) c.scene().medium = small_case().scene().medium;
+    if (GENERATE(true, false)) c.scene.medium = small_case().scene.medium;
     // Each wave vector is computed by one rank in the same way.
     CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
@@ -135,21 +135,21 @@ TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
     for (int i = 0; i < 120; ++i)
         map->c_s_m_s.push_back(6.0 + 0.1 * i);
     map->content_hash = hash_of(*map);
-    c.scene().medium.map = map;
+    c.scene.medium.map = map;
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
 
 TEST_CASE("frames with bodies are identical on any number of ranks", "[mpi]") {
     Case c = on_rigid_base(8e-3, 8);
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
-                                .centre_m = {1e-3, 2e-3, 4e-3},
-                                .density_kg_m3 = 1300.0}};
+    c.scene.medium.bodies = {{.name = "body",
+                              .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
+                              .centre_m = {1e-3, 2e-3, 4e-3},
+                              .density_kg_m3 = 1300.0}};
     const double c_s_m_s = GENERATE(2.5, 20.0, 0.0);
     if (c_s_m_s > 0.0)
-        c.scene().medium.bodies[0].c_s_m_s = c_s_m_s;
+        c.scene.medium.bodies[0].c_s_m_s = c_s_m_s;
     else
-        c.scene().medium.bodies[0].rigid = true;
+        c.scene.medium.bodies[0].rigid = true;
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("iterations have the same bits on any number of ranks after many steps
     // Modes that are too weak for conjugate gradients to detect grow from rounding until they are
     // detected: a different last bit in one sum would cause a difference of 1e-7 after 200 steps.
     Case c = with_thin_body({24, 18, 1.5e-3, 0.0}, 120, {6e-3, 4e-3, 1e-3}, 30.0);
-    c.scene().medium.bodies[0].viscosity_Pa_s = 1.5;
+    c.scene.medium.bodies[0].viscosity_Pa_s = 1.5;
     c.solver = SpectralOptions{.time_step_s = 12.5e-6};
     CHECK(worst_frame(c, Comm::world()) == 0.0);
 }

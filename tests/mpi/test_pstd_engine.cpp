@@ -15,18 +15,18 @@ namespace {
 /// A moving focus over a film with an inclusion below, for 1 ms; the extents have few divisors.
 Case small_case(PstdEdges edges) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
-    Layer film = c.scene().medium.layers[0];
+    Layer film = c.scene.medium.layers[0];
     film.thickness_m = 1.7e-3;
     film.c_s_m_s = 8.0;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     Body lump;
     lump.shape = Ellipsoid{{3e-3, 2e-3, 2e-3}};
     lump.centre_m = {1e-3, -2e-3, 5e-3};
     lump.density_kg_m3 = 1300.0;
-    c.scene().medium.bodies = {lump};
+    c.scene.medium.bodies = {lump};
     c.domain = {20, 14, 1.5e-3, 0.0};
-    c.scene().load.footprint = GaussianFootprint{6e-3};
-    std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+    c.scene.load.footprint = GaussianFootprint{6e-3};
+    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
         .from_m = {-8e-3, 1e-3};
     c.time = {4, 250e-6};
     c.measure.at_s = 1e-3;

@@ -116,8 +116,8 @@ Case spectral_case() {
 
 Case pstd_case() {
     Case c = with_volumes(with_records(test::thin_layer(1.0)));
-    c.scene().medium = test::half_space(test::tissue(50.0, 0.2));
-    c.scene().load.footprint = GaussianFootprint{6e-3};
+    c.scene.medium = test::half_space(test::tissue(50.0, 0.2));
+    c.scene.load.footprint = GaussianFootprint{6e-3};
     PstdOptions options;
     options.depth_m = 6e-3;
     options.absorbing_points = 8; // the minimum

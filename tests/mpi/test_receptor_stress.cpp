@@ -25,13 +25,13 @@ TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]"
     Case c = small_case(GENERATE(1.0, 16.0));
     SECTION("with or without an elastic body") {}
     SECTION("above a rigid lump across the periodic edge") {
-        c.scene().medium.bodies.push_back(
+        c.scene.medium.bodies.push_back(
             test::rigid_across_the_edge(Ellipsoid{{3e-3, 2.5e-3, 0.7e-3}}));
     }
     SECTION("above a rigid cylinder across the domain") {
         const double azimuth_deg = GENERATE(0.0, 90.0);
         c = small_case(1.0); // without the elastic body
-        c.scene().medium.bodies.push_back(
+        c.scene.medium.bodies.push_back(
             test::rigid_across_the_edge(Cylinder{.radius_m = 1.2e-3, .azimuth_deg = azimuth_deg}));
     }
     const Comm world = Comm::world();

@@ -47,7 +47,7 @@ Ended end_of(const Case& c, const Comm& team) {
 
 TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
     Case c = test::bone_case(test::Along::y, 0.5);
-    Body& body = c.scene().medium.bodies[0];
+    Body& body = c.scene.medium.bodies[0];
     SECTION("across the domain") {}
     SECTION("across the domain along x, into the sponge") {
         c = test::bone_case(test::Along::x, 0.5);
@@ -58,7 +58,7 @@ TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
         Body other = body;
         other.shape = shearwake::Box{{4e-3, 4e-3, 3e-3}};
         other.centre_m = {-19e-3, 1e-3, 5e-3};
-        c.scene().medium.bodies.push_back(other);
+        c.scene.medium.bodies.push_back(other);
     }
     SECTION("a lump next to a body across the domain and a complete layer") {
         Body lump = body;
@@ -67,8 +67,8 @@ TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
         Body slab = test::rigid_slab(c);
         slab.shape = shearwake::Box{{1.0, 1.0, 1.5e-3}};
         slab.centre_m.z = 10.5e-3;
-        c.scene().medium.bodies.push_back(lump);
-        c.scene().medium.bodies.push_back(slab);
+        c.scene.medium.bodies.push_back(lump);
+        c.scene.medium.bodies.push_back(slab);
     }
     const Comm world = Comm::world();
     const Ended together = end_of(c, world);

@@ -10,10 +10,9 @@ import numpy as np
 
 from synthetic import lone_case
 
-from shearwake.report.compare import compare_page, compare_words
+from shearwake.report.compare import compare_page
 from shearwake.report.compare.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                                      place_of_largest, relative_l2)
-from shearwake.report.compare.compare_sensors import compare_sensors
 from shearwake.report.compare.records import incomplete, record_cell
 from shearwake.report.compare.tolerances import Tolerance
 
@@ -29,24 +28,6 @@ def field(x, y):
 def surface(count, spacing):
     x, y = axis(count, spacing), axis(count - 8, spacing)
     return 0.004, x, y, field(x, y)
-
-
-def sensor_case(folder, spacing_m, factor, nodes, points=None):
-    """A case whose sensor recorded uz, the sum of the node's indices with alternating sign, and, if the number of points
-    is given, its study file."""
-    path = folder / "out" / "study" / "cases" / "case.h5"
-    path.parent.mkdir(parents=True)
-    with h5py.File(path, "w") as file:
-        for direction, values in zip("ijk", zip(*nodes)):
-            file[f"sensor/{direction}"] = values
-        file["sensor/time"] = [0.001, 0.002]
-        file["sensor/uz"] = factor * np.array([[sum(node), -sum(node)] for node in nodes], float)
-        file["sensor/uz"].attrs["units"] = "m/s"
-    if points:
-        with h5py.File(folder / "study.h5", "w") as file:
-            file["grid/points"], file["grid/spacing_m"] = np.array(points, float), np.full(3, spacing_m)
-    return lone_case(path, {"domain": {"spacing_m": spacing_m}},
-                     {"job": 'solver.pstd.study = "study.h5"', "started": "2999-01-01T00:00:00Z"})
 
 
 class CompareFields(unittest.TestCase):
@@ -130,45 +111,6 @@ class CompareFields(unittest.TestCase):
         difference[0, 0] = 0.2 + 1e-8
         self.assertEqual(place_of_largest(difference, x, y), (0, 0))
 
-    def test_sensors_are_compared_at_common_nodes_and_times(self):
-        with tempfile.TemporaryDirectory() as folder:
-            (entry,), note = compare_sensors(*(sensor_case(Path(folder) / name, 0.001, factor, nodes) for name, factor, nodes in (
-                ("a", 1.1, [(1, 2, 3), (4, 5, 6)]), ("b", 1.0, [(4, 5, 6), (7, 8, 9)]))))
-        self.assertAlmostEqual(entry["relative_l2"], 0.1, places=14)
-        self.assertAlmostEqual(entry["largest"], 1.5, places=12)
-        self.assertEqual((entry["at_node"], entry["nodes"], entry["times"], entry["unit"]), ([4, 5, 6], 1, 2, "m/s"))
-        self.assertEqual(note, "")
-
-    def test_points_between_nodes_are_not_taken_for_the_node_below(self):
-        with tempfile.TemporaryDirectory() as folder:
-            (entry,), _ = compare_sensors(*(sensor_case(Path(folder) / name, 0.001, 1.0, nodes) for name, nodes in (
-                ("a", [(4.25, 5, 6), (4.75, 5, 6)]), ("b", [(4.75, 5, 6)]))))
-        self.assertEqual((entry["nodes"], entry["at_node"], entry["largest"]), (1, [4.75, 5, 6], 0.0))
-
-    def test_sensors_of_two_resolutions_are_compared_at_equal_positions(self):
-        coarse, fine = [(5, 4, 3), (6, 4, 3)], [(12, 8, 6), (13, 8, 6)]  # (6, 4, 3) of 1 mm lies at (12, 8, 6) of 0.5 mm
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder)
-            cases = [sensor_case(path / "a", 1e-3, 1.0, coarse, points=(10, 8, 6)),
-                     sensor_case(path / "b", 0.5e-3, 2.0, fine, points=(20, 16, 12))]
-            (entry,), note = compare_sensors(*cases)
-            self.assertEqual((entry["nodes"], entry["at_node"]), (1, [6, 4, 3]))
-            self.assertAlmostEqual(entry["largest"], 2.0 * 26 - 13, places=12)
-            self.assertIn("up to 0.25 mm apart", note)
-            pair = {"sensors": [entry], "sensors_note": note}
-            self.assertIn("at node [7, 5, 4]", compare_words.sensor_lines(pair)[0])  # counted from 1
-            shifted = sensor_case(path / "c", 0.5e-3, 1.0, [(13, 8, 6)], points=(20, 16, 12))
-            found, note = compare_sensors(cases[0], shifted)
-            self.assertEqual(found, [])
-            self.assertIn("the nearest are 0.5 mm apart", note)
-            self.assertEqual(compare_words.sensor_lines({"sensors": [], "sensors_note": note}),
-                             [f"  sensors not compared: {note}"])
-            (path / "b" / "study.h5").unlink()
-            found, note = compare_sensors(*cases)
-            self.assertEqual(found, [])
-            self.assertIn("the positions of the nodes are unknown", note)
-            shifted.path.unlink()
-            self.assertEqual(compare_sensors(cases[0], shifted), ([], "only the first has a sensor"))
 
     def test_the_relative_l2_norm_is_that_of_the_definition(self):
         b = np.array([[3.0, 4.0]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the slices of maps and of k-Wave studies, and that figures do not show the placeholders of a study."""
+"""Tests the slices of maps."""
 import os
 
 import h5py
@@ -9,7 +9,7 @@ import numpy as np
 from synthetic import Folder, InFolder, case_id, lone_case
 
 from shearwake.report import load, medium_files
-from shearwake.report.figures import fig_drive, fig_medium
+from shearwake.report.figures import fig_medium
 
 LAYER = """
 [medium]
@@ -89,30 +89,3 @@ class Maps(MediaTest):
         self.assertEqual(medium_files.file_of(self.root, "", case, "medium.map"), path)
 
 
-class Studies(MediaTest):
-    JOB = 'schema = 1\n[solver.pstd]\nstudy = "study.h5"\n'
-    CASE = LAYER.format(map="") + '[solver]\nengine = "pstd"\nstudy = "0123"\n'
-
-    def study(self):
-        speed = np.full((50, 31, 8), 5.0)
-        speed[:, :, 4:] = 8.0
-        self.file("study.h5", EARLY_s, grid__points=[50.0, 31.0, 8.0], grid__spacing_m=[1e-3, 1e-3, 2e-3],
-                  medium__c_s_m_s=speed, source_0__nodes=[[12.0, 15.0, 3.0], [14.0, 15.0, 3.0]],
-                  sensor__nodes=[[20.0, 16.0, 5.0]])
-
-    def test_slices_show_the_grid_and_the_nodes_of_the_study(self):
-        self.study()
-        folder = self.folder(self.JOB, self.CASE)
-        loaded = load.load(folder.save())
-        along_x, along_y = fig_medium.slices_of(loaded, loaded.cases[0])
-        self.assertEqual(along_x.extent, (-10.0, 39.0, 14.0, 0.0))  # the surface of the synthetic case
-        self.assertEqual((along_x.c_s[0, 0], along_x.c_s[-1, -1]), (5.0, 8.0))
-        np.testing.assert_allclose(along_x.marks, [[2.0, 6.0], [4.0, 6.0]])
-        np.testing.assert_allclose(along_y.sensors, [[1.0, 10.0]])
-        self.assertIn("source nodes", *self.captions(folder))
-
-    def test_placeholders_of_a_study_are_not_drawn(self):
-        folder = self.folder(self.JOB, self.CASE)
-        self.assertEqual(self.captions(folder), [])  # without the file of the study
-        # The focus moves, and its force is not that of the sources.
-        self.assertEqual(self.captions(folder, fig_drive), ["Position of the focus (x and y if they change)."])

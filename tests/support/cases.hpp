@@ -46,11 +46,11 @@ inline Medium half_space(const Layer& layer) {
 /// A focus of 1 Pa and 3 mm that starts at x = -49 mm at t = 0 and moves until the end of the run.
 inline Case moving_focus(const Medium& medium, const Motion& motion) {
     Case c;
-    c.scene().medium = medium;
-    c.scene().load.peak_Pa = 1.0;
-    c.scene().load.footprint = GaussianFootprint{3e-3};
-    c.scene().load.modulation.kind = "STM";
-    c.scene().load.modulation.trajectory = {{Travel{{{-49e-3, 0.0}, {300e-3, 0.0}}, motion}}};
+    c.scene.medium = medium;
+    c.scene.load.peak_Pa = 1.0;
+    c.scene.load.footprint = GaussianFootprint{3e-3};
+    c.scene.load.modulation.kind = "STM";
+    c.scene.load.modulation.trajectory = {{Travel{{{-49e-3, 0.0}, {300e-3, 0.0}}, motion}}};
     c.domain = {256, 192, 0.75e-3, 0.0};
     c.time = {224, 62.5e-6};
     c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};

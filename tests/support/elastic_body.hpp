@@ -38,8 +38,8 @@ public:
         layer.thickness_m = span.depth * body_radius_m;
         body.centre_m = spacing_m * offset + Vec3{0.0, 0.0, 0.5 * span.depth * body_radius_m};
         centre_m_ = body.centre_m;
-        case_.scene().medium = {{layer}, Base::rigid};
-        case_.scene().medium.bodies = {std::move(body)};
+        case_.scene.medium = {{layer}, Base::rigid};
+        case_.scene.medium.bodies = {std::move(body)};
         case_.domain = {points(span.x), points(span.y), spacing_m, 0.0};
         SpectralOptions options{.time_step_s = 1e-3};
         options.method = SpectralMethod::iterative;

@@ -60,44 +60,14 @@ inline AfferentOptions afferents_of(AfferentInput input) {
 inline Case pstd_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frames,
                       const PstdOptions& options) {
     Case c = on_grid(nx, ny, 1e-3, frames);
-    c.scene().medium.layers.erase(c.scene().medium.layers.begin());
-    for (Layer& layer : c.scene().medium.layers)
+    c.scene.medium.layers.erase(c.scene.medium.layers.begin());
+    for (Layer& layer : c.scene.medium.layers)
         layer.c_p_m_s = 30.0;
     c.time.interval_s = 100e-6;
     c.measure.at_s = c.time.duration_s();
-    c.scene().load.modulation.trajectory.parts = {
+    c.scene.load.modulation.trajectory.parts = {
         Travel{{{-1e-2, 0.0}, {2e-1, 0.0}}, ConstantSpeed{7.0}}};
     c.solver = options;
-    return c;
-}
-
-/// A grid study: a plane source within a uniform solid.
-inline Case study_case() {
-    StudyData study{.points = {64, 60, 48},
-                    .spacing_m = {1e-3, 1e-3, 1e-3},
-                    .time_step_s = 10e-6,
-                    .steps = 200,
-                    .layer_points = {10, 10, 10},
-                    .layer_strength = {2.0, 2.0, 2.0},
-                    .density_kg_m3 = {1000.0},
-                    .c_p_m_s = {30.0},
-                    .c_s_m_s = {5.0},
-                    .sensor_fields = {2}};
-    NodeSource source{.field = 2, .samples = study.steps};
-    for (std::ptrdiff_t x = 24; x < 40; ++x)
-        for (std::ptrdiff_t y = 22; y < 38; ++y) {
-            source.nodes.push_back({x, y, 14});
-            source.weights.push_back(1e-3);
-            source.rows.push_back(0);
-            study.sensor.nodes.push_back({x, y, 24});
-        }
-    for (std::ptrdiff_t n = 0; n < study.steps; ++n)
-        source.series.push_back(std::sin(0.05 * static_cast<double>(n)));
-    study.sources = {std::move(source)};
-    study.content_hash = hash_of(study);
-    Case c = pstd_case(32, 32, 20, {});
-    c.problem = GridStudy{std::make_shared<const StudyData>(std::move(study)), c.scene()};
-    c.solver = PstdOptions{};
     return c;
 }
 
@@ -112,13 +82,13 @@ inline std::vector<FeatureCase> layered_jobs() {
     Case open = on_grid(192, 144, 1e-3, 160);
     open.domain.edges = DomainEdges::open;
     Case steady = open;
-    steady.scene().load.modulation.trajectory = {
+    steady.scene.load.modulation.trajectory = {
         {Travel{Arc{{}, 10e-3, 0.0, two_pi}, ConstantSpeed{two_pi}, AtEnd::repeat}}};
     steady.time = {128, 10e-3 / 128.0, Regime::periodic};
     steady.measure.at_s = steady.time.duration_s();
     steady.measure.settled_after_s = 0.0;
     Case array = on_grid(128, 96, 1e-3, 100);
-    array.scene().load.footprint = ArrayFootprint{.distance_m = 0.15, .reach_m = 0.03};
+    array.scene.load.footprint = ArrayFootprint{.distance_m = 0.15, .reach_m = 0.03};
     Case tilted = on_grid(96, 72, 1e-3, 100);
     tilted.vibrometer = VibrometerOptions{.points_m = {{0.0, 0.0}, {5e-3, 0.0}}, .tilt_rad = 0.5};
     return {{"layered, open edges", open},
@@ -136,7 +106,7 @@ inline std::vector<FeatureCase> layered_jobs() {
 inline std::vector<FeatureCase> bone_jobs() {
     const auto job_with = [](const Body& body) {
         Case c = on_grid(96, 72, 1e-3, 60);
-        c.scene().medium.bodies.push_back(body);
+        c.scene.medium.bodies.push_back(body);
         c.solver = SpectralOptions{.time_step_s = c.time.interval_s};
         return c;
     };
@@ -152,7 +122,7 @@ inline std::vector<FeatureCase> bone_jobs() {
     slab.shape = Box{{1.0, 1.0, 2e-3}};
     Case both = job_with(bone);
     across.centre_m.z = 14e-3;
-    both.scene().medium.bodies.push_back(across);
+    both.scene.medium.bodies.push_back(across);
     both.time.frames = 10;
     both.measure.at_s = both.time.duration_s();
     both.measure.settled_after_s = 0.0;
@@ -176,33 +146,33 @@ inline std::vector<FeatureCase> bone_jobs() {
 
 inline std::vector<FeatureCase> spectral_jobs() {
     Case small = on_grid(96, 72, 1.5e-3, 160);
-    small.scene().medium.layers.erase(
-        small.scene().medium.layers.begin()); // a film requires many steps
+    small.scene.medium.layers.erase(
+        small.scene.medium.layers.begin()); // a film requires many steps
     small.solver = SpectralOptions{.accuracy = 1e-2};
     Case large = on_grid(256, 192, 0.75e-3, 100);
     large.domain.sponge_m = 20e-3;
     large.solver = SpectralOptions{.time_step_s = large.time.interval_s};
     Case body = on_grid(192, 144, 1e-3, 50);
-    body.scene().medium.bodies.push_back(body_of(5.0));
+    body.scene.medium.bodies.push_back(body_of(5.0));
     body.solver = SpectralOptions{.time_step_s = body.time.interval_s};
     body.record.volumes_s = {1e-3, 2e-3};
     body.record.volume_fields = {VolumeField::u};
     Case stiff = on_grid(96, 72, 1.5e-3, 60);
-    stiff.scene().medium.bodies.push_back(body_of(30.0));
+    stiff.scene.medium.bodies.push_back(body_of(30.0));
     stiff.solver = SpectralOptions{.time_step_s = stiff.time.interval_s};
     stiff.record.volumes_s = {3e-3};
     stiff.record.volume_fields = {VolumeField::strain, VolumeField::stress};
     Case soft = on_grid(96, 72, 1.5e-3, 40);
-    soft.scene().medium.bodies.push_back(body_of(2.0));
-    soft.scene().medium.bodies[0].density_kg_m3 = 900.0;
+    soft.scene.medium.bodies.push_back(body_of(2.0));
+    soft.scene.medium.bodies[0].density_kg_m3 = 900.0;
     soft.solver = SpectralOptions{.time_step_s = soft.time.interval_s};
     Case map = on_grid(96, 72, 1.5e-3, 120);
-    map.scene().medium.map = map_of_fat();
+    map.scene.medium.map = map_of_fat();
     map.solver = SpectralOptions{.time_step_s = map.time.interval_s};
     map.afferents = afferents_of(StressInput{});
     Case absorbed = on_grid(96, 72, 1.5e-3, 40);
-    absorbed.scene().medium.base = Base::half_space;
-    absorbed.scene().medium.bodies.push_back(body_of(10.0));
+    absorbed.scene.medium.base = Base::half_space;
+    absorbed.scene.medium.bodies.push_back(body_of(10.0));
     absorbed.domain.sponge_m = 15e-3;
     absorbed.solver = SpectralOptions{.time_step_s = absorbed.time.interval_s};
     // Sampled on a part of the points; a run of a few frames less would not use a box.
@@ -213,7 +183,7 @@ inline std::vector<FeatureCase> spectral_jobs() {
         lump.density_kg_m3 = 1300.0;
         lump.shape = Ellipsoid{{1.7e-3, 1.7e-3, 1.7e-3}};
         lump.centre_m = {4.1e-3 * (i % 4 - 1.5), 4.1e-3 * (i / 4 - 1), 4e-3};
-        many.scene().medium.bodies.push_back(lump);
+        many.scene.medium.bodies.push_back(lump);
     }
     return {{"spectral, half-space, sponge, body", absorbed, true},
             {"spectral, twelve bodies in a box", many, true},
@@ -229,11 +199,11 @@ inline std::vector<FeatureCase> spectral_jobs() {
 inline std::vector<FeatureCase> stiff_jobs() {
     const auto job_with = [](const auto& shape) {
         Case c = on_grid(96, 72, 1e-3, 60);
-        c.scene().medium.layers.erase(c.scene().medium.layers.begin());
-        c.scene().load.modulation.trajectory.parts = {
+        c.scene.medium.layers.erase(c.scene.medium.layers.begin());
+        c.scene.load.modulation.trajectory.parts = {
             Travel{{{-1.5e-2, 0.0}, {2e-1, 0.0}}, ConstantSpeed{7.0}}};
-        c.scene().medium.bodies.push_back(body_of(60.0));
-        c.scene().medium.bodies[0].shape = shape;
+        c.scene.medium.bodies.push_back(body_of(60.0));
+        c.scene.medium.bodies[0].shape = shape;
         c.solver = SpectralOptions{.time_step_s = c.time.interval_s, .rigid_above = 1e6};
         return c;
     };
@@ -245,7 +215,7 @@ inline std::vector<FeatureCase> stiff_jobs() {
 
 inline std::vector<FeatureCase> pstd_jobs() {
     Case lossy = pstd_case(96, 72, 20, {.precision = Precision::single_precision});
-    lossy.scene().medium.bodies.push_back(body_of(5.0));
+    lossy.scene.medium.bodies.push_back(body_of(5.0));
     lossy.record.volumes_s = {2e-3};
     lossy.record.volume_fields = {VolumeField::u};
     const Case plain = pstd_case(96, 72, 20, {});
@@ -257,12 +227,11 @@ inline std::vector<FeatureCase> pstd_jobs() {
     return {{"pstd, plain", plain, true},
             {"pstd, absorbing margin, force", absorbing, true},
             {"pstd, prescribed displacement", moved, true},
-            {"pstd, single, body, volume", lossy, true},
-            {"pstd, grid study", study_case()}};
+            {"pstd, single, body, volume", lossy, true}};
 }
 
 /// Cases of all engines, about 0.1 to 10 s each: small and large grids, bodies, a map, receptors,
-/// volumes and a grid study.
+/// and volumes.
 inline std::vector<FeatureCase> feature_cases() {
     std::vector<FeatureCase> all;
     for (auto* jobs : {layered_jobs, spectral_jobs, bone_jobs, stiff_jobs, pstd_jobs})

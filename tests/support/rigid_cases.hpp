@@ -18,15 +18,15 @@ inline Case bone_case(Along axis, double viscosity_Pa_s) {
     Case c = moving_focus({}, ConstantSpeed{7.0});
     Layer layer = tissue(1500.0, viscosity_Pa_s);
     layer.thickness_m = 12e-3;
-    c.scene().medium = {{layer}, Base::rigid};
+    c.scene.medium = {{layer}, Base::rigid};
     const bool x = axis == Along::x;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
         x ? Curve({2e-3, -7e-3}, {1e-3, 7e-3}) : Curve({-7e-3, 2e-3}, {7e-3, 1e-3});
-    c.scene().medium.bodies = {{.name = "bone",
-                                .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = x ? 0.0 : 90.0},
-                                .centre_m = x ? Vec3{0.0, 1.3e-3, 6e-3} : Vec3{1.3e-3, 0.0, 6e-3},
-                                .density_kg_m3 = 1900.0,
-                                .rigid = true}};
+    c.scene.medium.bodies = {{.name = "bone",
+                              .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = x ? 0.0 : 90.0},
+                              .centre_m = x ? Vec3{0.0, 1.3e-3, 6e-3} : Vec3{1.3e-3, 0.0, 6e-3},
+                              .density_kg_m3 = 1900.0,
+                              .rigid = true}};
     c.domain = x ? Domain{24, 32, 1.25e-3, 0.0} : Domain{32, 24, 1.25e-3, 0.0};
     c.time = {40, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
@@ -36,7 +36,7 @@ inline Case bone_case(Along axis, double viscosity_Pa_s) {
 /// The same focus across a rigid ellipsoid.
 inline Case lump_case(double viscosity_Pa_s) {
     Case c = bone_case(Along::y, viscosity_Pa_s);
-    Body& body = c.scene().medium.bodies[0];
+    Body& body = c.scene.medium.bodies[0];
     body.shape = Ellipsoid{{5e-3, 4e-3, 3e-3}};
     body.centre_m = {1.3e-3, 0.7e-3, 6e-3};
     c.domain.nx = 24;

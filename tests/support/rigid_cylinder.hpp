@@ -35,8 +35,8 @@ public:
         case_ = small_tissue();
         Layer layer = tissue(1500.0, 0.0);
         layer.thickness_m = width * body_radius_m;
-        case_.scene().medium = {{layer}, Base::rigid};
-        case_.scene().medium.bodies = {
+        case_.scene.medium = {{layer}, Base::rigid};
+        case_.scene.medium.bodies = {
             {.name = "cylinder",
              .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = 90.0},
              .centre_m = {0.2 * spacing_m, 0.0, 0.5 * width * body_radius_m},
@@ -49,7 +49,7 @@ public:
         vectors_.emplace(case_.domain, slabs_->share());
         mesh_ = spectral::choose_mesh(case_, options, 1e-3);
         operator_.emplace(mesh_,
-                          growing_background(mesh_, case_.scene().medium, kappa, lambda_per_mu));
+                          growing_background(mesh_, case_.scene.medium, kappa, lambda_per_mu));
         markers_.emplace(case_, mesh_, *vectors_);
         spectral::EndlessSystems systems(*markers_, *vectors_, alone_);
         systems.assemble(*operator_, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {
@@ -144,7 +144,7 @@ private:
         operator_->factorise_implicit(vectors_->waves(row, block).k, 1.0, factor.data());
         operator_->solve_implicit(factor.data(), pencil);
     }
-    Vec3 centre() const { return case_.scene().medium.bodies[0].centre_m; }
+    Vec3 centre() const { return case_.scene.medium.bodies[0].centre_m; }
 
     Case case_;
     Comm alone_ = Comm::world().split(Comm::world().rank());

@@ -30,8 +30,8 @@ public:
         case_ = small_tissue();
         Layer layer = tissue(1500.0, 0.0);
         layer.thickness_m = width * body_radius_m;
-        case_.scene().medium = {{layer}, Base::rigid};
-        case_.scene().medium.bodies = {
+        case_.scene.medium = {{layer}, Base::rigid};
+        case_.scene.medium.bodies = {
             {.name = "sphere",
              .shape = Ellipsoid{{body_radius_m, body_radius_m, body_radius_m}},
              .centre_m = {0.2 * spacing_m, 0.3 * spacing_m, 0.5 * width * body_radius_m},
@@ -46,7 +46,7 @@ public:
         vectors_.emplace(case_.domain, slabs_->share());
         mesh_ = spectral::choose_mesh(case_, options, 1e-3);
         operator_.emplace(mesh_,
-                          growing_background(mesh_, case_.scene().medium, kappa, lambda_per_mu));
+                          growing_background(mesh_, case_.scene.medium, kappa, lambda_per_mu));
         const std::ptrdiff_t size = operator_->factor_size();
         factors_.resize(static_cast<std::size_t>(vectors_->pencils() * size));
         for (std::ptrdiff_t row = 0; row < vectors_->rows(); ++row)
@@ -164,7 +164,7 @@ public:
             depths_m.push_back(centre().z - height_m);
         const fft::SlabShare& share = slabs_->share();
         const auto near =
-            spectral::stress_correction(*bodies_, {case_.scene().medium, case_.domain, mesh_, share,
+            spectral::stress_correction(*bodies_, {case_.scene.medium, case_.domain, mesh_, share,
                                                    depths_m, spectral::Corrected::zz});
         near->set_forces(forces);
         std::vector<Correction> all;
@@ -202,7 +202,7 @@ private:
         }
         return all;
     }
-    Vec3 centre() const { return case_.scene().medium.bodies[0].centre_m; }
+    Vec3 centre() const { return case_.scene.medium.bodies[0].centre_m; }
     void solve(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) const {
         operator_->solve_implicit(factors_.data() +
                                       (row * vectors_->blocks() + block) * operator_->factor_size(),

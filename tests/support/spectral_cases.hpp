@@ -25,9 +25,9 @@ inline Case small_tissue(double viscosity_Pa_s = 0.5) {
     Case c = moving_focus({}, ConstantSpeed{7.0});
     Layer layer = tissue(1500.0, viscosity_Pa_s);
     layer.thickness_m = 7e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-11e-3, 0.0},
-                                                                            {10e-3, 0.0}};
+    c.scene.medium = {{layer}, Base::rigid};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-11e-3, 0.0},
+                                                                          {10e-3, 0.0}};
     c.domain = {24, 18, 1e-3, 0.0};
     c.time = {30, 100e-6};
     c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -52,15 +52,15 @@ inline Body small_body(double contrast) {
 /// us.
 inline Case thin_layer(double contrast) {
     Case c = moving_focus(half_space(tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 4e-3;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-3e-3, 0.0},
-                                                                            {200e-3, 0.0}};
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 4e-3;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-3e-3, 0.0},
+                                                                          {200e-3, 0.0}};
     if (contrast > 1.0)
-        c.scene().medium.bodies = {{.name = "body",
-                                    .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
-                                    .centre_m = {1e-3, 2e-3, 2e-3},
-                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        c.scene.medium.bodies = {{.name = "body",
+                                  .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
+                                  .centre_m = {1e-3, 2e-3, 2e-3},
+                                  .c_s_m_s = 5.0 * std::sqrt(contrast)}};
     c.domain = {18, 14, 1e-3, 0.0}; // slabs of different sizes on 5 ranks
     c.time = {4, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
@@ -104,7 +104,7 @@ inline double largest(const std::vector<double>& values) {
 inline double reciprocity_error(Case c, const std::array<Vec2, 2>& places) {
     std::vector<double> recorded[2]; // for all frames
     for (std::size_t i = 0; i < 2; ++i) {
-        c.scene().load.modulation.trajectory = {{Hold{places[i]}}};
+        c.scene.load.modulation.trajectory = {{Hold{places[i]}}};
         const FrameStore frames = frames_of(c);
         const Vec2 there = places[1 - i];
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
@@ -114,7 +114,7 @@ inline double reciprocity_error(Case c, const std::array<Vec2, 2>& places) {
                 for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
                     recorded[i].back() +=
                         frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
-                        pressure(c.scene().load.footprint, c.domain.x_m(x) - there.x,
+                        pressure(c.scene.load.footprint, c.domain.x_m(x) - there.x,
                                  c.domain.y_m(y) - there.y);
         }
     }

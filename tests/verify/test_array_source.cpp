@@ -25,9 +25,9 @@ Case moving_array(double update_rate_Hz) {
     Layer layer = tissue(1500.0);
     layer.thickness_m = 12e-3;
     Case c = moving_focus({{layer}, Base::rigid}, ConstantSpeed{7.0});
-    c.scene().load.footprint = ArrayFootprint{.update_rate_Hz = update_rate_Hz, .reach_m = 0.03};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, -4e-3},
-                                                                            {80e-3, 30e-3}};
+    c.scene.load.footprint = ArrayFootprint{.update_rate_Hz = update_rate_Hz, .reach_m = 0.03};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, -4e-3},
+                                                                          {80e-3, 30e-3}};
     c.domain = {48, 40, 3e-3, 0.0};
     c.time = {32, 125e-6};
     c.measure.at_s = c.time.duration_s();
@@ -66,15 +66,15 @@ TEST_CASE("field of simultaneous foci equals the mean of the single foci", "[ver
                                      ? SolverOptions(LayeredOptions{})
                                      : SolverOptions(SpectralOptions{.time_step_s = 62.5e-6});
     Case c = moving_array(0.0);
-    c.scene().load.footprint = GaussianFootprint{9e-3};
+    c.scene.load.footprint = GaussianFootprint{9e-3};
     const std::vector<Vec2> offsets = {{-12e-3, 0.0}, {9e-3, 15e-3}};
-    c.scene().load.modulation.foci_m = offsets;
+    c.scene.load.modulation.foci_m = offsets;
     const auto both = last_frame(c, solver);
     std::vector<double> mean(both.size(), 0.0);
     for (const Vec2& offset : offsets) {
         Case alone = moving_array(0.0);
-        alone.scene().load.footprint = GaussianFootprint{9e-3};
-        alone.scene().load.modulation.trajectory.parts.push_back(Hold{offset});
+        alone.scene.load.footprint = GaussianFootprint{9e-3};
+        alone.scene.load.modulation.trajectory.parts.push_back(Hold{offset});
         const auto frame = last_frame(alone, solver);
         for (std::size_t i = 0; i < mean.size(); ++i)
             mean[i] += 0.5 * frame[i];

@@ -82,7 +82,7 @@ TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify
     Case moved = c;
     constexpr std::ptrdiff_t points = 7;
     const double path_length_m = points * c.domain.spacing_m;
-    std::get<Travel>(moved.scene().load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(moved.scene.load.modulation.trajectory.parts[0]).path =
         Curve({-7e-3, 2e-3 + path_length_m}, {7e-3, 1e-3 + path_length_m});
     const std::ptrdiff_t ny = c.domain.ny;
     for (const Difference& d : differences(
@@ -97,7 +97,7 @@ TEST_CASE("the stress around a cylinder is that of its markers in three dimensio
     Case c = stress_case(Along::y);
     c.domain = {48, 28, 0.5e-3, 0.0};
     Case as_lumps = c;
-    as_lumps.scene().medium.bodies.push_back(
+    as_lumps.scene.medium.bodies.push_back(
         {.name = "distant",
          .shape = Ellipsoid{{1e-3, 1e-3, 3e-3}}, // as high as the cylinder: the same elements
          .centre_m = {-10.5e-3, 0.0, 6e-3},
@@ -105,7 +105,7 @@ TEST_CASE("the stress around a cylinder is that of its markers in three dimensio
          .rigid = true});
     const test::VolumeStore one = stresses(c), other = stresses(as_lumps);
     REQUIRE(one.z_m() == other.z_m());
-    const Vec3 centre_m = c.scene().medium.bodies[0].centre_m;
+    const Vec3 centre_m = c.scene.medium.bodies[0].centre_m;
     const std::ptrdiff_t ny = c.domain.ny;
     struct Band {
         double from, to, limit; // distance from the surface in spacings

@@ -79,10 +79,10 @@ public:
     engines::Resources resources(const Case&, int) const override { return {}; }
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints*) override {
-        const Layer& layer = c.scene().medium.layers.front();
-        const std::vector<double> u = {
-            c.scene().load.peak_Pa - 100.0, 100.0 * (layer.c_s_m_s - 5.0),
-            1e4 * (layer.thickness_m - 20e-3), layer.density_kg_m3 - 1000.0};
+        const Layer& layer = c.scene.medium.layers.front();
+        const std::vector<double> u = {c.scene.load.peak_Pa - 100.0, 100.0 * (layer.c_s_m_s - 5.0),
+                                       1e4 * (layer.thickness_m - 20e-3),
+                                       layer.density_kg_m3 - 1000.0};
         const bool is_root = team.is_root();
         const std::ptrdiff_t rows = is_root ? c.domain.nx : 0;
         observer.begin({0, rows});

@@ -72,10 +72,10 @@ double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
 
 Case point_load(const Layer& layer, double fwhm_m) {
     Case c;
-    c.scene().medium = test::half_space(layer);
-    c.scene().load.peak_Pa = 1.0;
-    c.scene().load.footprint = GaussianFootprint{fwhm_m};
-    c.scene().load.modulation = {.kind = "AM", .trajectory = {{Hold{}}}};
+    c.scene.medium = test::half_space(layer);
+    c.scene.load.peak_Pa = 1.0;
+    c.scene.load.footprint = GaussianFootprint{fwhm_m};
+    c.scene.load.modulation = {.kind = "AM", .trajectory = {{Hold{}}}};
     c.domain = {320, 320, 0.5e-3, 0.0};
     c.time = {480, 12.5e-6};
     c.measure = {.at_s = 6e-3, .settled_after_s = 0.0, .focal_radius_m = 2e-3};
@@ -156,12 +156,12 @@ TEST_CASE("response to a steady load below the Rayleigh speed equals the closed 
     Case c = test::moving_focus(test::half_space(poisson_solid()), ConstantSpeed{v});
     c.domain = {320, 320, 0.75e-3, 0.0};
     c.time = {280, 50e-6};
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {
         -42e-3, 0.0}; // at 14 ms the focus is at the grid point at 0
     const auto frames = test::frames_of(c);
 
-    const Layer& layer = c.scene().medium.layers[0];
+    const Layer& layer = c.scene.medium.layers[0];
     const double mu = static_shear_modulus(layer);
     const double sigma = 3e-3 / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
     // r u_z of a point load of 1 N at the angle theta to the direction of motion.

@@ -73,7 +73,7 @@ double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity
                 const Complex upper = s.imag() < 0.0 ? std::conj(s) : s;
                 Complex h;
                 const double depth_m = 0.0;
-                layered::StackResponse(c.scene().medium, Complex(upper.imag(), -upper.real()),
+                layered::StackResponse(c.scene.medium, Complex(upper.imag(), -upper.real()),
                                        {&depth_m, 1})
                     .evaluate(norm(k), {&h, 1});
                 return (s.imag() < 0.0 ? std::conj(h) : h) /
@@ -85,10 +85,10 @@ double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity
                     response += end.sign * std::polar(1.0, -dot(k, end.place_m)) *
                                 inverse_laplace(transform, t_s - end.time_s);
             const double twice = j == 0 ? 1.0 : 2.0;
-            sum += twice * spectrum(c.scene().load.footprint, k.x, k.y) * response *
+            sum += twice * spectrum(c.scene.load.footprint, k.x, k.y) * response *
                    std::polar(1.0, dot(k, at_m));
         }
-    return c.scene().load.peak_Pa * sum.real() / (c.domain.extent_x_m() * c.domain.extent_y_m());
+    return c.scene.load.peak_Pa * sum.real() / (c.domain.extent_x_m() * c.domain.extent_y_m());
 }
 
 double mean(const std::vector<double>& values) {
@@ -100,7 +100,7 @@ double mean(const std::vector<double>& values) {
 
 Case small_case(const Medium& medium) {
     Case c = test::moving_focus(medium, {});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.footprint = GaussianFootprint{4e-3};
     c.domain = {16, 16, 1.5e-3, 0.0};
     return c;
 }
@@ -123,7 +123,7 @@ TEST_CASE("a line that is drawn again and again agrees with Laplace inversion",
         const Vec2 from{-8e-3, -2e-3}, to{7e-3, 3e-3};
         const double speed_m_s = 7.0, pass_s = norm(to - from) / speed_m_s;
         Case c = small_case(medium);
-        c.scene().load.modulation.trajectory.parts = {
+        c.scene.load.modulation.trajectory.parts = {
             Travel{Line{from, to}, ConstantSpeed{speed_m_s}, AtEnd::repeat}};
         std::vector<End> ends;
         for (int pass = 0; pass < 4; ++pass) {
@@ -197,9 +197,9 @@ TEST_CASE("rare frames do not change the field", "[layered][jumps]") {
     for (const Kind& kind : kinds) {
         INFO(kind.name);
         Case c = small_case(medium);
-        c.scene().load.footprint = kind.footprint;
-        c.scene().load.modulation.trajectory.parts = {kind.mover};
-        c.scene().load.modulation.envelope = kind.envelope;
+        c.scene.load.footprint = kind.footprint;
+        c.scene.load.modulation.trajectory.parts = {kind.mover};
+        c.scene.load.modulation.envelope = kind.envelope;
         c.measure.depths_m = {0.0, 9e-3};
         Case rare = c;
         c.time = {200, 50e-6};
@@ -225,14 +225,13 @@ TEST_CASE("the estimated error of a step is that of the field for edges of any d
     layer.thickness_m = 10e-3;
     Case c = small_case({{layer}, Base::rigid});
     c.time = {50, 200e-6};
-    c.scene().load.modulation.trajectory.parts = {Hold{}};
+    c.scene.load.modulation.trajectory.parts = {Hold{}};
     const auto fields = [&](std::optional<double> step_s) {
         c.solver = LayeredOptions{.time_step_s = step_s};
         return test::frames_of(c);
     };
     for (const double edge_s : {40e-6, 50e-6, 80e-6, 100e-6, 150e-6}) {
-        c.scene().load.modulation.envelope = {
-            {SquareGain{.frequency_Hz = 150.0, .edge_s = edge_s}}};
+        c.scene.load.modulation.envelope = {{SquareGain{.frequency_Hz = 150.0, .edge_s = edge_s}}};
         const test::FrameStore exact = fields(2.5e-6);
         for (const double step_s : {0.0, 12.5e-6, 25e-6, 50e-6, 100e-6}) {
             const bool is_automatic = step_s == 0.0;
@@ -268,8 +267,8 @@ TEST_CASE("rare frames do not change the steady state", "[layered][jumps]") {
     for (const auto& [mover, envelope] :
          {std::pair<Mover, Envelope>{line, {}}, std::pair<Mover, Envelope>{Hold{}, square}}) {
         Case c = small_case({{layer}, Base::rigid});
-        c.scene().load.modulation.trajectory.parts = {mover};
-        c.scene().load.modulation.envelope = envelope;
+        c.scene.load.modulation.trajectory.parts = {mover};
+        c.scene.load.modulation.envelope = envelope;
         c.domain.edges = DomainEdges::open;
         Case rare = c;
         c.time = {160, 50e-6, Regime::periodic};
@@ -292,11 +291,11 @@ TEST_CASE("the steady state of a period with few samples is that of many", "[lay
     layer.thickness_m = 9.4e-3;
     layer.c_s_m_s = 2.8;
     Case c = small_case({{layer}, Base::rigid});
-    c.scene().load.footprint = GaussianFootprint{10.2e-3};
+    c.scene.load.footprint = GaussianFootprint{10.2e-3};
     const double radius_m = 3e-3, draw_Hz = 200.0;
-    c.scene().load.modulation.trajectory.parts = {
-        Travel{Arc{{}, radius_m, 0.0, 2.0 * pi}, ConstantSpeed{2.0 * pi * radius_m * draw_Hz},
-               AtEnd::repeat}};
+    c.scene.load.modulation.trajectory.parts = {Travel{Arc{{}, radius_m, 0.0, 2.0 * pi},
+                                                       ConstantSpeed{2.0 * pi * radius_m * draw_Hz},
+                                                       AtEnd::repeat}};
     c.domain.edges = DomainEdges::open;
     c.time = {80, 1.0 / (80.0 * draw_Hz), Regime::periodic};
     const test::FrameStore frames = test::frames_of(c);
@@ -331,7 +330,7 @@ TEST_CASE("the work of the load in the steady state is the integral of pressure 
     c.time = {count, period_s / count, Regime::periodic};
     Travel line{Line{{-6e-3, 0.0}, {6e-3, 1e-3}}, ConstantSpeed{norm(Vec2{12e-3, 1e-3}) / period_s},
                 AtEnd::repeat};
-    c.scene().load.modulation.trajectory.parts = {line};
+    c.scene.load.modulation.trajectory.parts = {line};
     c.measure.at_s = period_s;
     class Work : public test::FrameStore {
     public:
@@ -347,8 +346,8 @@ TEST_CASE("the work of the load in the steady state is the integral of pressure 
     };
     for (std::ptrdiff_t n = 0; n < count; ++n) {
         // A frame at the jump has the mean of both sides.
-        const Vec2 before = focus_m(c.scene().load, c.time.frame_s(n) - 1e-9),
-                   after = focus_m(c.scene().load, c.time.frame_s(n) + 1e-9);
+        const Vec2 before = focus_m(c.scene.load, c.time.frame_s(n) - 1e-9),
+                   after = focus_m(c.scene.load, c.time.frame_s(n) + 1e-9);
         for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
             for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
                 const auto k = static_cast<std::size_t>(i * c.domain.ny + j);
@@ -356,11 +355,11 @@ TEST_CASE("the work of the load in the steady state is the integral of pressure 
                     (8.0 * (at(n + 1)[k] - at(n - 1)[k]) - (at(n + 2)[k] - at(n - 2)[k])) / 12.0;
                 for (const Vec2 focus : {before, after})
                     work_J += 0.5 * moved_m *
-                              pressure(c.scene().load.footprint, c.domain.x_m(i) - focus.x,
+                              pressure(c.scene.load.footprint, c.domain.x_m(i) - focus.x,
                                        c.domain.y_m(j) - focus.y);
             }
     }
-    work_J *= c.scene().load.peak_Pa * c.domain.spacing_m * c.domain.spacing_m;
+    work_J *= c.scene.load.peak_Pa * c.domain.spacing_m * c.domain.spacing_m;
     // The trapezoidal rule at the jump is of second order: 1e-5 with 1200 frames. The tails of the
     // footprint outside of the grid have 1e-5 of the force.
     CHECK(work_J == Approx(frames.energy->work_J).epsilon(1e-4));
@@ -371,10 +370,10 @@ TEST_CASE("a path that ends with the run gives the frames of a longer run", "[la
     // The slower compressional waves are, the more the load at an instant moves the surface.
     const double c_p_m_s = GENERATE(10.0, 50.0, 1500.0);
     Case c = test::moving_focus(test::half_space(test::tissue(c_p_m_s, 0.5)), ConstantSpeed{5.0});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory = {
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory = {
         {Travel{{{-7e-3, 0.0}, {7e-3, 0.0}}, ConstantSpeed{5.0}}}}; // for 2.8 ms
-    c.scene().load.modulation.envelope = {{SineGain{200.0}}};
+    c.scene.load.modulation.envelope = {{SineGain{200.0}}};
     c.domain = {60, 44, 1.6e-3, 0.0};
     c.time = {28, 100e-6};
     Case longer = c;

@@ -13,10 +13,10 @@ using namespace shearwake;
 TEST_CASE("stress below a resting focus equals that of a static load on a half-space", "[neural]") {
     Case c;
     Layer skin = test::tissue(1500.0, 10.0); // thick and viscous enough to come to rest
-    c.scene().medium = test::half_space(skin);
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.footprint = GaussianFootprint{6e-3};
-    c.scene().load.modulation = {
+    c.scene.medium = test::half_space(skin);
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.footprint = GaussianFootprint{6e-3};
+    c.scene.load.modulation = {
         .kind = "AM", .trajectory = {{Hold{}}}, .envelope = {{RampGain{.duration_s = 10e-3}}}};
     c.domain = {64, 64, 1.5e-3, 0.0};
     c.time = {300, 200e-6};

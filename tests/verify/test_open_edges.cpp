@@ -25,9 +25,9 @@ Medium thin_skin() {
 
 Case circle() {
     Case c = test::moving_focus(thin_skin(), {});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory = {{Travel{Arc{{2e-3, 1e-3}, 8e-3, 0.3, 6.283185307179586},
-                                                    ConstantSpeed{5.0}, AtEnd::repeat}}};
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory = {{Travel{Arc{{2e-3, 1e-3}, 8e-3, 0.3, 6.283185307179586},
+                                                  ConstantSpeed{5.0}, AtEnd::repeat}}};
     c.domain = {48, 48, 1e-3, 0.0, DomainEdges::open};
     c.time = {80, 100e-6};
     c.measure.at_s = 8e-3;
@@ -80,9 +80,9 @@ TEST_CASE("open edges hold for several foci and for an array", "[open_edges]") {
     Case open = circle();
     open.measure.depths_m = {0.0};
     if (GENERATE(true, false)) {
-        open.scene().load.modulation.foci_m = {{0.0, 0.0}, {5e-3, -3e-3}};
+        open.scene.load.modulation.foci_m = {{0.0, 0.0}, {5e-3, -3e-3}};
     } else {
-        open.scene().load.footprint = ArrayFootprint{.reach_m = 0.012};
+        open.scene.load.footprint = ArrayFootprint{.reach_m = 0.012};
         open.time.frames = 30;
     }
     const Case wide = on_wide_domain(open);
@@ -116,8 +116,8 @@ TEST_CASE("the images of a load lift a periodic domain", "[open_edges]") {
         medium.base = Base::rigid;
     }
     Case open = test::moving_focus(medium, {});
-    open.scene().load.footprint = GaussianFootprint{6e-3};
-    open.scene().load.modulation = {"custom", {{Hold{{0.0, 0.0}}}}, {}};
+    open.scene.load.footprint = GaussianFootprint{6e-3};
+    open.scene.load.modulation = {"custom", {{Hold{{0.0, 0.0}}}}, {}};
     open.domain = {64, 48, 1e-3, 0.0, DomainEdges::open};
     open.time = {15, 100e-6}; // shear waves and those that the base guides are far from the edges
     open.measure.at_s = 1.5e-3;

@@ -21,9 +21,9 @@ struct NodeFluid {
 /// ms.
 Case resting_focus(const SolverOptions& solver, double fwhm_m, double spacing_m) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 1.0)), ConstantSpeed{1.0});
-    c.scene().load.footprint = GaussianFootprint{fwhm_m};
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 250.0}}};
+    c.scene.load.footprint = GaussianFootprint{fwhm_m};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 250.0}}};
     const auto points = good_even_length(std::lround(60e-3 / spacing_m));
     c.domain = {points, points, spacing_m, 0.0};
     c.time = {16, 250e-6};
@@ -88,14 +88,14 @@ std::vector<double> centre_of(const Case& c, const Response& response) {
         const Complex omega(2.0 * std::numbers::pi * static_cast<double>(m) / period_s, -eps);
         Complex load = 0.0;
         for (std::ptrdiff_t t = 0; t < count; ++t)
-            load += dt_s * amplitude(c.scene().load, dt_s * static_cast<double>(t)) *
+            load += dt_s * amplitude(c.scene.load, dt_s * static_cast<double>(t)) *
                     std::exp(-Complex(0.0, 1.0) * omega * (dt_s * static_cast<double>(t)));
         Complex sum = 0.0;
         for (std::ptrdiff_t i = 0; i < n / 2; ++i) {
             for (std::ptrdiff_t j = 0; j < n / 2; ++j) {
                 const double kx = dk * static_cast<double>(i), ky = dk * static_cast<double>(j);
                 const double both = (i == 0 ? 1.0 : 2.0) * (j == 0 ? 1.0 : 2.0);
-                sum += both * spectrum(c.scene().load.footprint, kx, ky) *
+                sum += both * spectrum(c.scene.load.footprint, kx, ky) *
                        response(std::hypot(kx, ky), omega);
             }
         }
@@ -135,19 +135,19 @@ double effect_apart(double contrast, double per_radius) {
     constexpr double radius_m = 4e-3;
     const auto effect = [&](const SolverOptions& solver) {
         Case c = test::moving_focus(test::half_space(test::tissue(25.0, 0.5)), ConstantSpeed{1.0});
-        c.scene().load.footprint = GaussianFootprint{5e-3};
-        c.scene().load.modulation.trajectory = {{Hold{{2e-3, 0.0}}}};
-        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 200.0}}};
+        c.scene.load.footprint = GaussianFootprint{5e-3};
+        c.scene.load.modulation.trajectory = {{Hold{{2e-3, 0.0}}}};
+        c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 200.0}}};
         const auto points = std::lround(8.0 * per_radius);
         c.domain = {points, points, radius_m / per_radius, 0.0};
         c.time = {12, 500e-6};
         c.measure.at_s = 6e-3;
         c.solver = solver;
         const auto without = test::frames_of(c).at(11);
-        c.scene().medium.bodies = {{.name = "sphere",
-                                    .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
-                                    .centre_m = {0.13e-3, 0.21e-3, 12e-3},
-                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        c.scene.medium.bodies = {{.name = "sphere",
+                                  .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
+                                  .centre_m = {0.13e-3, 0.21e-3, 12e-3},
+                                  .c_s_m_s = 5.0 * std::sqrt(contrast)}};
         auto change = test::frames_of(c).at(11);
         for (std::size_t i = 0; i < change.size(); ++i)
             change[i] -= without[i];
@@ -225,12 +225,12 @@ TEST_CASE("engine pstd with an internal fluid agrees with engine spectral with t
     const auto surface = [](const SolverOptions& solver, std::optional<double> c_s_m_s) {
         Case c = resting_focus(solver, 9e-3, 1.5e-3);
         if (c_s_m_s)
-            c.scene().medium.bodies = {{.name = "sheet",
-                                        .shape = Box{{0.2, 0.2, 7.5e-3}},
-                                        .centre_m = {0.0, 0.0, 12.75e-3},
-                                        .c_p_m_s = 50.0,
-                                        .c_s_m_s = c_s_m_s,
-                                        .viscosity_Pa_s = 0.0}};
+            c.scene.medium.bodies = {{.name = "sheet",
+                                      .shape = Box{{0.2, 0.2, 7.5e-3}},
+                                      .centre_m = {0.0, 0.0, 12.75e-3},
+                                      .c_p_m_s = 50.0,
+                                      .c_s_m_s = c_s_m_s,
+                                      .viscosity_Pa_s = 0.0}};
         return test::frames_of(c);
     };
     const auto without = surface(PstdOptions{}, {}), fluid = surface(PstdOptions{}, 0.0);

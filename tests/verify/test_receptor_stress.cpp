@@ -22,14 +22,14 @@ constexpr std::size_t receptors = 3; // at depths of 0.3, 1.6 and 2 mm
 /// stress, which steps of about 10 us do not resolve.
 Case skin_case() {
     Case c = test::small_tissue();
-    Layer skin = c.scene().medium.layers[0];
+    Layer skin = c.scene.medium.layers[0];
     skin.thickness_m = 1.2e-3;
     skin.c_s_m_s = 9.0;
     skin.loss = KelvinVoigt{1.0};
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), skin);
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                            {200e-3, 0.0}};
-    c.scene().load.modulation.envelope = {{RampGain{.duration_s = 2e-3}}};
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), skin);
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
+                                                                          {200e-3, 0.0}};
+    c.scene.load.modulation.envelope = {{RampGain{.duration_s = 2e-3}}};
     c.domain = {36, 24, 1e-3, 0.0};
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
@@ -56,14 +56,14 @@ TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]")
     Case c = skin_case(), layers = c;
     SECTION("in layers") {}
     SECTION("in a half-space") {
-        c.scene().medium.base = layers.scene().medium.base = Base::half_space;
+        c.scene.medium.base = layers.scene.medium.base = Base::half_space;
     }
     SECTION("in a body that fills a layer") {
-        c.scene().medium.layers[0].c_s_m_s = 5.0;
-        c.scene().medium.bodies = {{.name = "slab",
-                                    .shape = Box{{1.0, 1.0, 1.2e-3}},
-                                    .centre_m = {0.0, 0.0, 0.6e-3},
-                                    .c_s_m_s = 9.0}};
+        c.scene.medium.layers[0].c_s_m_s = 5.0;
+        c.scene.medium.bodies = {{.name = "slab",
+                                  .shape = Box{{1.0, 1.0, 1.2e-3}},
+                                  .centre_m = {0.0, 0.0, 0.6e-3},
+                                  .c_s_m_s = 9.0}};
     }
     const double found = difference(c, test::stresses_of(with_step(c, 12.5e-6)), exact(layers));
     CHECK(found < 2e-3);
@@ -72,11 +72,11 @@ TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]")
 TEST_CASE("receptor stress just above a rigid layer equals that above a rigid base",
           "[verify][neural]") {
     Case c = skin_case(), base = c;
-    c.scene().medium.bodies = {{.name = "slab", // 0.2 mm below the deepest receptors
-                                .shape = Box{{1.0, 1.0, 3e-3}},
-                                .centre_m = {0.0, 0.0, 3.7e-3},
-                                .rigid = true}};
-    base.scene().medium.layers[1].thickness_m = 1e-3;
+    c.scene.medium.bodies = {{.name = "slab", // 0.2 mm below the deepest receptors
+                              .shape = Box{{1.0, 1.0, 3e-3}},
+                              .centre_m = {0.0, 0.0, 3.7e-3},
+                              .rigid = true}};
+    base.scene.medium.layers[1].thickness_m = 1e-3;
     CHECK(difference(c, test::stresses_of(with_step(c, 12.5e-6)), exact(base)) < 2e-3);
 }
 
@@ -98,24 +98,24 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
     Case c = test::small_tissue();
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
-    c.scene().medium.layers.assign(
-        4, c.scene().medium.layers[0]); // element boundaries at the receptors
+    c.scene.medium.layers.assign(4,
+                                 c.scene.medium.layers[0]); // element boundaries at the receptors
     const double thickness_m[] = {0.3e-3, 1.3e-3, 0.4e-3, 5e-3};
     for (std::size_t i = 0; i < 4; ++i)
-        c.scene().medium.layers[i].thickness_m = thickness_m[i];
+        c.scene.medium.layers[i].thickness_m = thickness_m[i];
     SECTION("layers") {}
     SECTION("an elastic body") {
-        c.scene().medium.bodies = {test::small_body(GENERATE(0.25, 4.0))};
-        c.scene().medium.bodies[0].centre_m.z = 1.9e-3;
-        c.scene().medium.bodies[0].viscosity_Pa_s = 2.0; // four times that of the tissue
+        c.scene.medium.bodies = {test::small_body(GENERATE(0.25, 4.0))};
+        c.scene.medium.bodies[0].centre_m.z = 1.9e-3;
+        c.scene.medium.bodies[0].viscosity_Pa_s = 2.0; // four times that of the tissue
     }
     SECTION("just above a rigid body") {
-        c.scene().medium.bodies = {test::small_body()};
-        c.scene().medium.bodies[0].centre_m.z = 3.6e-3; // its top is at 2.1 mm
-        c.scene().medium.bodies[0].rigid = true;
+        c.scene.medium.bodies = {test::small_body()};
+        c.scene.medium.bodies[0].centre_m.z = 3.6e-3; // its top is at 2.1 mm
+        c.scene.medium.bodies[0].rigid = true;
     }
     SECTION("just above a rigid cylinder across the domain") {
-        c.scene().medium.bodies = {
+        c.scene.medium.bodies = {
             {.name = "cylinder",
              .shape = Cylinder{.radius_m = 1.5e-3, .azimuth_deg = GENERATE(0.0, 90.0)},
              .centre_m = {1e-3, -1e-3, 3.6e-3},
@@ -153,9 +153,9 @@ TEST_CASE("static mean stress equals the mean load at any depth including around
     // Averaged over the plane, d sigma_zz / dz = rho d2 u_z / dt2 for any stiffness, which is zero
     // at rest.
     Case c = test::small_tissue(5.0);
-    c.scene().medium.bodies = {test::small_body(16.0)};
-    c.scene().medium.bodies[0].centre_m.z = 2e-3;
-    c.scene().load.modulation = {
+    c.scene.medium.bodies = {test::small_body(16.0)};
+    c.scene.medium.bodies[0].centre_m.z = 2e-3;
+    c.scene.load.modulation = {
         .kind = "AM", .trajectory = {{Hold{}}}, .envelope = {{RampGain{.duration_s = 10e-3}}}};
     c.time = {100, 400e-6};
     c.measure = {.at_s = 40e-3, .settled_after_s = 10e-3, .focal_radius_m = 3e-3};

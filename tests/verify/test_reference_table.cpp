@@ -35,7 +35,7 @@ double focal_rms_nm(const std::map<std::string, double>& columns) {
 
 void check_entry(const Case& c, const Entry& entry, double reference_rms_nm,
                  engines::Engine& engine, const Comm& team) {
-    CAPTURE(c.scene().load.modulation.kind, entry.frequency_Hz);
+    CAPTURE(c.scene.load.modulation.kind, entry.frequency_Hz);
     const auto columns = test::columns_of(c, engine, team);
     CHECK(columns.at("eta_period_1") == Approx(entry.eta_period).epsilon(0.01));
     // The table has three digits: half a digit of .048 is 1 %.
@@ -58,13 +58,13 @@ TEST_CASE("reproduces an independent table of AM-STM and SM-STM values", "[verif
     check_entry(plain, stm, rms_nm, *engine, alone);
     for (const Entry& entry : am_stm) {
         Case c = plain;
-        c.scene().load.modulation.kind = "AM-STM";
-        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = entry.frequency_Hz}}};
+        c.scene.load.modulation.kind = "AM-STM";
+        c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = entry.frequency_Hz}}};
         check_entry(c, entry, rms_nm, *engine, alone);
     }
     for (const Entry& entry : sm_stm) {
         Case c = test::moving_focus(medium, OscillatingSpeed{7.0, 2.0, entry.frequency_Hz, 0.0});
-        c.scene().load.modulation.kind = "SM-STM";
+        c.scene.load.modulation.kind = "SM-STM";
         check_entry(c, entry, rms_nm, *engine, alone);
     }
 }

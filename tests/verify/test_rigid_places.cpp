@@ -28,7 +28,7 @@ TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
     Case both = bone_case(Along::y, 0.5);
     both.domain.nx = 64;
     both.time.frames = 10;
-    const Body one = both.scene().medium.bodies[0];
+    const Body one = both.scene.medium.bodies[0];
     Body other = one;
     other.name = "other";
     other.centre_m.x -= 32.0 * both.domain.spacing_m;
@@ -41,11 +41,11 @@ TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
         // approaches an endless body".
         tolerated = 1e-2;
     }
-    both.scene().medium.bodies = {one, other};
+    both.scene.medium.bodies = {one, other};
     Case first = both, second = both, none = both;
-    first.scene().medium.bodies = {one};
-    second.scene().medium.bodies = {other};
-    none.scene().medium.bodies.clear();
+    first.scene.medium.bodies = {one};
+    second.scene.medium.bodies = {other};
+    none.scene.medium.bodies.clear();
     auto expected = last_frame(first);
     const auto more = last_frame(second), less = last_frame(none);
     for (std::size_t i = 0; i < expected.size(); ++i)
@@ -58,28 +58,28 @@ TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
 
 TEST_CASE("a rigid body that reaches the base is held by it", "[verify]") {
     Case c = GENERATE(bone_case(Along::y, 0.5), test::lump_case(0.5));
-    c.scene().medium.bodies[0].centre_m.z = 9e-3 + 1e-12; // of a half height of 3 mm in 12 mm
+    c.scene.medium.bodies[0].centre_m.z = 9e-3 + 1e-12; // of a half height of 3 mm in 12 mm
     const auto frame = last_frame(c);
-    c.scene().medium.bodies[0].fixed = true;
+    c.scene.medium.bodies[0].fixed = true;
     CHECK(last_frame(c) == frame);
-    c.scene().medium.bodies.clear();
+    c.scene.medium.bodies.clear();
     CHECK(relative_l2(last_frame(c), frame) > 0.05);
 }
 
 TEST_CASE("a rigid body that is too light for a stable motion is rejected", "[verify]") {
     Case c = bone_case(Along::y, 0.5);
-    c.scene().medium.bodies[0].density_kg_m3 = 1.0;
+    c.scene.medium.bodies[0].density_kg_m3 = 1.0;
     std::get<SpectralOptions>(c.solver).time_step_s = 25e-6;
     CHECK_THROWS_WITH(step_through(c, 1, [](const spectral::Stepper&) {}),
                       Catch::Contains("so much lighter than the material that it replaces"));
-    c.scene().medium.bodies[0].fixed = true;
+    c.scene.medium.bodies[0].fixed = true;
     CHECK_NOTHROW(step_through(c, 1, [](const spectral::Stepper&) {}));
 }
 
 TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]") {
     Case c = GENERATE(from_range(
         test::parameters(1, std::vector{bone_case(Along::y, 0.5), test::lump_case(0.5)})));
-    const Body& bone = c.scene().medium.bodies[0];
+    const Body& bone = c.scene.medium.bodies[0];
     const bool is_lump = std::holds_alternative<Ellipsoid>(bone.shape);
     c.domain = {64, is_lump ? 56 : 8, 0.6e-3, 0.0};
     c.time.frames = 16;
@@ -132,7 +132,7 @@ namespace {
 /// A slab as wide as the domain, from 5 to 9 mm in 12 mm of tissue.
 Case slab_case(double viscosity_Pa_s) {
     Case c = bone_case(Along::y, viscosity_Pa_s);
-    c.scene().medium.bodies[0] = test::rigid_slab(c);
+    c.scene.medium.bodies[0] = test::rigid_slab(c);
     return c;
 }
 
@@ -143,24 +143,24 @@ TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
     c.time.frames = 30;
     SECTION("marked as rigid") {}
     SECTION("rigid because it is stiff") {
-        c.scene().medium.bodies[0].rigid = false;
-        c.scene().medium.bodies[0].c_s_m_s = 1619.0;
-        c.scene().medium.bodies[0].c_p_m_s = 3517.0;
+        c.scene.medium.bodies[0].rigid = false;
+        c.scene.medium.bodies[0].c_s_m_s = 1619.0;
+        c.scene.medium.bodies[0].c_p_m_s = 3517.0;
     }
     SECTION("next to an elastic body, with iterations") {
         // Far below the surface, behind the slab.
-        c.scene().medium.bodies.push_back({.name = "lump",
-                                           .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
-                                           .centre_m = {0.0, 0.0, 10.5e-3},
-                                           .density_kg_m3 = 1200.0,
-                                           .c_s_m_s = 10.0});
+        c.scene.medium.bodies.push_back({.name = "lump",
+                                         .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
+                                         .centre_m = {0.0, 0.0, 10.5e-3},
+                                         .density_kg_m3 = 1200.0,
+                                         .c_s_m_s = 10.0});
     }
     SECTION("with a sponge, against the same with the base") {
         c.domain.sponge_m = 8e-3;
     }
     Case layer = c;
-    layer.scene().medium.bodies.clear();
-    layer.scene().medium.layers[0].thickness_m = 5e-3;
+    layer.scene.medium.bodies.clear();
+    layer.scene.medium.layers[0].thickness_m = 5e-3;
     if (c.domain.sponge_m == 0.0) layer.solver = LayeredOptions{};
     const double difference = relative_l2(last_frame(c), last_frame(layer));
     CAPTURE(difference);
@@ -170,7 +170,7 @@ TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
 TEST_CASE("a rigid body below a rigid layer has no effect", "[verify]") {
     const Case alone = slab_case(0.5);
     Case both = alone;
-    Body below = alone.scene().medium.bodies[0];
+    Body below = alone.scene.medium.bodies[0];
     below.centre_m.z = 10.5e-3; // the slab ends at 9 mm, the base is at 12 mm
     SECTION("a lump") {
         below.shape = Ellipsoid{{4e-3, 4e-3, 1e-3}};
@@ -178,7 +178,7 @@ TEST_CASE("a rigid body below a rigid layer has no effect", "[verify]") {
     SECTION("a body across the domain") {
         below.shape = Cylinder{.radius_m = 1.3e-3, .azimuth_deg = 90.0};
     }
-    both.scene().medium.bodies.push_back(below);
+    both.scene.medium.bodies.push_back(below);
     // Elements end at bodies: the same ones for both.
     const auto on_elements = [&](const Case& c) {
         const Comm rank = Comm::world().split(Comm::world().rank());

@@ -116,8 +116,8 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[long][verify]") 
         Case c = test::moving_focus({}, ConstantSpeed{7.0});
         Layer layer = test::tissue(1500.0, 0.5);
         layer.thickness_m = 9e-3;
-        c.scene().medium = {{layer}, Base::rigid};
-        std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+        c.scene.medium = {{layer}, Base::rigid};
+        std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
             Curve({-5e-3, 0.0}, {7e-3, 0.0});
         c.domain = {24 * times, 4, 0.9e-3 / static_cast<double>(times), 0.0};
         c.time = {6, 100e-6};
@@ -127,7 +127,7 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[long][verify]") 
                                    .contrast_cap = 1e5,
                                    .rigid_above = 1e9}; // the elastic bar remains elastic
         const auto without = test::last_frame(c);
-        c.scene().medium.bodies = {bar};
+        c.scene.medium.bodies = {bar};
         const auto with = test::last_frame(c);
         std::vector<double> change; // of the mean along y, whose width is four spacings
         for (std::ptrdiff_t i = 0; i < c.domain.nx; i += times)

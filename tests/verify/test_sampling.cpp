@@ -35,13 +35,13 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     // Frames resolve 40 kHz, so that there is no aliasing; spectra of the complete run.
     Case averaged = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    auto& travel = std::get<Travel>(averaged.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(averaged.scene.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-21e-3, 0.0};
     averaged.domain = {96, 64, 0.75e-3, 0.0};
     averaged.time = {1000, 5e-6};
-    averaged.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
+    averaged.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
     Case resolved = averaged;
-    resolved.scene().load.carrier = ResolvedCarrier{40e3};
+    resolved.scene.load.carrier = ResolvedCarrier{40e3};
 
     const auto u_averaged = trace_at_centre(test::frames_of(averaged), averaged);
     const auto u_resolved = trace_at_centre(test::frames_of(resolved), resolved);

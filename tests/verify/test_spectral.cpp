@@ -15,9 +15,9 @@ namespace {
 
 Case required_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 12e-3;
-    std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 12e-3;
+    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
         .from_m = {-14e-3, 0.0};
     c.domain = {128, 96, 0.75e-3, 0.0};
     c.time = {40, 100e-6};
@@ -68,7 +68,7 @@ TEST_CASE("engine spectral converges to layered with second order in the step", 
     SECTION("switched on gradually, with shorter steps") {
         // If switched on instantly, compressional waves travel up and down, too: 31 kHz, which
         // steps of about 10 us do not resolve, 6e-6 of the field.
-        c.scene().load.modulation.envelope = {{RampGain{3e-3}}};
+        c.scene.load.modulation.envelope = {{RampGain{3e-3}}};
         step_s = 50e-6;
     }
     const Case exact = exact_of(c);
@@ -85,7 +85,7 @@ TEST_CASE("engine spectral converges to layered with second order in the step", 
 
 TEST_CASE("switching off the load between two steps preserves the order", "[verify]") {
     Case c = required_case();
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     travel.path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
     Case exact = c;
     exact.solver = LayeredOptions{.time_step_s = 3.125e-6};
@@ -98,9 +98,9 @@ TEST_CASE("switching off the load between two steps preserves the order", "[veri
 
 TEST_CASE("engine spectral is stable at any step and for layers of any contrast", "[verify]") {
     Case c = required_case();
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), c.scene().medium.layers[0]);
-    c.scene().medium.layers[0].thickness_m = 0.5e-3;
-    c.scene().medium.layers[0].c_s_m_s = 50.0; // 100 times stiffer
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), c.scene.medium.layers[0]);
+    c.scene.medium.layers[0].thickness_m = 0.5e-3;
+    c.scene.medium.layers[0].c_s_m_s = 50.0; // 100 times stiffer
     const auto frames = test::frames_of(with_step(c, 100e-6));
     const auto exact = test::frames_of(exact_of(c));
     double largest = 0.0, reference = 0.0;
@@ -113,18 +113,18 @@ TEST_CASE("engine spectral is stable at any step and for layers of any contrast"
 
 TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundred", "[verify]") {
     Case c = required_case();
-    Layer stiff = c.scene().medium.layers[0], soft = stiff;
+    Layer stiff = c.scene.medium.layers[0], soft = stiff;
     stiff.c_s_m_s = 50.0;
     const auto surface = [&] { return difference(with_step(c, 25e-6), exact_of(c)).first; };
     SECTION("stiff skin") {
         stiff.thickness_m = 0.5e-3;
         soft.thickness_m = 4e-3;
-        c.scene().medium.layers = {stiff, soft, stiff};
+        c.scene.medium.layers = {stiff, soft, stiff};
     }
     SECTION("a stiff sheet below") {
         stiff.thickness_m = 1.5e-3;
         soft.thickness_m = 3e-3;
-        c.scene().medium.layers = {soft, stiff, soft};
+        c.scene.medium.layers = {soft, stiff, soft};
     }
     CHECK(surface() < 0.01); // required
 }
@@ -132,7 +132,7 @@ TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundr
 TEST_CASE("engine spectral reproduces the table of layered for the medium of the quickstart",
           "[verify]") {
     Case c = required_case();
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
     c.measure.depths_m = {0.0};
     const Comm alone = Comm::world().split(Comm::world().rank());
     const Case spectral = with_step(c, 25e-6), layered = exact_of(c);

@@ -20,9 +20,9 @@ Case tissue_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 3e-3;
-    c.scene().medium = {{layer, layer, layer}, Base::rigid};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                            {200e-3, 0.0}};
+    c.scene.medium = {{layer, layer, layer}, Base::rigid};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
+                                                                          {200e-3, 0.0}};
     c.domain = {54, 48, 1e-3, 0.0};
     c.time = {30, 100e-6};
     c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -57,42 +57,42 @@ TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
     Case body = tissue_case(), layers = tissue_case();
     SECTION("four times stiffer, one solve per step") {
         body = with_step(one_solve(body), 12.5e-6);
-        body.scene().medium.bodies = {slab(4.0)};
-        layers.scene().medium.layers[1].c_s_m_s = 10.0;
+        body.scene.medium.bodies = {slab(4.0)};
+        layers.scene.medium.layers[1].c_s_m_s = 10.0;
     }
     SECTION("sixteen times stiffer") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(16.0)};
-        layers.scene().medium.layers[1].c_s_m_s = 20.0;
+        body.scene.medium.bodies = {slab(16.0)};
+        layers.scene.medium.layers[1].c_s_m_s = 20.0;
     }
     SECTION("softer") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(0.25)};
-        layers.scene().medium.layers[1].c_s_m_s = 2.5;
+        body.scene.medium.bodies = {slab(0.25)};
+        layers.scene.medium.layers[1].c_s_m_s = 2.5;
     }
     SECTION("denser") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(1.0)};
-        body.scene().medium.bodies[0].density_kg_m3 = 1500.0;
-        layers.scene().medium.layers[1].density_kg_m3 = 1500.0;
+        body.scene.medium.bodies = {slab(1.0)};
+        body.scene.medium.bodies[0].density_kg_m3 = 1500.0;
+        layers.scene.medium.layers[1].density_kg_m3 = 1500.0;
     }
     SECTION("more viscous") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(1.0)};
-        body.scene().medium.bodies[0].viscosity_Pa_s = 1.5;
-        layers.scene().medium.layers[1].loss = KelvinVoigt{1.5};
+        body.scene.medium.bodies = {slab(1.0)};
+        body.scene.medium.bodies[0].viscosity_Pa_s = 1.5;
+        layers.scene.medium.layers[1].loss = KelvinVoigt{1.5};
     }
     SECTION("less viscous") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(1.0)};
-        body.scene().medium.bodies[0].viscosity_Pa_s = 0.3;
-        layers.scene().medium.layers[1].loss = KelvinVoigt{0.3};
+        body.scene.medium.bodies = {slab(1.0)};
+        body.scene.medium.bodies[0].viscosity_Pa_s = 0.3;
+        layers.scene.medium.layers[1].loss = KelvinVoigt{0.3};
     }
     SECTION("slower in compression") {
         body = with_step(body, 12.5e-6);
-        body.scene().medium.bodies = {slab(1.0)};
-        body.scene().medium.bodies[0].c_p_m_s = 900.0;
-        layers.scene().medium.layers[1].c_p_m_s = 900.0;
+        body.scene.medium.bodies = {slab(1.0)};
+        body.scene.medium.bodies[0].c_p_m_s = 900.0;
+        layers.scene.medium.layers[1].c_p_m_s = 900.0;
     }
     layers.solver = LayeredOptions{};
     const double difference = relative_l2(last_frame(body), last_frame(layers));
@@ -102,28 +102,28 @@ TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
 
 TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
     Case c = tissue_case();
-    c.scene().medium.layers = {c.scene().medium.layers[0]};
-    c.scene().medium.layers[0].thickness_m = 9e-3;
+    c.scene.medium.layers = {c.scene.medium.layers[0]};
+    c.scene.medium.layers[0].thickness_m = 9e-3;
     c.domain.nx = 40, c.domain.ny = 36;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
         Curve({-9e-3, 0.0}, {200e-3, 0.0});
     SECTION("a box that fills the plane between two depths is equivalent to a layer") {
         Case layers = c;
-        layers.scene().medium.layers.assign(3, layers.scene().medium.layers[0]);
-        layers.scene().medium.layers[0].thickness_m = 2.3e-3;
-        layers.scene().medium.layers[1].thickness_m = 3.1e-3;
-        layers.scene().medium.layers[2].thickness_m = 3.6e-3;
-        layers.scene().medium.layers[1].c_s_m_s = 20.0;
+        layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
+        layers.scene.medium.layers[0].thickness_m = 2.3e-3;
+        layers.scene.medium.layers[1].thickness_m = 3.1e-3;
+        layers.scene.medium.layers[2].thickness_m = 3.6e-3;
+        layers.scene.medium.layers[1].c_s_m_s = 20.0;
         layers.solver = LayeredOptions{};
-        c.scene().medium.bodies = {{.name = "slab",
-                                    .shape = Box{{1.0, 1.0, 3.1e-3}},
-                                    .centre_m = {0.0, 0.0, 3.85e-3},
-                                    .c_s_m_s = 20.0}};
+        c.scene.medium.bodies = {{.name = "slab",
+                                  .shape = Box{{1.0, 1.0, 3.1e-3}},
+                                  .centre_m = {0.0, 0.0, 3.85e-3},
+                                  .c_s_m_s = 20.0}};
         // Time error.
         CHECK(relative_l2(last_frame(with_step(c, 12.5e-6)), last_frame(layers)) < 2e-3);
     }
     SECTION("a round body is resolved by sufficiently many elements") {
-        c.scene().medium.bodies = {
+        c.scene.medium.bodies = {
             {.name = "body",
              .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
              .centre_m = {2e-3, 0.0, 3e-3},
@@ -145,9 +145,9 @@ TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify
     Case c = tissue_case();
     Layer layer = test::tissue(1500.0, 20.0); // at rest after 16 ms
     layer.thickness_m = 16e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    c.scene().load.footprint = GaussianFootprint{6e-3};
-    c.scene().load.modulation.trajectory = {{Hold{}}};
+    c.scene.medium = {{layer}, Base::rigid};
+    c.scene.load.footprint = GaussianFootprint{6e-3};
+    c.scene.load.modulation.trajectory = {{Hold{}}};
     const double radius_m = 2e-3;
     const double spacings = 5.0;
     c.domain = {80, 80, radius_m / spacings, 0.0};
@@ -157,10 +157,10 @@ TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify
     options.accuracy = 1e-3;
     c.solver = options;
     const auto field = [&](double contrast) {
-        c.scene().medium.bodies = {{.name = "sphere",
-                                    .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
-                                    .centre_m = {0.0, 0.0, 8e-3},
-                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        c.scene.medium.bodies = {{.name = "sphere",
+                                  .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
+                                  .centre_m = {0.0, 0.0, 8e-3},
+                                  .c_s_m_s = 5.0 * std::sqrt(contrast)}};
         return last_frame(c);
     };
     const auto none = field(1.0), weak = field(1.02);
@@ -191,7 +191,7 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
     bone.density_kg_m3 = 1900.0;
     bone.c_p_m_s = 3517.0;
     bone.c_s_m_s = 1619.0;
-    c.scene().medium.bodies = {bone};
+    c.scene.medium.bodies = {bone};
     Case capped = with_step(c, 50e-6);
     std::get<SpectralOptions>(capped.solver).rigid_above = 1e9; // elastic
     const auto frame = last_frame(capped);
@@ -207,12 +207,12 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
 
 TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {
     Case c = with_step(tissue_case(), 50e-6);
-    auto& path = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path;
+    auto& path = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path;
     path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
-    c.scene().medium.bodies = {ellipsoid(16.0)};
+    c.scene.medium.bodies = {ellipsoid(16.0)};
     const auto frame = last_frame(c);
     path = {{-9e-3, -2e-3}, {100e-3, -20e-3}};
-    c.scene().medium.bodies[0].centre_m.y = -3e-3;
+    c.scene.medium.bodies[0].centre_m.y = -3e-3;
     const auto mirrored = last_frame(c);
     double worst = 0.0;
     for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
@@ -230,7 +230,7 @@ TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[
     // versa.
     Case c = with_step(tissue_case(), 50e-6);
     std::get<SpectralOptions>(c.solver).residual = 1e-8;
-    c.scene().medium.bodies = {ellipsoid(16.0)};
+    c.scene.medium.bodies = {ellipsoid(16.0)};
     CHECK(test::reciprocity_error(c, {{{-10e-3, 1e-3}, {9e-3, 6e-3}}}) < 1e-6); // required
 }
 

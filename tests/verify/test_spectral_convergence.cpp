@@ -16,17 +16,17 @@ namespace {
 /// resolves.
 Case column_case() {
     Case c = test::small_tissue();
-    c.scene().medium.layers[0].thickness_m = 9e-3;
-    c.scene().load.footprint = GaussianFootprint{6e-3};
-    c.scene().load.modulation.envelope = {{RampGain{1e-3}}};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
-                                                                            {200e-3, 0.0}};
+    c.scene.medium.layers[0].thickness_m = 9e-3;
+    c.scene.load.footprint = GaussianFootprint{6e-3};
+    c.scene.load.modulation.envelope = {{RampGain{1e-3}}};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
+                                                                          {200e-3, 0.0}};
     c.time.frames = 20;
-    c.scene().medium.bodies = {{.name = "column",
-                                .shape = Cylinder{.radius_m = 8e-3, .axis = CylinderAxis::vertical},
-                                .centre_m = {2e-3, 1e-3, 0.0},
-                                .edge_m = 14e-3,
-                                .c_s_m_s = 10.0}};
+    c.scene.medium.bodies = {{.name = "column",
+                              .shape = Cylinder{.radius_m = 8e-3, .axis = CylinderAxis::vertical},
+                              .centre_m = {2e-3, 1e-3, 0.0},
+                              .edge_m = 14e-3,
+                              .c_s_m_s = 10.0}};
     return c;
 }
 

@@ -21,10 +21,10 @@ constexpr std::ptrdiff_t wide_x = 120, wide_y = 90;
 /// reflections of its base arrive after the end of the run.
 Case pulse(std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.1)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 32e-3;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-3.5e-3, 0.0},
-                                                                            {3.5e-3, 0.0}};
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 32e-3;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-3.5e-3, 0.0},
+                                                                          {3.5e-3, 0.0}};
     c.domain = {nx, ny, spacing_m, sponge_m};
     c.time = {140, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
@@ -74,13 +74,13 @@ void step_through(const Case& c, const F& f) {
 
 Case lossless_with_body() {
     Case c = pulse(48, 36, 8e-3);
-    c.scene().medium.layers[0].thickness_m = 9e-3;
-    c.scene().medium.layers[0].loss = Lossless{};
-    c.scene().medium.bodies = {{.name = "body", // across the width of the sponge
-                                .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
-                                .centre_m = {-18e-3, 3e-3, 4e-3},
-                                .density_kg_m3 = 1300.0,
-                                .c_s_m_s = 20.0}};
+    c.scene.medium.layers[0].thickness_m = 9e-3;
+    c.scene.medium.layers[0].loss = Lossless{};
+    c.scene.medium.bodies = {{.name = "body", // across the width of the sponge
+                              .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
+                              .centre_m = {-18e-3, 3e-3, 4e-3},
+                              .density_kg_m3 = 1300.0,
+                              .c_s_m_s = 20.0}};
     c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-6};
     return c;
 }
@@ -95,9 +95,9 @@ TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "
             1, {{0.5, 28e-3}, {0.0, 20e-3}, {0.1, 20e-3}})));
     const auto lossy = [loss = loss_Pa_s](Case c) {
         if (loss > 0.0)
-            c.scene().medium.layers[0].loss = KelvinVoigt{loss};
+            c.scene.medium.layers[0].loss = KelvinVoigt{loss};
         else
-            c.scene().medium.layers[0].loss = Lossless{};
+            c.scene.medium.layers[0].loss = Lossless{};
         return c;
     };
     const auto reference = test::frames_of(lossy(pulse(wide_x, wide_y, 0.0)));
@@ -114,8 +114,8 @@ TEST_CASE("field of a moving focus with a sponge equals that of a wide domain fo
           "[verify]") {
     const auto scan = [](std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
         Case c = pulse(nx, ny, sponge_m);
-        c.scene().medium.layers[0].thickness_m = 12e-3;
-        auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+        c.scene.medium.layers[0].thickness_m = 12e-3;
+        auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
         travel.path = {{-20e-3, 0.0}, {300e-3, 0.0}};
         travel.motion = ConstantSpeed{3.0}; // slower than the shear wave, which overtakes it
         return c;
@@ -137,10 +137,10 @@ TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify]
     Case c = lossless_with_body();
     SECTION("elastic") {}
     SECTION("rigid") {
-        c.scene().medium.bodies[0].rigid = true;
+        c.scene.medium.bodies[0].rigid = true;
     }
     SECTION("without body") {
-        c.scene().medium.bodies.clear();
+        c.scene.medium.bodies.clear();
         c.solver = SpectralOptions{.time_step_s = GENERATE(50e-6, 200e-6)};
         c.time = {70, 200e-6};
     }

@@ -19,11 +19,11 @@ Case lossless_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.0);
     layer.thickness_m = 3e-3;
-    c.scene().medium = {{layer, layer, layer}, Base::rigid};
-    c.scene().medium.layers[1].c_s_m_s = 8.0;
-    c.scene().medium.layers[1].density_kg_m3 = 1100.0;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
-                                                                            {7e-3, 0.0}};
+    c.scene.medium = {{layer, layer, layer}, Base::rigid};
+    c.scene.medium.layers[1].c_s_m_s = 8.0;
+    c.scene.medium.layers[1].density_kg_m3 = 1100.0;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
+                                                                          {7e-3, 0.0}};
     c.domain = {32, 24, 1.25e-3, 0.0};
     c.time = {120, 100e-6};
     return c;
@@ -58,12 +58,12 @@ TEST_CASE("energy of a lossless medium is conserved after the load has ended", "
     SECTION("layers") {}
     SECTION("a body, one solve per step") {
         options.method = SpectralMethod::one_solve;
-        c.scene().medium.bodies = {ellipsoid(4.0)};
+        c.scene.medium.bodies = {ellipsoid(4.0)};
     }
     SECTION("a stiff and dense body, iterations") {
         options.residual = 1e-12; // its error accumulates over 200 steps
-        c.scene().medium.bodies = {ellipsoid(16.0)};
-        c.scene().medium.bodies[0].density_kg_m3 = 1300.0;
+        c.scene.medium.bodies = {ellipsoid(16.0)};
+        c.scene.medium.bodies[0].density_kg_m3 = 1300.0;
     }
     c.solver = options;
     double after = 0.0, worst = 0.0, work = 0.0;
@@ -81,9 +81,9 @@ TEST_CASE("energy of a lossless medium is conserved after the load has ended", "
 
 TEST_CASE("viscosity reduces the energy at every step", "[verify]") {
     Case c = lossless_case();
-    c.scene().medium.layers[0].loss = KelvinVoigt{0.5};
-    c.scene().medium.bodies = {ellipsoid(4.0)};
-    c.scene().medium.bodies[0].viscosity_Pa_s = 2.0;
+    c.scene.medium.layers[0].loss = KelvinVoigt{0.5};
+    c.scene.medium.bodies = {ellipsoid(4.0)};
+    c.scene.medium.bodies[0].viscosity_Pa_s = 2.0;
     c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-10};
     double last = 0.0, first = 0.0, most_gain = 0.0;
     step_through(c, 50e-6, [&](spectral::Stepper& stepper) {
@@ -104,10 +104,10 @@ TEST_CASE("a lossless medium is stable at any step", "[verify]") {
     const double step_s = GENERATE(25e-6, 40e-6, 50e-6, 80e-6, 100e-6, 200e-6);
     const double c_s_m_s = GENERATE(5.0, 10.0);
     Case c = lossless_case();
-    c.scene().medium.layers = {c.scene().medium.layers[0]};
-    c.scene().medium.layers[0].thickness_m = 12e-3;
-    c.scene().medium.layers[0].c_s_m_s = c_s_m_s;
-    c.scene().load.footprint = GaussianFootprint{2e-3};
+    c.scene.medium.layers = {c.scene.medium.layers[0]};
+    c.scene.medium.layers[0].thickness_m = 12e-3;
+    c.scene.medium.layers[0].c_s_m_s = c_s_m_s;
+    c.scene.load.footprint = GaussianFootprint{2e-3};
     c.domain = {48, 36, 2e-3 / 3.0, 0.0};
     c.time = {20, 200e-6};
     c.solver = SpectralOptions{.time_step_s = step_s};
@@ -125,11 +125,11 @@ namespace {
 /// A layer of 8 mm in two elements.
 Case compressible_case(double c_p_m_s, double step_s) {
     Case c = lossless_case();
-    Layer& layer = c.scene().medium.layers[0];
+    Layer& layer = c.scene.medium.layers[0];
     layer.thickness_m = 8e-3;
     layer.c_s_m_s = 10.0;
     layer.c_p_m_s = c_p_m_s;
-    c.scene().medium.layers = {layer};
+    c.scene.medium.layers = {layer};
     c.domain = {16, 12, 2e-3, 0.0};
     c.time = {30, 200e-6};
     c.solver = SpectralOptions{.time_step_s = step_s, .longest_element_m = 4e-3, .residual = 1e-10};
@@ -178,10 +178,10 @@ TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
     const double step_s = GENERATE(from_range(compressible_steps_s()));
     CAPTURE(m.layer_c_p_m_s, m.layer_c_s_m_s, m.body_c_p_m_s, m.body_c_s_m_s, step_s);
     Case c = compressible_case(m.layer_c_p_m_s, step_s);
-    c.scene().medium.layers[0].c_s_m_s = m.layer_c_s_m_s;
-    c.scene().medium.bodies = {ellipsoid(1.0)};
-    c.scene().medium.bodies[0].c_p_m_s = m.body_c_p_m_s;
-    c.scene().medium.bodies[0].c_s_m_s = m.body_c_s_m_s;
+    c.scene.medium.layers[0].c_s_m_s = m.layer_c_s_m_s;
+    c.scene.medium.bodies = {ellipsoid(1.0)};
+    c.scene.medium.bodies[0].c_p_m_s = m.body_c_p_m_s;
+    c.scene.medium.bodies[0].c_s_m_s = m.body_c_s_m_s;
     c.domain = {12, 8, 2e-3, 0.0};
     c.time.frames = 12;               // the load ends after 10
     double largest = 0.0, last = 0.0; // energy relative to the work
@@ -198,10 +198,10 @@ TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
 TEST_CASE("energy of a compressible layer with a stiff viscous body never increases", "[verify]") {
     const double step_s = 25e-6, viscosity_Pa_s = GENERATE(0.0, 1.0, 4.0);
     Case c = compressible_case(20.0, step_s);
-    c.scene().medium.layers[0].c_s_m_s = 5.0;
-    c.scene().medium.layers[0].loss = KelvinVoigt{1.0};
-    c.scene().medium.bodies = {ellipsoid(4.0)};
-    c.scene().medium.bodies[0].viscosity_Pa_s = viscosity_Pa_s;
+    c.scene.medium.layers[0].c_s_m_s = 5.0;
+    c.scene.medium.layers[0].loss = KelvinVoigt{1.0};
+    c.scene.medium.bodies = {ellipsoid(4.0)};
+    c.scene.medium.bodies[0].viscosity_Pa_s = viscosity_Pa_s;
     c.time.frames = 15;
     double last = 0.0, most_gain = 0.0;
     CHECK_NOTHROW(step_through(c, step_s, [&](spectral::Stepper& stepper) {

@@ -16,7 +16,7 @@ namespace {
 /// A 3 mm focus at 5 m/s for 14 ms over 96 x 72 mm.
 Case scan() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{5.0});
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-29e-3, 0.0};
     c.domain = {96, 72, 1e-3, 0.0};
     c.time = {140, 100e-6};
@@ -43,9 +43,9 @@ TEST_CASE("an absorber reproduces a half-space", "[verify]") {
     Case c = scan();
     const bool layered = GENERATE(false, true);
     if (layered) {
-        c.scene().medium.layers.insert(c.scene().medium.layers.begin(), c.scene().medium.layers[0]);
-        c.scene().medium.layers[0].thickness_m = 4e-3;
-        c.scene().medium.layers[0].c_s_m_s = 8.0;
+        c.scene.medium.layers.insert(c.scene.medium.layers.begin(), c.scene.medium.layers[0]);
+        c.scene.medium.layers[0].thickness_m = 4e-3;
+        c.scene.medium.layers[0].c_s_m_s = 8.0;
     }
     Case exact = c;
     exact.solver = LayeredOptions{.time_step_s = 25e-6};
@@ -60,8 +60,8 @@ TEST_CASE("an absorber reproduces a half-space", "[verify]") {
 
 TEST_CASE("an absorber and a sponge never add energy", "[verify]") {
     Case c = scan();
-    c.scene().medium.layers[0].loss = Lossless{};
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    c.scene.medium.layers[0].loss = Lossless{};
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     travel.path = {{-3.5e-3, 0.0}, {3.5e-3, 0.0}}; // switched off after 1.4 ms
     const double step_s = GENERATE(50e-6, 200e-6);
     c.domain = {48, 36, 1e-3, 8e-3};
@@ -118,9 +118,9 @@ double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameSt
 Case pulsating(double ratio, double frequency_Hz) {
     Case c =
         test::moving_focus(test::half_space(test::tissue(5.0 * ratio, 0.5)), ConstantSpeed{5.0});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.scene().load.modulation.envelope = {{SineGain{frequency_Hz}}};
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene.load.modulation.envelope = {{SineGain{frequency_Hz}}};
     c.domain = {60, 44, 1.6e-3, 0.0};
     c.time = {100, 100e-6};
     c.measure.depths_m = {0.0, 4e-3};
@@ -177,7 +177,7 @@ TEST_CASE("the field at the end of a path is that of the exact half-space", "[ve
     // The load ends at the last frame, where its jump has no influence yet.
     const double ratio = GENERATE(2.0, 10.0, 300.0);
     Case c = pulsating(ratio, 200.0);
-    c.scene().load.modulation.trajectory = {
+    c.scene.load.modulation.trajectory = {
         {Travel{{{-7e-3, 0.0}, {7e-3, 0.0}}, ConstantSpeed{5.0}}}};
     c.time.frames = 28;
     Case exact = c;
@@ -197,9 +197,9 @@ Case of_kind(const std::string& kind, double ratio) {
     if (kind == "fast AM") return pulsating(ratio, 800.0);
     Case c = pulsating(ratio, 200.0);
     if (kind == "constant")
-        c.scene().load.modulation.envelope = {};
+        c.scene.load.modulation.envelope = {};
     else
-        c.scene().load.modulation.trajectory = {
+        c.scene.load.modulation.trajectory = {
             {Travel{{{-15e-3, 0.0}, {15e-3, 0.0}}, ConstantSpeed{5.0}}}};
     return c;
 }

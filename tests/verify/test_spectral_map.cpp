@@ -14,8 +14,8 @@ Case tissue_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 9e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+    c.scene.medium = {{layer}, Base::rigid};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
         Curve({-9e-3, 0.0}, {200e-3, 0.0});
     c.domain = {40, 36, 1e-3, 0.0};
     c.time = {30, 100e-6};
@@ -38,12 +38,12 @@ std::shared_ptr<MaterialMap> stiff_map() {
 
 TEST_CASE("a map that fills the plane between two depths is equivalent to a layer", "[verify]") {
     Case c = tissue_case(), layers = c;
-    c.scene().medium.map = stiff_map();
-    layers.scene().medium.layers.assign(3, layers.scene().medium.layers[0]);
-    layers.scene().medium.layers[0].thickness_m = 3e-3;
-    layers.scene().medium.layers[1].thickness_m = 3.2e-3;
-    layers.scene().medium.layers[1].c_s_m_s = 20.0;
-    layers.scene().medium.layers[2].thickness_m = 2.8e-3;
+    c.scene.medium.map = stiff_map();
+    layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
+    layers.scene.medium.layers[0].thickness_m = 3e-3;
+    layers.scene.medium.layers[1].thickness_m = 3.2e-3;
+    layers.scene.medium.layers[1].c_s_m_s = 20.0;
+    layers.scene.medium.layers[2].thickness_m = 2.8e-3;
     layers.solver = LayeredOptions{};
     const double difference =
         test::relative_l2(test::last_frame(test::with_step(c, 12.5e-6)), test::last_frame(layers));
@@ -54,17 +54,17 @@ TEST_CASE("a map of a box is equivalent to a body", "[verify]") {
     Case c = tissue_case();
     c.solver = SpectralOptions{.time_step_s = 25e-6, .longest_element_m = 1.6e-3};
     Case body = c;
-    body.scene().medium.bodies = {{.name = "box",
-                                   .shape = Box{{8e-3, 7e-3, 3.2e-3}},
-                                   .centre_m = {1.5e-3, 0.0, 4.6e-3},
-                                   .c_s_m_s = 20.0}};
+    body.scene.medium.bodies = {{.name = "box",
+                                 .shape = Box{{8e-3, 7e-3, 3.2e-3}},
+                                 .centre_m = {1.5e-3, 0.0, 4.6e-3},
+                                 .c_s_m_s = 20.0}};
     auto map = std::make_shared<MaterialMap>(); // voxels that end at the faces of the box
     map->counts = {8, 7, 16};
     map->origin_m = {-2e-3, -3e-3, 3.1e-3};
     map->spacing_m = {1e-3, 1e-3, 0.2e-3};
     map->c_s_m_s.assign(8 * 7 * 16, 20.0);
     map->content_hash = hash_of(*map);
-    c.scene().medium.map = map;
+    c.scene.medium.map = map;
     // Short elements are the same for both, and so are all results. Without this limit a map has at
     // least two elements over its height, a box one, and the observed difference is 4e-4.
     CHECK(test::relative_l2(test::last_frame(c), test::last_frame(body)) < 1e-12);
@@ -74,9 +74,9 @@ TEST_CASE("a map of a sphere is equivalent to a body", "[verify]") {
     Case c = tissue_case();
     Layer layer = test::tissue(1500.0, 10.0);
     layer.thickness_m = 10e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    c.scene().load.footprint = GaussianFootprint{5e-3};
-    c.scene().load.modulation.trajectory = {{Hold{}}};
+    c.scene.medium = {{layer}, Base::rigid};
+    c.scene.load.footprint = GaussianFootprint{5e-3};
+    c.scene.load.modulation.trajectory = {{Hold{}}};
     const double radius_m = 2e-3, spacing_m = radius_m / 5.0;
     c.domain = {40, 40, spacing_m, 0.0};
     c.time = {6, 1e-3};
@@ -86,10 +86,10 @@ TEST_CASE("a map of a sphere is equivalent to a body", "[verify]") {
     const double c_s_m_s = 5.0 * std::sqrt(contrast);
     const Vec3 centre_m{0.1e-3, 0.07e-3, 5.03e-3}; // not a point of the grid or the map
     Case body = c;
-    body.scene().medium.bodies = {{.name = "sphere",
-                                   .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
-                                   .centre_m = centre_m,
-                                   .c_s_m_s = c_s_m_s}};
+    body.scene.medium.bodies = {{.name = "sphere",
+                                 .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
+                                 .centre_m = centre_m,
+                                 .c_s_m_s = c_s_m_s}};
     // A point of the map is inside the sphere or not.
     const double per_spacing = GENERATE(1.0, 4.0);
     const double apart_m = spacing_m / per_spacing;
@@ -108,7 +108,7 @@ TEST_CASE("a map of a sphere is equivalent to a body", "[verify]") {
                 map->c_s_m_s.push_back(norm(at_m - centre_m) < radius_m ? c_s_m_s : 5.0);
             }
     map->content_hash = hash_of(*map);
-    c.scene().medium.map = map;
+    c.scene.medium.map = map;
     auto effect = test::last_frame(c), exact = test::last_frame(body);
     for (std::size_t i = 0; i < none.size(); ++i) {
         effect[i] -= none[i];

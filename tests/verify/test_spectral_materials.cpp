@@ -54,14 +54,14 @@ Case tissue(double viscosity_Pa_s) {
     Case c = test::small_tissue(viscosity_Pa_s);
     c.domain.nx = 20;
     c.domain.ny = 16;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9.5e-3, 0.0},
-                                                                            {9.5e-3, 0.0}};
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9.5e-3, 0.0},
+                                                                          {9.5e-3, 0.0}};
     return c;
 }
 
 Case with_body(Case c, const Kind& kind) {
     c.solver = SpectralOptions{};
-    c.scene().medium.bodies = {kind.body};
+    c.scene.medium.bodies = {kind.body};
     return c;
 }
 
@@ -132,10 +132,10 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     // the load is switched on gradually, and a millionth of the peak, which requires a small
     // residual.
     Case c = test::small_tissue();
-    c.scene().load.modulation.envelope = {{RampGain{1e-3}}};
+    c.scene.load.modulation.envelope = {{RampGain{1e-3}}};
     c.time.frames = 20;
     const double c_p_m_s = GENERATE(500.0, 3500.0);
-    c.scene().medium.bodies = {with(&Body::c_p_m_s, c_p_m_s)};
+    c.scene.medium.bodies = {with(&Body::c_p_m_s, c_p_m_s)};
     SpectralOptions options;
     options.residual = 1e-6;
     c.solver = options;
@@ -153,11 +153,11 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     const double without = compression_m(7e-3, 1500.0);
     CHECK(std::abs(fine / without - 1.0) > 0.05);
     // A body that fills 3 mm of the plane corresponds to layers in series.
-    c.scene().medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
-    c.scene().medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
-    c.scene().medium.layers.assign(3, c.scene().medium.layers[0]);
-    c.scene().medium.layers[0].thickness_m = c.scene().medium.layers[2].thickness_m = 2e-3;
-    c.scene().medium.layers[1].thickness_m = 3e-3;
+    c.scene.medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
+    c.scene.medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
+    c.scene.medium.layers.assign(3, c.scene.medium.layers[0]);
+    c.scene.medium.layers[0].thickness_m = c.scene.medium.layers[2].thickness_m = 2e-3;
+    c.scene.medium.layers[1].thickness_m = 3e-3;
     const double row = compression_m(4e-3, 1500.0) + compression_m(3e-3, c_p_m_s);
     // Inertia during the ramp; otherwise static.
     CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005));

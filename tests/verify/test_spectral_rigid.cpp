@@ -43,15 +43,15 @@ TEST_CASE("markers of a rigid body move rigidly", "[verify]") {
     Case c = bone_case(axis, 0.5);
     SECTION("free") {}
     SECTION("fixed") {
-        c.scene().medium.bodies[0].fixed = true;
+        c.scene.medium.bodies[0].fixed = true;
     }
     SECTION("with a sponge") {
         c.domain.sponge_m = 8e-3;
     }
     SECTION("next to an elastic body, with iterations") {
-        c.scene().medium.bodies.push_back(test::elastic_neighbour());
+        c.scene.medium.bodies.push_back(test::elastic_neighbour());
     }
-    const Body bone = c.scene().medium.bodies[0];
+    const Body bone = c.scene.medium.bodies[0];
     step_through(c, 30, [&](const spectral::Stepper& stepper) {
         if (stepper.step() % 15 != 0) return;
         const std::vector<double>& q = stepper.bodies().position();
@@ -90,10 +90,10 @@ TEST_CASE("energy of a lossless medium with a rigid body is conserved", "[verify
     std::get<SpectralOptions>(c.solver).time_step_s = step_s;
     SECTION("free and dense") {}
     SECTION("free and light") {
-        c.scene().medium.bodies[0].density_kg_m3 = 300.0;
+        c.scene.medium.bodies[0].density_kg_m3 = 300.0;
     }
     SECTION("fixed") {
-        c.scene().medium.bodies[0].fixed = true;
+        c.scene.medium.bodies[0].fixed = true;
     }
     test::check_conserved_energy(c, step_s, 7);
 }
@@ -111,9 +111,9 @@ TEST_CASE("a rigid body along x is equivalent to one along y", "[verify]") {
 TEST_CASE("mirror image of a rigid body yields the mirror image of the field", "[verify]") {
     Case c = bone_case(Along::y, 0.5);
     const auto frame = last_frame(c);
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
         Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
-    c.scene().medium.bodies[0].centre_m.x *= -1.0;
+    c.scene.medium.bodies[0].centre_m.x *= -1.0;
     const auto mirrored = last_frame(c);
     CHECK(test::asymmetry(c.domain, frame, mirrored) < 1e-10 * test::largest(frame)); // required
 }
@@ -123,9 +123,9 @@ TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[
     const auto frame = last_frame(c);
     const std::ptrdiff_t shift = c.domain.nx / 2 - 1; // the body then crosses the edge
     const double by_m = static_cast<double>(shift) * c.domain.spacing_m;
-    auto& path = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path;
+    auto& path = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path;
     path = Curve({-7e-3 + by_m, 2e-3}, {7e-3 + by_m, 1e-3});
-    c.scene().medium.bodies[0].centre_m.x += by_m;
+    c.scene.medium.bodies[0].centre_m.x += by_m;
     const auto moved = last_frame(c);
     std::vector<double> back;
     for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
@@ -164,9 +164,9 @@ TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
         Case c = with_step(bone_case(Along::y, 0.5), 25e-6);
         c.domain = {32 * times, 4 * times, 1.2e-3 / static_cast<double>(times), 0.0};
         c.time.frames = 15;
-        c.scene().medium.bodies[0].fixed = fixed;
+        c.scene.medium.bodies[0].fixed = fixed;
         Case none = c;
-        none.scene().medium.bodies.clear();
+        none.scene.medium.bodies.clear();
         const auto with = last_frame(c), without = last_frame(none);
         std::vector<double> change;
         for (std::ptrdiff_t i = 0; i < c.domain.nx; i += times)

@@ -16,10 +16,10 @@ Case pressed(double frequency_Hz, double depth = 1.0) {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 10e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.scene().load.modulation.envelope = {{SineGain{frequency_Hz, depth}}};
+    c.scene.medium = {{layer}, Base::rigid};
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene.load.modulation.envelope = {{SineGain{frequency_Hz, depth}}};
     c.domain = {32, 30, 1e-3, 0.0};
     c.time = {60, 100e-6};
     c.measure = {.at_s = 6e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -28,10 +28,10 @@ Case pressed(double frequency_Hz, double depth = 1.0) {
 }
 
 Case with_sphere(Case c, double viscosity_Pa_s) {
-    c.scene().medium.bodies = {{.name = "sphere",
-                                .shape = Ellipsoid{{4e-3, 4e-3, 4e-3}},
-                                .centre_m = {0.0, 0.0, 4.5e-3},
-                                .viscosity_Pa_s = viscosity_Pa_s}};
+    c.scene.medium.bodies = {{.name = "sphere",
+                              .shape = Ellipsoid{{4e-3, 4e-3, 4e-3}},
+                              .centre_m = {0.0, 0.0, 4.5e-3},
+                              .viscosity_Pa_s = viscosity_Pa_s}};
     return c;
 }
 
@@ -71,14 +71,14 @@ TEST_CASE("a map of a lower viscosity is equivalent to a layer", "[verify]") {
     map->spacing_m = {0.0, 0.0, 0.2e-3};
     map->viscosity_Pa_s.assign(16, 0.3);
     map->content_hash = hash_of(*map);
-    layers.scene().medium.layers.assign(3, layers.scene().medium.layers[0]);
-    layers.scene().medium.layers[0].thickness_m = 3e-3;
-    layers.scene().medium.layers[1].thickness_m = 3.2e-3;
-    layers.scene().medium.layers[1].loss = KelvinVoigt{0.3};
-    layers.scene().medium.layers[2].thickness_m = 3.8e-3;
+    layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
+    layers.scene.medium.layers[0].thickness_m = 3e-3;
+    layers.scene.medium.layers[1].thickness_m = 3.2e-3;
+    layers.scene.medium.layers[1].loss = KelvinVoigt{0.3};
+    layers.scene.medium.layers[2].thickness_m = 3.8e-3;
     layers.solver = LayeredOptions{.time_step_s = 25e-6};
     const auto without = test::last_frame(c), exact = test::last_frame(layers);
-    c.scene().medium.map = map;
+    c.scene.medium.map = map;
     const double difference = test::relative_l2(test::last_frame(c), exact);
     const double effect = test::relative_l2(without, exact);
     CAPTURE(difference, effect);

@@ -84,7 +84,7 @@ std::vector<NamedMedium> media() {
 
 Case periodic_case(const Medium& medium) {
     Case c = test::moving_focus(medium, {});
-    c.scene().load.footprint = GaussianFootprint{5e-3};
+    c.scene.load.footprint = GaussianFootprint{5e-3};
     c.domain = {36, 32, 1.25e-3, 0.0, DomainEdges::open};
     c.time = {60, period_s / 60.0, Regime::periodic};
     c.measure.at_s = period_s;
@@ -113,9 +113,9 @@ TEST_CASE("the steady state is the last of many repetitions", "[long][steady_sta
         for (const NamedLoad& load : loads(medium.name)) {
             INFO(load.name << " on the medium " << medium.name);
             Case c = periodic_case(medium.medium);
-            c.scene().load.footprint = load.footprint;
-            c.scene().load.modulation = {load.name, load.trajectory, load.envelope, load.foci_m};
-            const LoadPeriod period = least_period(c.scene().load, 1.0);
+            c.scene.load.footprint = load.footprint;
+            c.scene.load.modulation = {load.name, load.trajectory, load.envelope, load.foci_m};
+            const LoadPeriod period = least_period(c.scene.load, 1.0);
             REQUIRE(period.reason.empty());
             REQUIRE(std::abs(period.period_s - period_s) < 1e-12);
             Case run = c;
@@ -147,12 +147,12 @@ TEST_CASE("the work per period is that of the load on the computed field", "[ste
     // With the mean displacement w(t) under the resting focus, weighted with its pressure, the work
     // is the integral of e(t) dw/dt over the period: a sum over the harmonics of both.
     Case c = periodic_case(test::half_space(test::tissue()));
-    c.scene().load.modulation.trajectory = {{Hold{{2e-3, 1e-3}}}};
-    c.scene().load.modulation.envelope = {
+    c.scene.load.modulation.trajectory = {{Hold{{2e-3, 1e-3}}}};
+    c.scene.load.modulation.envelope = {
         {SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}};
     Recorded frames;
     engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), frames);
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     std::vector<double> w, e;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         double sum = 0.0;
@@ -204,8 +204,8 @@ TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]
     //   e^{i m (theta_0 - theta)} / (2 pi) integral H(k, m Omega) G(k) J_m(k a) J_m(k r) k dk.
     const double a = 6e-3, fwhm = 6e-3, theta_0 = 0.3;
     Case c = periodic_case(test::half_space(test::tissue()));
-    c.scene().load.footprint = GaussianFootprint{fwhm};
-    c.scene().load.modulation.trajectory = {{circle(a, 100.0)}};
+    c.scene.load.footprint = GaussianFootprint{fwhm};
+    c.scene.load.modulation.trajectory = {{circle(a, 100.0)}};
     c.domain.spacing_m = 1e-3;
     c.solver = LayeredOptions{.interpolation_tolerance = 1e-11};
     const test::FrameStore frames = test::frames_of(c);
@@ -222,7 +222,7 @@ TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]
     for (int m = 0; m <= harmonics; ++m) {
         const double omega = m * turn / period_s;
         const auto add = [&](double k, double weight) {
-            const Complex h = test::half_space_response(c.scene().medium.layers[0], omega, k);
+            const Complex h = test::half_space_response(c.scene.medium.layers[0], omega, k);
             const Complex common = weight * k / turn * h * turn * sigma * sigma *
                                    std::exp(-0.5 * sigma * sigma * k * k) *
                                    std::cyl_bessel_j(m, k * a);

@@ -16,10 +16,10 @@ namespace {
 /// A 3 mm focus of 1 Pa at 7 m/s over 8 mm of tissue, with one element of 8 mm or two of 4 mm.
 Case tissue_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 8e-3;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                            {200e-3, 0.0}};
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 8e-3;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
+                                                                          {200e-3, 0.0}};
     c.domain = {54, 48, 0.75e-3, 0.0};
     c.time = {20, 100e-6};
     c.measure = {.at_s = 2e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -51,21 +51,21 @@ TEST_CASE("stress at the surface equals the load", "[verify]") {
     Case c = tissue_case();
     SECTION("of one layer") {}
     SECTION("of one layer with low compressional stiffness") {
-        c.scene().medium.layers[0].c_p_m_s = 50.0;
+        c.scene.medium.layers[0].c_p_m_s = 50.0;
     }
     SECTION("above a body") {
-        c.scene().medium.bodies = {bone(2.0)};
+        c.scene.medium.bodies = {bone(2.0)};
         // No element at the surface is cut.
         std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3;
     }
     SECTION("above a stiff body, by iterations") {
-        c.scene().medium.bodies = {bone(100.0)};
+        c.scene.medium.bodies = {bone(100.0)};
         std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3;
     }
     const test::VolumeStore store = volumes_of(c);
     for (std::size_t snapshot = 0; snapshot < 2; ++snapshot) {
         const Vec2 focus =
-            position(c.scene().load.modulation.trajectory, c.record.volumes_s[snapshot]);
+            position(c.scene.load.modulation.trajectory, c.record.volumes_s[snapshot]);
         double load = 0.0, beside = 0.0, along = 0.0;
         for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i) {
             for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
@@ -90,7 +90,7 @@ TEST_CASE("stress at the surface equals the load", "[verify]") {
 
 TEST_CASE("strain equals the gradient of the displacement", "[verify]") {
     Case c = tissue_case();
-    c.scene().load.footprint = GaussianFootprint{4.5e-3};
+    c.scene.load.footprint = GaussianFootprint{4.5e-3};
     double tolerance = 0.0;
     SECTION("in a layer") {
         // The differences have an error of (k h)^6 / 140: 0.1 % at 1.3 / mm, where the spectrum of
@@ -99,7 +99,7 @@ TEST_CASE("strain equals the gradient of the displacement", "[verify]") {
     }
     SECTION("with a body") {
         // At its sharp face the field varies from cell to cell: observed 3 %.
-        c.scene().medium.bodies = {bone(4.0)};
+        c.scene.medium.bodies = {bone(4.0)};
         tolerance = 0.06;
     }
     const test::VolumeStore store = volumes_of(c);

@@ -24,16 +24,15 @@ Case scan_case(const Scan& s) {
     Layer layer = test::tissue(1500.0, s.viscosity_Pa_s);
     layer.thickness_m = 12e-3;
     layer.c_s_m_s = s.c_s_m_s;
-    c.scene().medium = {{layer}, Base::rigid};
+    c.scene.medium = {{layer}, Base::rigid};
     if (s.film_m_s > 0.0) {
         layer.thickness_m = 0.3e-3;
         layer.c_s_m_s = s.film_m_s;
-        c.scene().medium.layers.insert(c.scene().medium.layers.begin(), layer);
+        c.scene.medium.layers.insert(c.scene.medium.layers.begin(), layer);
     }
-    if (s.am_Hz > 0.0)
-        c.scene().load.modulation.envelope.gains = {SineGain{.frequency_Hz = s.am_Hz}};
-    c.scene().load.footprint = GaussianFootprint{s.fwhm_m};
-    std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+    if (s.am_Hz > 0.0) c.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = s.am_Hz}};
+    c.scene.load.footprint = GaussianFootprint{s.fwhm_m};
+    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
         .from_m = {-2e-3 * s.speed_m_s, 0};
     c.domain = {48, 36, s.fwhm_m / 3.0, 0.0};
     c.time = {10, 400e-6};
@@ -83,10 +82,10 @@ TEST_CASE("chosen step reaches the requested accuracy with a stiff body", "[veri
     Case c = scan_case({3e-3, 7.0, 5.0, 0.5});
     c.domain = {32, 24, 1e-3, 0.0};
     c.time = {4, 400e-6};
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{{5e-3, 5e-3, 1.5e-3}},
-                                .centre_m = {0.0, 0.0, top_m + 1.5e-3},
-                                .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+    c.scene.medium.bodies = {{.name = "body",
+                              .shape = Ellipsoid{{5e-3, 5e-3, 1.5e-3}},
+                              .centre_m = {0.0, 0.0, top_m + 1.5e-3},
+                              .c_s_m_s = 5.0 * std::sqrt(contrast)}};
     // Short elements are the same at any step, which matters because bodies are sampled at the
     // nodes.
     SpectralOptions options{.longest_element_m = 1e-3, .residual = 1e-5, .accuracy = 1e-2};

@@ -15,15 +15,15 @@ using test::relative_l2;
 namespace {
 
 Case with_shapes(Case c, const std::vector<decltype(Body::shape)>& shapes) {
-    const Body body = c.scene().medium.bodies[0];
+    const Body body = c.scene.medium.bodies[0];
     const std::vector<Vec3> centres_m = {
         {1.3e-3, 0.7e-3, 6e-3}, {-7.3e-3, -7.1e-3, 6e-3}, {7.4e-3, 7.6e-3, 6.2e-3}};
-    c.scene().medium.bodies.clear();
+    c.scene.medium.bodies.clear();
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         Body next = body;
         next.shape = shapes[i];
         next.centre_m = centres_m[i];
-        c.scene().medium.bodies.push_back(next);
+        c.scene.medium.bodies.push_back(next);
     }
     return c;
 }
@@ -31,7 +31,7 @@ Case with_shapes(Case c, const std::vector<decltype(Body::shape)>& shapes) {
 /// The effect of the bodies on the surface, which differs from the field by that without bodies.
 std::vector<double> effect(const Case& c) {
     Case without = c;
-    without.scene().medium.bodies.clear();
+    without.scene.medium.bodies.clear();
     std::vector<double> field = last_frame(c);
     const std::vector<double> background = last_frame(without);
     for (std::size_t i = 0; i < field.size(); ++i)
@@ -67,7 +67,7 @@ TEST_CASE("a rigid box turned by 90 degrees has the field of one with exchanged 
 
 TEST_CASE("energy of a lossless medium with a turned elastic body is conserved", "[verify]") {
     Case c = test::with_step(lump_case(0.0), 100e-6);
-    Body& body = c.scene().medium.bodies[0];
+    Body& body = c.scene.medium.bodies[0];
     body.shape = Box{{8e-3, 5e-3, 3e-3}, {35.0, 25.0, -20.0}};
     body.rigid = false;
     body.density_kg_m3 = 1200.0;
@@ -109,9 +109,9 @@ TEST_CASE("mirror image of turned rigid lumps yields the mirror image of the fie
          Cylinder{
              .radius_m = 2.6e-3, .length_m = 7e-3, .azimuth_deg = 30.0, .inclination_deg = 40.0}});
     const auto frame = last_frame(c);
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
         Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
-    for (Body& mirrored : c.scene().medium.bodies) {
+    for (Body& mirrored : c.scene.medium.bodies) {
         mirrored.centre_m.x *= -1.0;
         std::visit(overloaded{
                        // These shapes are symmetric about the planes of their own axes.

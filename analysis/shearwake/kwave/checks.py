@@ -78,7 +78,7 @@ def check_time_step(study: Simulation) -> None:
 
 def check_plausible(study: Simulation) -> None:
     """Warns of values that are probably in other units than k-Wave expects. Raises BadInput for a grid that is in
-    millimetres, since no job can have its size."""
+    millimetres."""
     for axis, spacing_m, points in zip("xyz", study.spacing_m, study.points):
         if spacing_m > LARGEST_SPACING_m:
             raise BadInput(f"kgrid.d{axis} is {spacing_m:g} m, so that the grid would be {spacing_m * points:.4g} m long along "
@@ -100,17 +100,14 @@ def in_layer(study: Simulation, nodes: np.ndarray) -> np.ndarray:
     return np.any((nodes < thick) | (nodes >= study.points - thick), axis=1)
 
 
-def check_layer_nodes(study: Simulation, plane: int) -> None:
-    """Warns if the layer absorbs at sources, sensor or measured plane."""
+def check_layer_nodes(study: Simulation) -> None:
+    """Warns if the layer absorbs at sources or sensor."""
     groups = [(f"source.{source['field']}", source["nodes"]) for source in study.sources]
     for name, nodes in [*groups, ("sensor.mask", study.sensor_nodes)]:
         inside = int(np.count_nonzero(in_layer(study, nodes)))
         if inside:
             study.warnings.append(f"{name}: {inside} of {len(nodes)} nodes lie inside the absorbing layer (options.PMLSize), "
                                   "where waves are damped")
-    if in_layer(study, np.array([[*(study.points[:2] // 2), plane]]))[0]:
-        study.warnings.append(f"the measured plane z {plane - int(study.first[2]) + 1} lies inside the absorbing layer "
-                              "(options.PMLSize); --plane selects another plane")
 
 
 def supported_frequency_Hz(study: Simulation) -> float:

@@ -43,8 +43,8 @@ def grid_lines(study: Study) -> list[str]:
             f"maximum supported frequency: {supported_frequency_Hz(study):.4g} Hz"]
 
 
-def lines_of(study: Study, plane: int) -> list[str]:
-    """Lines about the grid, each group of sources with the same nodes, the sensor and the measured plane."""
+def lines_of(study: Study) -> list[str]:
+    """Lines about the grid, each group of sources with the same nodes, and the sensor."""
     groups: dict[bytes, list[dict[str, Any]]] = {}
     for source in study.sources:
         groups.setdefault(source["nodes"].tobytes(), []).append(source)
@@ -53,15 +53,12 @@ def lines_of(study: Study, plane: int) -> list[str]:
               f"{extent(group[0]['nodes'], study)}" for group in groups.values()]
     of = "" if study.sensor_weights is None else f"{counted(len(study.sensor_weights), 'point')} between "
     lines.append(f"sensor ({', '.join(study.sensor_fields)}): {of}{extent(study.sensor_nodes, study)}")
-    depth_mm = 1e3 * (plane + 0.5) * study.spacing_m[2]
-    lines.append(f"measured: u_z in the plane z {plane - int(study.first[2]) + 1} "
-                 f"(measure.depths_mm = [{depth_mm:.6g}])")
     return lines
 
 
-def summary_of(name: object, study: Study, has_job: bool = True) -> str:
+def summary_of(name: object, study: Study) -> str:
     points = study.points - 2 * study.first
     outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first)}" if np.any(study.first) else ""
-    return (f"{f'{name}.toml and ' if has_job else ''}{name}.h5: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
+    return (f"{name}: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
             f"{counted(study.steps, 'step')} of {1e6 * study.time_step_s:.6g} us, "
             f"{counted(len(study.sources), 'source')}, {counted(len(study.sensor_nodes), 'sensor node')}")

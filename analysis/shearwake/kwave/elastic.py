@@ -12,8 +12,8 @@ import h5py
 import numpy as np
 
 from .. import program
-from .main import write_study
-from .record import GRID, KWAVE, SENSOR, flags_of
+from .layout import write_input
+from .record import GRID, NAMES, SENSOR, flags_of
 from .structures import BadInput, Structure
 from .study import KNOWN, Study, three
 
@@ -104,25 +104,22 @@ def results_of(records: Iterable[str]) -> list[str]:
     return names
 
 
-def read_results(file: h5py.File, study: Study, records: set[str], order: str) -> Results:
+def read_results(file: h5py.File, study: Study, records: Iterable[str], order: str) -> Results:
     """A dictionary of the output file, or one for each cuboid."""
     grid = tuple(slice(f, f + n) for f, n in zip(study.first, study.points - 2 * study.first))
     names = results_of(sorted(records))
     grids = {name: file[name][()].T[grid] for name in names if name.endswith(GRID)}
-    flat = {name: file[name][0].T for name in names if name not in grids}  # (point, time); one time for statistics
-    flat = {name: values[:, 0] if name.endswith((*SENSOR, "_avg")) else values for name, values in flat.items()}
-    if study.cuboids is None:
-        if order == "C":
-            rows = np.lexsort(study.sensor_nodes.T[::-1])
-            flat = {name: values[rows] for name, values in flat.items()}
-        return {**{name: np.ascontiguousarray(values) for name, values in flat.items()}, **grids}
-    results, first = [], 0
-    for box in study.cuboids:
-        shape = tuple(box[3:] - box[:3] + 1)
-        part = slice(first, first := first + int(np.prod(shape)))
-        results.append({name: values[part].reshape(*shape, *values.shape[1:], order="F") for name, values in flat.items()})
-    results[0].update(grids)
-    return results
+    names = [name for name in names if name not in grids]
+    if study.cuboids is not None:
+        results = [{name: file[name][str(number)][()].T for name in names} for number in range(1, len(study.cuboids) + 1)]
+        results[0].update(grids)
+        return results
+    found = {name: file[name][0].T for name in names}  # (point, time); one time for statistics
+    found = {name: values[:, 0] if name.endswith((*SENSOR, "_avg")) else values for name, values in found.items()}
+    if order == "C":
+        rows = np.lexsort(study.sensor_nodes.T[::-1])
+        found = {name: values[rows] for name, values in found.items()}
+    return {**{name: np.ascontiguousarray(values) for name, values in found.items()}, **grids}
 
 
 def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool) -> None:
@@ -220,28 +217,27 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
     of their masks. Raises BadInput and ProgramError."""
     given = parts.pop("sensor", None) or Structure({}, "sensor")
     records = {"u" if name == "u_staggered" else name for name in given.texts("record", ["p"])}
-    if unknown := records - set(KWAVE):
-        raise BadInput(f"sensor.record {sorted(unknown)[0]!r} is unknown; known are {', '.join(KWAVE)}, u_staggered")
+    if unknown := records - set(NAMES):
+        raise BadInput(f"sensor.record {sorted(unknown)[0]!r} is unknown; known are {', '.join(NAMES)}, u_staggered")
     if order == "C":
         in_c_order(parts["source"])
     start = np.asarray(np.round(given.number("record_start_index", 1.0)))
     sensor = {**given.values, "record_start_index": start, "record": sorted(records)}
-    study = Study({**parts, "sensor": Structure(sensor, "sensor")}, notes)
     if "mask" not in given:  # all nodes of the user's grid
-        study.sensor_nodes = np.argwhere(np.ones((study.points - 2 * study.first)[::-1]))[:, ::-1] + study.first
-    records &= set(study.sensor_fields)
+        sensor["mask"] = np.ones([max(1, int(parts["kgrid"].number(f"N{axis}"))) for axis in AXES])
+    study = Study({**parts, "sensor": Structure(sensor, "sensor")}, notes)
     if not quiet:
         sizes = three(study.layer_points, "PMLSize")
         print(f"absorbing layer: {sizes[0]:g}, {sizes[1]:g}, {sizes[2]:g} points, {'outside' if np.any(study.first) else 'inside'} the grid")
         for text in [f"warning: {warning}" for warning in study.warnings] + study.notes:
             print(text)
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
-        write_study(Path(folder) / "in.h5", study)
+        write_input(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
-                  "--output_precision", "double", *flags_of(records)], ranks, launch, progress)
+                  "--output_precision", "double", *flags_of(study.sensor_fields)], ranks, launch, progress)
         with h5py.File(f"{folder}/out.h5", "r") as file:
             is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
-            return read_results(file, study, records, order if is_mask else "F")
+            return read_results(file, study, study.sensor_fields, order if is_mask else "F")
 
 
 def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, simulation_options: Any = None,

@@ -12,7 +12,6 @@ from ..inputs import BadLink, open_self_contained
 from .structures import BadInput, Structure, Unreadable, kind_of, text_of
 from .variables import NAMES, chosen_variables
 
-STUDY = "shearwake grid study"  # begins the schema of the files that this script writes
 # The first fields of each structure, for messages.
 EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p",
             "source": "'u_mask', u_mask, 'uz', uz", "sensor": "'mask', mask"}
@@ -121,9 +120,6 @@ def read_hdf5(path: Path) -> tuple[dict[str, Any], list[str]]:
     except BadLink as error:
         raise BadInput(str(error)) from error
     with file:
-        if decoded(file.attrs.get("schema", b"")).startswith(STUDY):
-            raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
-                           "k-Wave")
         acoustic = [name for name in ACOUSTIC if name in file]
         if "kgrid" not in file and "elastic_flag" in file and np.all(file["elastic_flag"][()] == 1):
             raise BadInput(f"{path} is an elastic input file of k-Wave: run it with shearwake kwave -i {path} -o OUT.h5")

@@ -12,23 +12,19 @@ FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 GRID = ("max_all", "min_all", "final")  # suffixes of records of the entire grid
 SENSOR = ("max", "min", "rms")          # and of records at the sensor
 SERIES = ("p", "u", "u_non_staggered", "u_split_field", "I")
-KWAVE = [*SERIES, "I_avg", *(f"{quantity}_{suffix}" for quantity in "pu" for suffix in SENSOR + GRID)]
-NAMES = [*FIELDS, *KWAVE]  # of the program
+NAMES = [*SERIES, "I_avg", *(f"{quantity}_{suffix}" for quantity in "pu" for suffix in SENSOR + GRID)]
 
 
 def flags_of(records: Iterable[str]) -> list[str]:
     """The options of `shearwake kwave` for records of k-Wave."""
-    return sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records if record in KWAVE)
+    return sorted(f"--{record}_raw" if record in SERIES else f"--{record}" for record in records)
 
 
 def recorded_fields(record: Iterable[str]) -> list[str]:
-    """The names of the program for those of sensor.record, in a fixed order. The fields are an extension of k-Wave's record; p is
-    recorded with the normal stresses of which it is the negative mean."""
-    names = set()
-    for name in record:
-        if name not in NAMES:
-            raise BadInput(f"sensor.record {name!r} is unknown; known are {', '.join(NAMES)}")
-        names.update(["p", "sxx", "syy", "szz"] if name == "p" else [name])
+    """The names of sensor.record in a fixed order."""
+    names = set(record)
+    if unknown := sorted(names - set(NAMES)):
+        raise BadInput(f"sensor.record {unknown[0]!r} is unknown; known are {', '.join(NAMES)}")
     return [name for name in NAMES if name in names]
 
 
@@ -42,6 +38,8 @@ def read_sensor(study: Simulation, sensor: Structure, nodes_of: Callable[[np.nda
         raise BadInput(f"sensor.record_start_index is {start:g}; it must be a whole number from 1 to kgrid.Nt = "
                        f"{study.steps}")
     if "mask" not in sensor:
+        study.sensor_fields = [name for name in study.sensor_fields if name.endswith(GRID)] or ["p_final"]
+        study.notes.append(f"sensor.mask is missing: only values of the entire grid are recorded, {', '.join(study.sensor_fields)}")
         return
     mask = np.atleast_1d(sensor.array("mask"))
     if mask.ndim == 3:

@@ -109,11 +109,12 @@ class Simulation:
     layer_points: np.ndarray
     layer_strength: np.ndarray
     layer_ratio: float
-    layer_speed_m_s: float
+    reference_speed_m_s: float  # of the layer
     medium: dict[str, np.ndarray]
     time_step_s: float
     steps: int
     sources: list[dict[str, Any]]
+    p0_Pa: np.ndarray | None  # smoothed, on the enlarged grid
     sensor_fields: list[str]
     sensor_nodes: np.ndarray
     sensor_weights: np.ndarray | None  # (point, 8) of Cartesian points

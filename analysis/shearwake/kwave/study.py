@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts a k-Wave simulation to a grid study with the sources of pstdElastic3D at each node."""
+"""The grid, medium, sources and sensor of a k-Wave simulation, with the sources of pstdElastic3D at each node."""
 from __future__ import annotations
 
 import difflib
@@ -34,7 +34,7 @@ def check_fields(structure: Structure, notes: list[str]) -> None:
     known = KNOWN.get(name, set())
     for field in structure.fields() if known else []:
         if name == "options" and field in IGNORED:
-            cast = "; --precision single computes in single precision" if field == "DataCast" else ""
+            cast = "; shearwake kwave --precision single computes in single precision" if field == "DataCast" else ""
             notes.append(f"options.{field}: ignored, does not change the physics{cast}")
         elif field not in known:
             near = difflib.get_close_matches(field.lower(), [one.lower() for one in known], n=1)
@@ -115,7 +115,7 @@ class Study(Simulation):
         check_plausible(self)
         self.enlarge_if_layer_is_outside()
         check_time_step(self)
-        self.sources = []
+        self.sources, self.p0_Pa = [], None
         self.read_sources(parts["source"])
         check_spectrum(self)
         read_sensor(self, parts.get("sensor") or Structure({}, "sensor"), self.nodes_of)
@@ -248,19 +248,19 @@ class Study(Simulation):
             eta = 2.0 * rho * c_s ** 3 * values("alpha_coeff_shear") * neper
             chi = 2.0 * rho * c_p ** 3 * values("alpha_coeff_compression") * neper - 2.0 * eta
             self.medium.update(eta_Pa_s=eta, chi_Pa_s=chi)
-        self.layer_speed_m_s = 0.0  # the largest c_p
+        self.reference_speed_m_s = float(np.max(c_p))
         if "sound_speed_ref" in medium:
             try:
-                self.layer_speed_m_s = medium.number("sound_speed_ref")
+                self.reference_speed_m_s = medium.number("sound_speed_ref")
             except BadInput as no_number:
                 named: dict[str, Any] = {"min": np.min, "mean": np.mean, "max": np.max}
                 word = medium.text("sound_speed_ref", "max")
                 if word not in named:
                     raise BadInput("medium.sound_speed_ref must be a number, \"min\", \"mean\" or "
                                    "\"max\"") from no_number
-                self.layer_speed_m_s = float(named[word](c_p))
-            if self.layer_speed_m_s <= 0.0:
-                raise BadInput(f"medium.sound_speed_ref is {self.layer_speed_m_s:g}; it must be greater than 0")
+                self.reference_speed_m_s = float(named[word](c_p))
+            if self.reference_speed_m_s <= 0.0:
+                raise BadInput(f"medium.sound_speed_ref is {self.reference_speed_m_s:g}; it must be greater than 0")
         check_medium(self)
         self.count_fluid_faces(c_s == 0.0)
 
@@ -273,6 +273,10 @@ class Study(Simulation):
         if faces:
             self.notes.append(f"medium: {faces} faces between fluid and solid nodes, where the shear modulus between the nodes is 0; at "
                               f"{higher} of them, with the fluid on the side of the higher index, k-Wave uses that of the solid")
+
+    @property
+    def is_lossy(self) -> bool:
+        return "eta_Pa_s" in self.medium
 
     def c_p_at(self, nodes: np.ndarray) -> np.ndarray:
         c_p = self.medium["c_p_m_s"]
@@ -318,6 +322,8 @@ class Study(Simulation):
             if any(field in source for field in ("sxx", "syy", "szz")):
                 self.notes.append("source.p0 replaces sxx, syy and szz, as in k-Wave")
                 self.sources = [one for one in self.sources if one["field"] not in ("sxx", "syy", "szz")]
+            if shear := [one["field"] for one in self.sources if one["field"] in FIELDS[6:]]:
+                raise BadInput(f"source.{shear[0]} cannot be combined with source.p0, whose nodes replace source.s_mask in pstdElastic3D")
             self.add_initial_pressure(source.array("p0"), source.text("s_mode", "additive"))
         if not self.sources:
             raise BadInput("source has none of the fields ux ... uz, sxx ... syz and p0")
@@ -364,6 +370,7 @@ class Study(Simulation):
             p0 = smoothed(p0, restores_maximum=True)
         everywhere = mode == "dirichlet"  # prescribes the stresses of all nodes for two steps
         nodes, _ = self.nodes_of(np.where((p0 != 0.0) | everywhere, 1.0, 0.0), "source.p0")
+        self.p0_Pa = np.pad(p0, [(n, n) for n in self.first])
         weights = -0.5 * p0[tuple((nodes - self.first).T)]
         for field in ("sxx", "syy", "szz"):
             self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps and k-Wave studies that a case refers to. Case files contain only the hash of these files."""
+"""Maps that a case refers to. Case files contain only the hash of these files."""
 from __future__ import annotations
 
 import functools
@@ -13,7 +13,6 @@ import numpy as np
 
 from .. import inputs
 from ..case import Case
-from .load import UNREADABLE
 
 LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
 
@@ -102,31 +101,3 @@ def read_map(path: Path) -> Grid | None:
     except (OSError, KeyError, ValueError):
         return None
     return Grid(found.x_m, found.y_m, found.z_m, found.c_s_m_s)
-
-
-@dataclass
-class Study:
-    grid: Grid
-    sources_mm: np.ndarray  # (n, 3)
-    sensors_mm: np.ndarray
-
-
-def read_study(path: Path, case: Case) -> Study | None:
-    """The grid of a study and the places of its nodes, or None if the file cannot be read. The surface of the case has
-    the nodes of one plane of the grid."""
-    try:
-        _, x, y, _ = case.snapshot()
-        found = inputs.read_study(path)
-        counts, speed = found.points, found.c_s_m_s
-        z = found.spacing_m[2] * np.arange(counts[2])
-        grid = Grid(x, y, z, np.broadcast_to(speed if speed.ndim == 3 else speed.item(), counts))
-        if (len(x), len(y)) != tuple(counts[:2]):
-            return None
-        return Study(grid, *(places(grid, nodes) for nodes in (found.source_nodes, found.sensor_nodes)))
-    except UNREADABLE:
-        return None
-
-
-def places(grid: Any, nodes: Any) -> Any:
-    """The places of nodes, given by their indices, in mm."""
-    return 1e3 * np.column_stack([axis[nodes[:, i]] for i, axis in enumerate((grid.x_m, grid.y_m, grid.z_m))])

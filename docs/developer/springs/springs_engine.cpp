@@ -29,7 +29,7 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const std::ptrdiff_t start = nx * team.rank() / team.size();
     const std::ptrdiff_t count = nx * (team.rank() + 1) / team.size() - start;
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     const auto& springs = std::get<SpringsOptions>(c.solver);
     const double peak_m = load.peak_Pa * springs.length_m / springs.modulus_Pa;
     std::vector<double> u_z_m(static_cast<std::size_t>(count * ny));

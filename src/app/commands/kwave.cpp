@@ -11,7 +11,7 @@ void add_kwave(CLI::App& app, Action& action) {
         "output file of its compiled programs; exit code 1 for every error, as they have",
         kwave::run);
     add_value(command, "-i", arguments.input, "FILE",
-              "input file: of k-Wave, or the study of scripts/import-kwave")
+              "input file of pstdElastic3D or of scripts/import-kwave")
         ->required();
     add_value(command, "-o", arguments.output, "FILE",
               "output file; an existing one is removed at the start")

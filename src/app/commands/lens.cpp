@@ -119,7 +119,7 @@ void print(const std::filesystem::path& folder, const LensFootprint& lens, const
 ExitCode lens_command(const LensArguments& arguments, const Comm& world) {
     const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     const auto* lens =
-        std::get_if<LensFootprint>(&job.plan.cases.at(0).physics.scene().load.footprint);
+        std::get_if<LensFootprint>(&job.plan.cases.at(0).physics.scene.load.footprint);
     if (!lens)
         throw UsageError(arguments.job.string() +
                              ": the load of the first case is not a lens; set load.footprint.shape "

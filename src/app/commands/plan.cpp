@@ -58,12 +58,12 @@ std::string settings_of(const PlannedCase& planned) {
 
 /// Grid points per width of the focus.
 double points_per_focus(const Case& c) {
-    return fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
+    return fwhm_m(c.scene.load.footprint) / c.domain.spacing_m;
 }
 
 /// Grid points per shear wavelength at which the spectrum of the footprint has fallen to 1 %.
 double points_per_wave(const Case& c) {
-    return two_pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) / c.domain.spacing_m;
+    return two_pi / bandwidth_rad_m(c.scene.load.footprint, 0.01) / c.domain.spacing_m;
 }
 
 /// The estimates of a case on a team of the layout.

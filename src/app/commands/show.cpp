@@ -163,7 +163,7 @@ std::string samples(const Modulation& modulation, double span_s) {
 }
 
 std::string description(const Case& c) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     const double run_s = std::min(c.time.duration_s(), off_time_s(modulation.trajectory));
     const double frequency_Hz = modulation_frequency_Hz(modulation).value_or(0.0);
     const double period_s = frequency_Hz > 0.0 ? std::min(run_s, 1.0 / frequency_Hz) : run_s;

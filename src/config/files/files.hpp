@@ -6,7 +6,6 @@
 #include "base/vectors.hpp"
 #include "config/document/reader.hpp"
 #include "problem/case/afferents.hpp"
-#include "problem/case/study_data.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
 #include "problem/load/footprint.hpp"
 #include "problem/medium/material_map.hpp"
@@ -21,10 +20,6 @@
 #include <vector>
 
 namespace shearwake::config {
-
-/// Returns the study in the file that solver.pstd.study names; throws UsageError on all ranks. The
-/// same file gives the same study.
-using StudyLoader = std::function<std::shared_ptr<const StudyData>(const std::string& file)>;
 
 /// Returns the map in the file that medium.map names; throws UsageError on all ranks. The reader of
 /// a job uses it, since it does not access files itself. The same file gives the same map.
@@ -50,7 +45,6 @@ struct JobImage {
 struct FileLoaders {
     MapLoader load_map;
     TextLoader load_text;
-    StudyLoader load_study;
     std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
     std::shared_ptr<JobArrays> arrays = std::make_shared<JobArrays>();
     std::shared_ptr<std::map<std::string, JobImage>> images =

@@ -47,7 +47,7 @@ public:
     }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
+    void choice(const std::variant<T...>& value, const Field& field) {
         const std::string key = field.key;
         if (!key.empty()) {
             const std::array names = {name_in_jobs<T>()...};

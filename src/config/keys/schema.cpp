@@ -62,7 +62,7 @@ public:
     }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
+    void choice(const std::variant<T...>& value, const Field& field) {
         const std::string key = field.key;
         const auto each_of = [&](const auto& use) {
             for_each_alternative(std::type_identity<std::variant<T...>>{}, use);

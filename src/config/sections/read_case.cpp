@@ -74,9 +74,9 @@ void check_depths(const Reader& reader, const std::vector<double>& depths_m, con
 /// Receptors with the input "stress" must lie inside the medium.
 void check_receptor_depths(const Reader& reader, const Case& c) {
     double total_m = 0.0;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         total_m += layer.thickness_m;
-    if (c.scene().medium.base != Base::rigid || c.scene().medium.layers.empty()) return;
+    if (c.scene.medium.base != Base::rigid || c.scene.medium.layers.empty()) return;
     for (const double depth_m : stress_depths_m(c))
         if (depth_m >= total_m) {
             reader.error("input", fmt::format("is \"stress\", but receptors at a depth of {} mm do "
@@ -369,19 +369,14 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
            record = root.optional_table("record"), afferents = root.optional_table("afferents"),
            vibrometer = root.optional_table("vibrometer"),
            sensation = root.optional_table("sensation");
-    Scene scene;
-    scene.medium = read_medium(medium, files.load_map);
-    scene.load = read_load(load, scene.medium, other_kinds, files);
+    c.scene.medium = read_medium(medium, files.load_map);
+    c.scene.load = read_load(load, c.scene.medium, other_kinds, files);
     c.domain = read_domain(domain);
-    c.time = read_time(time, sound ? &scene.load : nullptr);
-    Solver computed = read_solver(solver, c.time, files.load_study);
-    c.solver = std::move(computed.options);
-    c.afferents = read_afferents(afferents, c.domain, &scene.load, files.load_text);
-    c.measure = read_measure(measure, {c.time, c.domain, scene.load, scene.medium, c.afferents});
-    if (computed.study)
-        c.problem = GridStudy{std::move(computed.study), std::move(scene)};
-    else
-        c.problem = std::move(scene);
+    c.time = read_time(time, sound ? &c.scene.load : nullptr);
+    c.solver = read_solver(solver, c.time);
+    c.afferents = read_afferents(afferents, c.domain, &c.scene.load, files.load_text);
+    c.measure =
+        read_measure(measure, {c.time, c.domain, c.scene.load, c.scene.medium, c.afferents});
     c.record = read_record(record, c.domain, c.time, c.measure);
     check_receptor_depths(afferents, c);
     c.vibrometer = read_vibrometer(vibrometer, c, files.load_text);

@@ -23,12 +23,7 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
 Domain read_domain(Reader& reader);
 /// `load`: null after an error.
 TimeAxis read_time(Reader& reader, const Load* load);
-/// The engine's options, and the grid study that they request, if any.
-struct Solver {
-    SolverOptions options;
-    std::shared_ptr<const StudyData> study;
-};
-Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
+SolverOptions read_solver(Reader& reader, const TimeAxis& time);
 /// The parts of a case on which its measures depend.
 struct Measured {
     const TimeAxis& time;

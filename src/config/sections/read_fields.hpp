@@ -56,7 +56,7 @@ public:
         read(value, key, field.range, field);
     }
     template <class T>
-    void choice(T&, const Field&, const auto&...) {}
+    void choice(T&, const Field&) {}
     template <class T>
     void each(const char*, T&, const Field&) {}
     template <class T>

@@ -35,9 +35,4 @@ void check_overrides(const NodePtr& root, std::span<const Override> overrides,
 std::string text_with_overrides(const NodePtr& before, const NodePtr& after,
                                 const std::string& file_name, std::string_view file_text);
 
-/// Reports swept keys and overrides that have no effect on the grid studies of a plan: those of
-/// [medium] and [load], which a study replaces.
-void check_study_keys(const Plan& plan, const Sweep& sweep, std::span<const Override> overrides,
-                      DiagnosticList& diagnostics);
-
 } // namespace shearwake::config

@@ -136,8 +136,8 @@ private:
         factors[static_cast<std::size_t>(nx / 2)] = 0.0;
         if (2 * ky == case_.domain.ny) std::fill(factors.begin(), factors.end(), 0.0);
         const double scale =
-            case_.scene().load.peak_Pa / (case_.domain.extent_x_m() * case_.domain.extent_y_m() *
-                                          static_cast<double>(time_.samples));
+            case_.scene.load.peak_Pa / (case_.domain.extent_x_m() * case_.domain.extent_y_m() *
+                                        static_cast<double>(time_.samples));
         for (Complex& factor : factors)
             factor *= scale;
     }

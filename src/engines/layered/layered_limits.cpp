@@ -53,7 +53,7 @@ const Layer& most_extreme_layer(const Medium& medium) {
 /// A frequency at which H overflows.
 std::optional<double> overflow_Hz(const Case& c) {
     for (const double f_Hz : frequencies_Hz(c)) {
-        const StackResponse response(c.scene().medium, two_pi * f_Hz, std::vector{0.0});
+        const StackResponse response(c.scene.medium, two_pi * f_Hz, std::vector{0.0});
         for (const double k_rad_m : {1e-3, 1.0}) {
             Complex h;
             response.evaluate(k_rad_m * std::numbers::pi / c.domain.spacing_m, {&h, 1});
@@ -87,7 +87,7 @@ std::vector<Remark> LayeredEngine::limits(const Case& c) const {
         if (c.domain.edges != DomainEdges::open)
             refuse("time.regime", "is \"periodic\", which requires domain.edges = \"open\": waves "
                                   "that return through periodic edges would accumulate for ever");
-        for (const Layer& layer : c.scene().medium.layers)
+        for (const Layer& layer : c.scene.medium.layers)
             if (const std::string reason = obstacle_to_steady_state(c, layer); !reason.empty())
                 refuse("time.regime", reason);
     }
@@ -96,11 +96,11 @@ std::vector<Remark> LayeredEngine::limits(const Case& c) const {
             "medium.layer",
             fmt::format("the response of the layers at {:.4g} Hz is not a finite number; correct "
                         "the density, speeds, loss and thickness of layer \"{}\"",
-                        *f_Hz, most_extreme_layer(c.scene().medium).name));
+                        *f_Hz, most_extreme_layer(c.scene.medium).name));
     constexpr const char* only_layers = "the engine \"layered\" supports only layers; use "
                                         "solver.engine = \"spectral\" for bodies and maps";
-    if (!c.scene().medium.bodies.empty()) refuse("medium.body", only_layers);
-    if (c.scene().medium.map) refuse("medium.map", only_layers);
+    if (!c.scene.medium.bodies.empty()) refuse("medium.body", only_layers);
+    if (c.scene.medium.map) refuse("medium.map", only_layers);
     return refused;
 }
 

@@ -71,7 +71,7 @@ constexpr double fewest_samples = 4000.0; // of the path
 
 /// The largest |x| and |y| of the load within the run.
 Vec2 extent_of_load_m(const Case& c) {
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     const double end_s = std::min(c.time.duration_s(), off_time_s(load.modulation.trajectory));
     const double steps = std::max(fewest_samples, static_cast<double>(c.time.frames));
     Vec2 most;
@@ -104,7 +104,7 @@ TransferKey key_of(const Case& c, const LayeredOptions& options) {
     std::vector<double> depths_m = c.measure.depths_m;
     if (c.time.regime == Regime::periodic && depths_m.front() > 0.0)
         depths_m.insert(depths_m.begin(), 0.0);
-    return {.medium = c.scene().medium,
+    return {.medium = c.scene.medium,
             .depths_m = depths_m,
             .nx = c.domain.nx,
             .ny = c.domain.ny,
@@ -243,7 +243,7 @@ namespace {
 /// Everything that the tables depend on.
 std::string name_of_tables(const LayeredPlan& plan) {
     Case tables;
-    tables.scene().medium = plan.c.scene().medium;
+    tables.scene.medium = plan.c.scene.medium;
     tables.domain = plan.c.domain;
     tables.time = plan.c.time;
     tables.measure.depths_m = plan.c.measure.depths_m;
@@ -281,7 +281,7 @@ engines::Resources LayeredEngine::resources(const Case& given, int ranks) const 
 
 Domain solved_domain(const Case& c) {
     Domain solved = c.domain;
-    if (c.domain.edges != DomainEdges::open || c.study()) return solved;
+    if (c.domain.edges != DomainEdges::open) return solved;
     const Vec2 load_m = extent_of_load_m(c);
     solved.nx = enlarged(c.domain.nx, c.domain.spacing_m, load_m.x);
     solved.ny = enlarged(c.domain.ny, c.domain.spacing_m, load_m.y);

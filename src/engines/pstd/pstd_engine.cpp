@@ -5,7 +5,6 @@
 #include "engines/pstd/scene/case_load.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
-#include "engines/pstd/study_run.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -52,7 +51,7 @@ bool varies(const Medium& medium, Of Body::*of_body, std::vector<double> Materia
 PstdPlan plan_of(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                  std::ptrdiff_t per_frame) {
     const double d_m = c.domain.spacing_m;
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     const Absorption absorption = is_lossy(medium) ? Absorption::kelvin_voigt : Absorption::none;
     const Grid nodes{
         grid.points, {d_m, d_m, d_m}, c.time.interval_s / static_cast<double>(per_frame)};
@@ -92,7 +91,6 @@ const StepChoice& PstdEngine::step_of(const Case& c, engines::ChoiceLimit limit)
 
 engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (c.study()) return study_resources(c, ranks);
     const CaseGrid grid = case_grid(c, options);
     // A specified step needs no limits of the grid.
     const StepChoice step = options.time_step_s ? choose_step(c, options, {}) : step_of(c);
@@ -101,15 +99,12 @@ engines::Resources PstdEngine::resources(const Case& c, int ranks) const {
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (c.study()) return study_notes(c);
     const StepChoice& step = step_of(c);
     return notes_of_case(c, step, plan_of(c, options, case_grid(c, options), step.per_frame));
 }
 
 engines::StepChooser PstdEngine::step_chooser(const Case& c) const {
-    if (c.study() || !varies_laterally(c.scene().medium) ||
-        std::get<PstdOptions>(c.solver).time_step_s)
-        return {};
+    if (!varies_laterally(c.scene.medium) || std::get<PstdOptions>(c.solver).time_step_s) return {};
     return [&](engines::ChoiceLimit limit) { return step_of(c, limit).step_s; };
 }
 
@@ -123,7 +118,6 @@ engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
                      engines::Checkpoints* checkpoints) {
-    if (c.study()) return run_study(c, team, observer, checkpoints);
     const auto& options = std::get<PstdOptions>(c.solver);
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
@@ -131,7 +125,7 @@ void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observe
     const PstdPlan plan = plan_of(c, options, grid, step.per_frame);
     run_plan(c, plan,
              {.setup = [&] { return setup_of(c, options, grid, plan); },
-              .grid = &grid,
+              .grid = grid,
               .report = {.notes = notes_of_case(c, step, plan),
                          .warnings = engines::warnings_of(step_choices(options, step))}},
              team, observer, checkpoints);

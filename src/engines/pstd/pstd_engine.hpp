@@ -57,7 +57,7 @@ struct PstdPlan {
 /// A run of a plan.
 struct PstdRun {
     std::function<Setup()> setup; // called on all ranks together
-    const CaseGrid* grid;         // of a scene; null for a grid study
+    const CaseGrid& grid;
     engines::SolverReport report; // notes and warnings
 };
 /// Collective.

@@ -2,7 +2,6 @@
 #include "engines/engine.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/scene/case_step.hpp"
-#include "engines/pstd/study_run.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +12,7 @@ namespace {
 /// of all nodes, which only `plan` and `run` compute.
 std::vector<Remark> step_remarks(const Case& c) {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (!options.time_step_s || varies_laterally(c.scene().medium)) return {};
+    if (!options.time_step_s || varies_laterally(c.scene.medium)) return {};
     const StepChoice step =
         choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options)));
     auto remarks = engines::warnings_of(step_choices(options, step));
@@ -27,7 +26,7 @@ constexpr double good_points_across = 5.0;
 
 std::vector<Remark> resolution_remarks(const Case& c) {
     std::vector<Remark> remarks;
-    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const std::vector<Body>& bodies = c.scene.medium.bodies;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const double width_m = lateral_thickness_m(bodies[i]);
         const double points = width_m / c.domain.spacing_m;
@@ -46,11 +45,6 @@ std::vector<Remark> resolution_remarks(const Case& c) {
 
 std::vector<Remark> PstdEngine::limits(const Case& c) const {
     if (auto refused = engines::refused_edges(c); !refused.empty()) return refused;
-    if (c.study()) {
-        const std::string reason = study_error(c);
-        if (reason.empty()) return study_step_remarks(*c.study());
-        return {{Severity::error, "solver.pstd.study", reason}};
-    }
     const auto& options = std::get<PstdOptions>(c.solver);
     std::vector<Remark> refused;
     if (records_tensors(c.record))
@@ -58,13 +52,13 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
             {Severity::error, "record.volume_fields",
              "requests more than the displacement \"u\", which is all that the engine \"pstd\" "
              "stores; solver.engine = \"spectral\" also stores strain and stress"});
-    if (!std::holds_alternative<GaussianFootprint>(c.scene().load.footprint))
+    if (!std::holds_alternative<GaussianFootprint>(c.scene.load.footprint))
         refused.push_back(
             {Severity::error, "load.footprint",
              "the engine \"pstd\" supports only Gaussian foci, not arrays and lenses; "
              "\"layered\" and \"spectral\" support all footprints"});
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
-        if (c.scene().medium.bodies[i].rigid)
+    for (std::size_t i = 0; i < c.scene.medium.bodies.size(); ++i)
+        if (c.scene.medium.bodies[i].rigid)
             refused.push_back({Severity::error, fmt::format("medium.body[{}].rigid", i + 1),
                                "only the engine \"spectral\" supports rigid bodies; the engine "
                                "\"pstd\" needs the "

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/march.hpp"
 #include "engines/pstd/pstd_engine.hpp"
-#include "engines/pstd/scheme/recorder.hpp"
-#include "engines/pstd/study_run.hpp"
 #include "parallel/agree.hpp"
 
 #include <optional>
@@ -16,22 +14,17 @@ Setup setup_of(const PstdRun& run, const Comm& team) {
     return std::move(*setup);
 }
 
-/// A scene or a grid study: u_z at the measured depths for each frame, displacements for each
-/// snapshot, and the samples of a sensor in every step.
+/// u_z at the measured depths for each frame, and displacements for each snapshot.
 template <class Real>
 class PstdMarch : public engines::Marching {
 public:
     /// Stores references, which must outlive this object. Collective.
     PstdMarch(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team)
-        : case_(c), per_frame_(plan.per_frame),
-          displacement_(run.grid ? "displacement_u_z" : "u_z"), team_(team),
-          stepper_(setup_of(run, team), team), watch_(energy_watch()) {
+        : case_(c), per_frame_(plan.per_frame), team_(team), stepper_(setup_of(run, team), team),
+          watch_(energy_watch()) {
         together(team, [&] {
             frames_.emplace(c, plan.places, stepper_.slabs());
-            if (run.grid) volumes_.emplace(c, *run.grid, stepper_.slabs());
-            if (const StudyData* study = c.study())
-                sensor_.emplace(study->sensor, stepper_.slabs(), records_of(*study),
-                                study->sensor_start, study->steps);
+            volumes_.emplace(c, run.grid, stepper_.slabs());
         });
     }
 
@@ -44,35 +37,29 @@ public:
         stepper_.step();
         watch();
         frames_->displacement().add(stepper_);
-        if (volumes_) volumes_->add(stepper_);
-        if (sensor_) sensor_->add(stepper_, team_);
+        volumes_->add(stepper_);
     }
     void emit(engines::Observer& observer) override {
         if (stepper_.steps() % per_frame_ != 0) return;
         const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
-        if (frames > case_.time.frames) return; // a study may continue after the last frame
         frames_->emit(frames - 1, observer, team_);
-        if (!volumes_) return;
         if (const auto snapshot = engines::snapshot_at(case_, frames))
             volumes_->emit(*snapshot, frames_->displacement(), observer, team_);
     }
     void save(StateWriter& state) const override {
         stepper_.save(state);
         watch_.save(state);
-        frames_->displacement().save(state, displacement_);
-        if (volumes_) volumes_->save(state);
-        if (sensor_) sensor_->save(state);
+        frames_->displacement().save(state, "displacement_u_z");
+        volumes_->save(state);
     }
     void restore(const StateReader& state) override {
         stepper_.restore(state);
         watch_.restore(state);
-        frames_->displacement().restore(state, displacement_);
-        if (volumes_) volumes_->restore(state);
-        if (sensor_) sensor_->restore(state);
+        frames_->displacement().restore(state, "displacement_u_z");
+        volumes_->restore(state);
     }
     void finish(engines::SolverReport report, engines::Observer& observer) {
         report.steps = stepper_.steps();
-        if (sensor_) report.sensors = sensor_->results(stepper_, team_);
         observer.solved(report);
     }
 
@@ -86,11 +73,8 @@ private:
         return {team_,
                 stepper_.slabs().grid.dt_s,
                 {.most_1 = 20.0,
-                 .advice = case_.study()
-                               ? "the time step is probably unstable; a smaller kgrid.dt of the "
-                                 "study may help"
-                               : "the time step is probably unstable; a smaller "
-                                 "solver.pstd.time_step_us may help"}};
+                 .advice = "the time step is probably unstable; a smaller "
+                           "solver.pstd.time_step_us may help"}};
     }
     void watch() {
         const auto& grid = stepper_.slabs().grid;
@@ -99,25 +83,18 @@ private:
         const double work_J = stepper_.work_J();
         watch_.add_work((work_J - watched_work_J_) / area_m2);
         watched_work_J_ = work_J;
-        const std::ptrdiff_t step = stepper_.steps();
-        if (!watch_.due(step)) return;
-        // E is at most 1 + r times the sum of the kinetic and the elastic energy.
-        if (static_cast<double>(step - watch_.interval()) < stepper_.unknown_until())
-            watch_.accept(step, 2.0 * (stepper_.kinetic_J() + stepper_.elastic_J()) / area_m2);
-        else
-            watch_.check(step, stepper_.kinetic_J() / area_m2);
+        if (watch_.due(stepper_.steps()))
+            watch_.check(stepper_.steps(), stepper_.kinetic_J() / area_m2);
     }
 
     const Case& case_;
     std::ptrdiff_t per_frame_;
-    std::string displacement_; // in checkpoints
     Comm team_;
     Stepper<Real> stepper_;
     engines::EnergyWatch watch_;
     double watched_work_J_ = 0.0; // the part of stepper_.work_J() that watch_ has
     std::optional<Frames> frames_;
     std::optional<DisplacementVolumes> volumes_;
-    std::optional<Recorder> sensor_;
 };
 
 template <class Real>

@@ -44,7 +44,7 @@ double width_for(double wavelength_m) {
 
 /// The duration for which the load acts within the run.
 double loaded_s(const Case& c) {
-    return std::min(c.time.duration_s(), off_time_s(c.scene().load.modulation.trajectory));
+    return std::min(c.time.duration_s(), off_time_s(c.scene.load.modulation.trajectory));
 }
 
 /// Calls f(t, focus) for every focus along the path while the load is on, both ends included.
@@ -53,8 +53,8 @@ void at_times(const Case& c, F f) {
     const double end_s = loaded_s(c);
     const double step_s = std::max(c.time.interval_s, end_s / most_samples);
     for (double n = 0.0; n * step_s < end_s; ++n)
-        f(n * step_s, foci(c.scene().load.modulation, n * step_s));
-    f(end_s, foci(c.scene().load.modulation, end_s));
+        f(n * step_s, foci(c.scene.load.modulation, n * step_s));
+    f(end_s, foci(c.scene.load.modulation, end_s));
 }
 
 /// The same for each focus.
@@ -67,10 +67,10 @@ void along_path(const Case& c, F f) {
 }
 
 void check_focus_resolution(const Case& c, Notes& notes) {
-    const double width_m = fwhm_m(c.scene().load.footprint), spacing_m = c.domain.spacing_m;
+    const double width_m = fwhm_m(c.scene.load.footprint), spacing_m = c.domain.spacing_m;
     const double points = width_m / spacing_m;
-    const double share = spectrum(c.scene().load.footprint, std::numbers::pi / spacing_m, 0.0) /
-                         spectrum(c.scene().load.footprint, 0.0, 0.0);
+    const double share = spectrum(c.scene.load.footprint, std::numbers::pi / spacing_m, 0.0) /
+                         spectrum(c.scene.load.footprint, 0.0, 0.0);
     const double wanted_mm = milli(width_m) / good_points_per_fwhm;
     if (points < least_points_per_fwhm)
         notes.add(Severity::error, "domain.spacing_mm",
@@ -89,7 +89,7 @@ void check_focus_resolution(const Case& c, Notes& notes) {
 /// Engines sample the load several times per period of its highest frequency. Returns false if
 /// there are too many of them.
 bool check_periods(const Case& c, Notes& notes) {
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     const double highest_Hz = bandwidth_rad_m(load.footprint, spectrum_end) *
                                   greatest_speed_m_s(load.modulation.trajectory) / two_pi +
                               greatest_envelope_frequency_Hz(load.modulation.envelope) +
@@ -107,9 +107,9 @@ bool check_periods(const Case& c, Notes& notes) {
 
 /// Frames must not be further apart than half of the shortest period of the load.
 void check_sampling(const Case& c, Notes& notes) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     const double interval_s = c.time.interval_s;
-    const double passing_Hz = bandwidth_rad_m(c.scene().load.footprint, spectrum_end) *
+    const double passing_Hz = bandwidth_rad_m(c.scene.load.footprint, spectrum_end) *
                               greatest_speed_m_s(modulation.trajectory) / two_pi;
     const double fastest_Hz = passing_Hz + greatest_envelope_frequency_Hz(modulation.envelope);
     if (fastest_Hz * interval_s > 0.5)
@@ -142,7 +142,7 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
         when_s = t_s;
         nearest = focus;
     });
-    const double margin_m = c.domain.sponge_m + 2.0 * fwhm_m(c.scene().load.footprint);
+    const double margin_m = c.domain.sponge_m + 2.0 * fwhm_m(c.scene.load.footprint);
     if (room_m < 0.0)
         notes.add(Severity::error, "domain.extent_mm",
                   "the focus leaves the domain: at {:.4g} ms it is at [{:.4g}, {:.4g}] mm, but the "
@@ -155,7 +155,7 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
             "at {:.4g} ms the focus is at [{:.4g}, {:.4g}] mm, {:.4g} mm from the edge, which is "
             "less than the sponge plus two focus widths, {:.4g} mm: the wake is truncated",
             milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
-    const auto reach = reach_m(c.scene().load.footprint);
+    const auto reach = reach_m(c.scene.load.footprint);
     if (reach && c.domain.edges == DomainEdges::periodic && room_m >= margin_m && room_m < *reach)
         notes.add(
             Severity::warning, "load.footprint",
@@ -181,7 +181,7 @@ double wave_speed_m_s(const Medium& medium) {
 /// sponge absorbs it. check_sponge reports the energy that passes a sponge.
 void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
     if (edges != engines::Edges::periodic) return;
-    const double speed_m_s = wave_speed_m_s(c.scene().medium), end_s = c.time.duration_s();
+    const double speed_m_s = wave_speed_m_s(c.scene.medium), end_s = c.time.duration_s();
     if (!(speed_m_s > 0.0)) return;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
     double back_s = end_s, needed_x_m = 0.0, needed_y_m = 0.0;
@@ -218,7 +218,7 @@ void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
                   engine_name(c.solver), milli(width_m));
         return;
     }
-    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
+    const double wave_m = longest_wave_m(c.scene.load, edge_speed_m_s(c.scene.medium, width_m));
     const double share = returned_energy(wave_m, width_m);
     if (share > tolerated_return)
         notes.add(Severity::warning, "domain.sponge_mm",
@@ -229,12 +229,12 @@ void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
 
 void check_measured_times(const Case& c, Notes& notes) {
     if (c.time.regime == Regime::periodic) return; // the window is the period
-    const double off_s = off_time_s(c.scene().load.modulation.trajectory);
+    const double off_s = off_time_s(c.scene.load.modulation.trajectory);
     if (off_s + c.time.interval_s < c.measure.at_s)
         notes.add(Severity::warning, "measure.at_ms",
                   "the path ends at {:.4g} ms, so there is no load at {:.4g} ms", milli(off_s),
                   milli(c.measure.at_s));
-    const auto frequency_Hz = modulation_frequency_Hz(c.scene().load.modulation);
+    const auto frequency_Hz = modulation_frequency_Hz(c.scene.load.modulation);
     const double window_s = c.measure.at_s - c.measure.settled_after_s;
     if (frequency_Hz && *frequency_Hz * window_s < 1.0 - 1e-9)
         notes.add(Severity::warning, "measure.settled_after_ms",
@@ -275,7 +275,7 @@ void check_pins(const Case& c, Notes& notes) {
         for (const Vec2 pin_m : c.afferents->pins_m)
             nearest_m = std::min(nearest_m, norm(focus - pin_m));
     });
-    const double width_m = fwhm_m(c.scene().load.footprint);
+    const double width_m = fwhm_m(c.scene.load.footprint);
     if (nearest_m > width_m)
         return notes.add(
             Severity::warning, "afferents.pins_mm",
@@ -317,7 +317,7 @@ void check_line_of_sight(const Case& c, Notes& notes) {
 
 bool has_image_uplift(const Case& c) {
     const auto* options = std::get_if<PstdOptions>(&c.solver);
-    return !c.study() && (!options || options->load == PstdLoad::traction) &&
+    return (!options || options->load == PstdLoad::traction) &&
            engines::make_engine(c.solver)->edges(c) == engines::Edges::periodic;
 }
 
@@ -325,7 +325,7 @@ std::string image_uplift_text(const Case& c) {
     if (!has_image_uplift(c)) return "";
     constexpr double most_modes_times_frames = 1e7;
     const double modes = 75.0 * std::min(c.domain.extent_x_m(), c.domain.extent_y_m()) /
-                         fwhm_m(c.scene().load.footprint);
+                         fwhm_m(c.scene.load.footprint);
     std::string size;
     if (modes * static_cast<double>(c.time.frames) < most_modes_times_frames) {
         double most_m = 0.0;
@@ -347,11 +347,6 @@ std::vector<Remark> check(const Case& c) {
         notes.remarks.insert(notes.remarks.end(), remarks.begin(), remarks.end());
     };
     check_line_of_sight(c, notes);
-    if (c.study()) {
-        add(engine->limits(c));
-        check_focal_disc(c, notes);
-        return notes.remarks;
-    }
     if (!check_periods(c, notes)) return notes.remarks;
     check_focus_resolution(c, notes);
     check_sampling(c, notes);

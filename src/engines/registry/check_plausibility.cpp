@@ -26,8 +26,8 @@ constexpr double stiff_Pa = 1e7;
 constexpr double air_modulus_Pa = 1.204 * 343.2 * 343.2;
 
 void check_pressure(const Case& c, Notes& notes) {
-    const Medium& medium = c.scene().medium;
-    const double width_m = fwhm_m(c.scene().load.footprint), peak_Pa = c.scene().load.peak_Pa;
+    const Medium& medium = c.scene.medium;
+    const double width_m = fwhm_m(c.scene.load.footprint), peak_Pa = c.scene.load.peak_Pa;
     double softest_Pa = std::numeric_limits<double>::infinity(), top_m = 0.0;
     for (std::size_t i = 0; i < medium.layers.size() && top_m < width_m; ++i) {
         const Layer& layer = medium.layers[i];
@@ -91,7 +91,7 @@ double reach_of_path_m(const Curve& path) {
 /// Layers whose density, viscosity, thickness or c_p was probably given in g/cm^3, mPa s, um or
 /// km/s.
 void check_layers(const Case& c, Notes& notes) {
-    const std::vector<Layer>& layers = c.scene().medium.layers;
+    const std::vector<Layer>& layers = c.scene.medium.layers;
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const Layer& layer = layers[i];
         if (layer.density_kg_m3 < least_density_kg_m3 ||
@@ -135,11 +135,11 @@ void check_coordinates(const Case& c, Notes& notes) {
     };
     check_points("record.traces_mm", c.record.traces_m);
     if (c.afferents) check_points("afferents.pins_mm", c.afferents->pins_m);
-    for (const Mover& mover : c.scene().load.modulation.trajectory.parts)
+    for (const Mover& mover : c.scene.load.modulation.trajectory.parts)
         if (const auto* hold = std::get_if<Hold>(&mover))
             check_points("load.modulation.position_mm", {hold->at_m});
-    check_points("load.modulation.foci_mm", c.scene().load.modulation.foci_m);
-    for (const Body& body : c.scene().medium.bodies)
+    check_points("load.modulation.foci_mm", c.scene.load.modulation.foci_m);
+    for (const Body& body : c.scene.medium.bodies)
         check_points("medium.body", {{body.centre_m.x, body.centre_m.y}});
     for (const double depth_m : c.measure.depths_m)
         if (depth_m > 0.0 && depth_m < tiny_share * tiny_share * c.domain.spacing_m)
@@ -159,7 +159,7 @@ const Layer& layer_at(const Medium& medium, double depth_m) {
 
 /// Bodies whose density, viscosity or depth was probably given in g/cm^3, mPa s or m.
 void check_bodies(const Case& c, Notes& notes) {
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     for (std::size_t i = 0; i < medium.bodies.size(); ++i) {
         const Body& body = medium.bodies[i];
         const Layer& around = layer_at(medium, body.centre_m.z);
@@ -204,7 +204,7 @@ void check_region(const Case& c, Notes& notes) {
                   "the region is {:.3g} mm wide, but the focal disc {:.3g} mm: the efficiency is "
                   "the share of the disc in the region, whatever energy leaves the region",
                   milli(width_m), milli(disc_m));
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     if (c.measure.at_s >= off_time_s(modulation.trajectory)) return;
     const Vec2 at_m = position(modulation.trajectory, c.measure.at_s);
     const auto is_measured = [&](Vec2 focus_m) {
@@ -257,7 +257,7 @@ void check_vibrometer(const Case& c, Notes& notes) {
 
 /// Lengths far below the focus, and times below an output interval: typed in m or s.
 void check_units(const Case& c, Notes& notes) {
-    const Scene& scene = c.scene();
+    const Scene& scene = c.scene;
     const double width_m = fwhm_m(scene.load.footprint), interval_s = c.time.interval_s;
     double thickness_m = 0.0, fastest_m_s = 0.0;
     for (const Layer& layer : scene.medium.layers) {
@@ -338,7 +338,7 @@ void check_units(const Case& c, Notes& notes) {
 constexpr double fastest_pointer_Hz = 10.0;
 
 void check_pointer(const Case& c, Notes& notes) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     if ((modulation.kind != "DTP" && modulation.kind != "STP") ||
         modulation.trajectory.parts.empty())
         return;

@@ -18,8 +18,7 @@ std::string body_key(std::size_t i, std::string_view key) {
 }
 
 void check_resolution(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
-    const double width_m = lateral_thickness_m(c.scene().medium.bodies[i]),
-                 h_m = c.domain.spacing_m;
+    const double width_m = lateral_thickness_m(c.scene.medium.bodies[i]), h_m = c.domain.spacing_m;
     if (width_m < 2.0 * h_m)
         remarks.push_back(
             {Severity::warning, body_key(i, "shape"),
@@ -40,7 +39,7 @@ struct Reach {
 };
 
 void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
-    const Body& body = c.scene().medium.bodies[i];
+    const Body& body = c.scene.medium.bodies[i];
     const Bounds box = bounds(body);
     const double sponge_m = c.domain.sponge_m;
     const auto warn = [&](std::string_view key, std::string message) {
@@ -102,12 +101,12 @@ Interval reach_of_map(double origin_m, double spacing_m, std::ptrdiff_t count, I
 }
 
 void check_map(const Case& c, std::vector<Remark>& remarks) {
-    const MaterialMap& map = *c.scene().medium.map;
+    const MaterialMap& map = *c.scene.medium.map;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
     // The first and last points of the grid: x_i = (i - nx/2) spacing.
     const Interval x{-half_x_m, half_x_m - c.domain.spacing_m},
         y{-half_y_m, half_y_m - c.domain.spacing_m},
-        z{0.0, depths(c.scene().medium, c.scene().medium.layers.size() - 1).bottom_m};
+        z{0.0, depths(c.scene.medium, c.scene.medium.layers.size() - 1).bottom_m};
     const Interval map_x = reach_of_map(map.origin_m.x, map.spacing_m.x, map.counts[0], x),
                    map_y = reach_of_map(map.origin_m.y, map.spacing_m.y, map.counts[1], y),
                    map_z = reach_of_map(map.origin_m.z, map.spacing_m.z, map.counts[2], z);
@@ -184,12 +183,11 @@ std::string path_text(const Travel& travel, const Polyline& path) {
 } // namespace
 
 std::vector<std::string> files_read(const Case& c) {
-    if (c.study()) return {};
     std::vector<std::string> lines;
-    if (c.scene().medium.map)
-        lines.push_back(fmt::format("medium.map {}: {}", c.scene().medium.map->file,
-                                    c.scene().medium.map->contents));
-    for (const Mover& part : c.scene().load.modulation.trajectory.parts) {
+    if (c.scene.medium.map)
+        lines.push_back(fmt::format("medium.map {}: {}", c.scene.medium.map->file,
+                                    c.scene.medium.map->contents));
+    for (const Mover& part : c.scene.load.modulation.trajectory.parts) {
         const auto* travel = std::get_if<Travel>(&part);
         if (const auto* points = travel ? std::get_if<Polyline>(&travel->path.shape) : nullptr;
             points && !is_regular(*points))
@@ -200,14 +198,14 @@ std::vector<std::string> files_read(const Case& c) {
 
 std::vector<Remark> check_variation(const Case& c) {
     std::vector<Remark> remarks;
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+    for (std::size_t i = 0; i < c.scene.medium.bodies.size(); ++i) {
         const std::size_t before = remarks.size();
         check_resolution(c, i, remarks);
         check_place(c, i, remarks);
         for (std::size_t n = before; n < remarks.size(); ++n)
-            remarks[n].message = with_name(c.scene().medium.bodies[i], i, remarks[n].message);
+            remarks[n].message = with_name(c.scene.medium.bodies[i], i, remarks[n].message);
     }
-    if (c.scene().medium.map) check_map(c, remarks);
+    if (c.scene.medium.map) check_map(c, remarks);
     return remarks;
 }
 

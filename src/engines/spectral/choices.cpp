@@ -54,21 +54,21 @@ void add_cap(const std::string& what, const Contrast& all, double cap,
 }
 
 std::string rigid_note(const Case& c, std::size_t i, const std::string& why) {
-    const Body& body = c.scene().medium.bodies[i];
-    const std::string rest = reason_of_rest(body, c.scene().medium, c.domain);
+    const Body& body = c.scene.medium.bodies[i];
+    const std::string rest = reason_of_rest(body, c.scene.medium, c.domain);
     return fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
                        rest.empty() ? "moves with its mass" : rest,
-                       is_below_rigid_layer(body, c.scene().medium, c.domain)
+                       is_below_rigid_layer(body, c.scene.medium, c.domain)
                            ? "no effect on the field"
                            : "one additional background solve per step, no cap on its stiffness");
 }
 
 std::string elastic_note(const Case& c, std::size_t i, const std::string& why) {
-    const Body& body = c.scene().medium.bodies[i];
+    const Body& body = c.scene.medium.bodies[i];
     std::string note = fmt::format("medium.body[{}] is elastic", i + 1);
     if (body.c_s_m_s)
         note += fmt::format(", {:.3g} times as stiff as its surroundings",
-                            stiffness_contrast(body, c.scene().medium));
+                            stiffness_contrast(body, c.scene.medium));
     return note + why;
 }
 
@@ -102,7 +102,7 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
 
 std::string sponge_note(const Case& c, const SpongePlan& sponge) {
     const double width_m = c.domain.sponge_m;
-    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
+    const double wave_m = longest_wave_m(c.scene.load, edge_speed_m_s(c.scene.medium, width_m));
     return fmt::format("the sponge of {:.3g} mm acts every {} step{} on {} x {} points and returns "
                        "{:.2g} % of the energy of the longest waves ({:.3g} mm)",
                        1e3 * width_m, sponge.every, sponge.every == 1 ? "" : "s", sponge.nx,
@@ -141,7 +141,7 @@ std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors)
 std::vector<std::string> body_notes(const RigidPlan& plan) {
     std::vector<std::string> notes;
     for (std::size_t i = 0; i < plan.reasons.size(); ++i) {
-        const bool is_rigid = plan.c.scene().medium.bodies[i].rigid;
+        const bool is_rigid = plan.c.scene.medium.bodies[i].rigid;
         notes.push_back((is_rigid ? rigid_note : elastic_note)(plan.c, i, plan.reasons[i]));
     }
     return notes;
@@ -149,7 +149,7 @@ std::vector<std::string> body_notes(const RigidPlan& plan) {
 
 std::vector<engines::Choice> cap_choices(const Case& c) {
     const double cap = std::get<SpectralOptions>(c.solver).contrast_cap;
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     std::vector<engines::Choice> choices;
     for (std::size_t i = 0; i < medium.bodies.size(); ++i) {
         const Body& body = medium.bodies[i];

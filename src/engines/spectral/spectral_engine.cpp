@@ -37,7 +37,7 @@ const SpectralPlan& SpectralEngine::plan_of(const Case& given, engines::ChoiceLi
 
 const SampledVariation& SpectralEngine::variation_of(const SpectralPlan& plan) const {
     static const SampledVariation none;
-    const Medium& medium = plan.rigid.c.scene().medium;
+    const Medium& medium = plan.rigid.c.scene.medium;
     if (medium.bodies.empty() && !medium.map) return none;
     const std::string key = plan.key_of_variation();
     auto known = variations_.find(key);

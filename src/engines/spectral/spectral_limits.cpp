@@ -43,13 +43,13 @@ const Percent& measured_errors(const Body& body, double contrast, const Domain& 
 /// `c` contains the bodies that are treated as rigid.
 std::vector<Remark> resolution_remarks(const Case& c) {
     std::vector<Remark> remarks;
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
-        const Body& body = c.scene().medium.bodies[i];
-        const double contrast = stiffness_contrast(body, c.scene().medium);
+    for (std::size_t i = 0; i < c.scene.medium.bodies.size(); ++i) {
+        const Body& body = c.scene.medium.bodies[i];
+        const double contrast = stiffness_contrast(body, c.scene.medium);
         const double width_m = lateral_thickness_m(body),
                      radius = 0.5 * width_m / c.domain.spacing_m;
         if (radius < per_radius.front()) continue; // check_variation
-        if (body.rigid ? !has_markers(body, c.scene().medium, c.domain)
+        if (body.rigid ? !has_markers(body, c.scene.medium, c.domain)
                        : contrast == 0.0 || contrast == 1.0)
             continue;
         const Percent& percent = measured_errors(body, contrast, c.domain);
@@ -77,8 +77,8 @@ std::vector<Remark> resolution_remarks(const Case& c) {
 
 std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     std::vector<Remark> refused = engines::refused_losses(c);
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
-        if (is_fluid(c.scene().medium.bodies[i]) && !c.scene().medium.bodies[i].rigid)
+    for (std::size_t i = 0; i < c.scene.medium.bodies.size(); ++i)
+        if (is_fluid(c.scene.medium.bodies[i]) && !c.scene.medium.bodies[i].rigid)
             refused.push_back({Severity::error, fmt::format("medium.body[{}].c_s_m_s", i + 1),
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
     for (Remark& remark : engines::refused_edges(c))

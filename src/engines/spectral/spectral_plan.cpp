@@ -135,14 +135,14 @@ SampledVariation SpectralPlan::sampled_variation() const {
     const Case& layers = rigid.layers;
     const Domain& domain = layers.domain;
     SampledVariation result;
-    if (layers.scene().medium.bodies.empty() && !layers.scene().medium.map) return result;
+    if (layers.scene.medium.bodies.empty() && !layers.scene.medium.map) return result;
     // In about half a second: a sample of a body takes 2 to 50 us, of a map 12 us.
-    const double costs = static_cast<double>(layers.scene().medium.bodies.size()) +
-                         (layers.scene().medium.map ? 6.0 : 0.0);
+    const double costs = static_cast<double>(layers.scene.medium.bodies.size()) +
+                         (layers.scene.medium.map ? 6.0 : 0.0);
     const double most_samples = 2e5 / std::max(costs, 1.0);
     double nodes = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
-        if (varies_between(layers.scene().medium, mesh.ends_m[e], mesh.ends_m[e + 1]))
+        if (varies_between(layers.scene.medium, mesh.ends_m[e], mesh.ends_m[e + 1]))
             nodes += mesh.degree + 1.0;
     std::ptrdiff_t stride = 1;
     while (nodes * static_cast<double>((domain.nx / stride) * (domain.ny / stride)) > most_samples)
@@ -176,7 +176,7 @@ SampledVariation SpectralPlan::sampled_variation() const {
     if (sizes.extent.is_complete(sampled.domain.nx, sampled.domain.ny))
         sizes.extent = {0, domain.nx, 0, domain.ny};
     else
-        sizes.extent = extent_of(layers.scene().medium, domain);
+        sizes.extent = extent_of(layers.scene.medium, domain);
     return result;
 }
 
@@ -239,7 +239,7 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
     all.arrays = arrays_of_stepper(rigid.layers, mesh, v, sponge(v), ranks);
     for (const engines::Array& array : arrays_of_output(rigid.layers, mesh, v, ranks))
         all.arrays.push_back(array);
-    all.arrays.push_back({"material map", map_bytes(c.scene().medium)});
+    all.arrays.push_back({"material map", map_bytes(c.scene.medium)});
     all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
     if (rigid.treatment == RigidTreatment::endless)
         all.arrays.push_back(
@@ -259,7 +259,7 @@ namespace {
 /// What determines the cells of a medium with bodies or a map, without the time step.
 Case varying_part(const Case& c) {
     Case alone;
-    alone.scene().medium = c.scene().medium;
+    alone.scene.medium = c.scene.medium;
     alone.domain = c.domain;
     alone.solver = c.solver;
     return alone;
@@ -270,7 +270,7 @@ Case varying_part(const Case& c) {
 std::string SpectralPlan::key_of_variation() const {
     const Case& c = rigid.c;
     Case alone = varying_part(c);
-    alone.scene().load.footprint = c.scene().load.footprint;
+    alone.scene.load.footprint = c.scene.load.footprint;
     alone.afferents = c.afferents; // see has_laminates()
     return fmt::format("{} {:.17g}", canonical_text(alone), time.step_s);
 }

@@ -36,7 +36,7 @@ FrameSums::FrameSums(const Case& c, const Comm& team)
 
 void FrameSums::frame(const engines::Frame& frame) {
     const std::vector<Vec2> places =
-        foci(case_.scene().load.modulation, case_.time.frame_s(frame.number));
+        foci(case_.scene.load.modulation, case_.time.frame_s(frame.number));
     depths_[frame.depth].frames[static_cast<std::size_t>(frame.number)] = measures::surface_sums(
         frame.u_z_m, slab_.x_start, case_.domain, region_, places, case_.measure.focal_radius_m);
 }
@@ -89,9 +89,9 @@ namespace {
 
 /// The weight of each frame in a mean over the period window, with sum 1; none if no window fits.
 std::vector<double> mean_weights(const Case& c) {
-    const measures::PeriodWindow window = measures::period_window(
-        c.measure, c.time, modulation_frequency_Hz(c.scene().load.modulation),
-        off_time_s(c.scene().load.modulation.trajectory));
+    const measures::PeriodWindow window =
+        measures::period_window(c.measure, c.time, modulation_frequency_Hz(c.scene.load.modulation),
+                                off_time_s(c.scene.load.modulation.trajectory));
     if (!window.fits()) return {};
     std::vector<double> weights =
         measures::window_weights(c.time, window.from_s, window.to_s, window.edge_s);
@@ -293,23 +293,23 @@ void InstantSurface::finish() {
 }
 
 measures::MachFit InstantSurface::fit(const std::vector<double>& surface) const {
-    const Trajectory& trajectory = case_.scene().load.modulation.trajectory;
+    const Trajectory& trajectory = case_.scene.load.modulation.trajectory;
     const double t_s = case_.time.frame_s(instant_);
     const std::string none =
         measures::no_focus_reason(case_.measure, case_.time, off_time_s(trajectory));
     if (!none.empty() || !has_constant_velocity(trajectory) ||
-        case_.scene().load.modulation.foci_m.size() > 1) {
+        case_.scene.load.modulation.foci_m.size() > 1) {
         measures::MachFit fit;
         fit.reason = none.empty() ? "the wake has no single angle: this requires a single focus "
                                     "that moves along a straight line at constant speed"
                                   : none;
         return fit;
     }
-    const double fwhm = fwhm_m(case_.scene().load.footprint);
+    const double fwhm = fwhm_m(case_.scene.load.footprint);
     return measures::mach_angle(
         View2<const double>(surface.data(), case_.domain.nx, case_.domain.ny), case_.domain,
         position(trajectory, t_s), velocity(trajectory, t_s),
-        rayleigh_speed_m_s(surface_wave_layer(case_.scene().medium, fwhm)), fwhm, t_s);
+        rayleigh_speed_m_s(surface_wave_layer(case_.scene.medium, fwhm)), fwhm, t_s);
 }
 
 } // namespace shearwake::pipeline

@@ -3,7 +3,6 @@
 
 #include "problem/case/afferents.hpp"
 #include "problem/case/solver_options.hpp"
-#include "problem/case/study_data.hpp"
 #include "problem/case/vibrometer.hpp"
 #include "problem/case/volume.hpp"
 #include "problem/load/load.hpp"
@@ -26,25 +25,6 @@ struct Scene {
     Load load;
     bool operator==(const Scene&) const = default;
 };
-
-/// A simulation that is defined node by node. The measures refer to the path of the focus and to
-/// the layers of `scene`, which have no effect on the solution.
-struct GridStudy {
-    std::shared_ptr<const StudyData> data; // shared by the cases of a sweep, since it may be large
-    Scene scene;
-    bool operator==(const GridStudy& other) const {
-        return *data == *other.data && scene == other.scene;
-    }
-};
-
-/// What an engine computes.
-using Problem = std::variant<Scene, GridStudy>;
-
-/// The scene of a problem, which is either the problem itself or that of a grid study.
-auto& scene_of(auto& problem) {
-    auto* study = std::get_if<GridStudy>(&problem);
-    return study ? study->scene : std::get<Scene>(problem);
-}
 
 /// The surface outside of the domain: copies of it, or an infinite plane that carries no load.
 enum class DomainEdges { periodic, open };
@@ -297,7 +277,7 @@ void walk_fields(Walk& walk, Options& o) {
 
 /// All parameters of one simulation in SI units, as a comparable value.
 struct Case {
-    Problem problem;
+    Scene scene;
     Domain domain;
     TimeAxis time;
     MeasureOptions measure;
@@ -307,21 +287,12 @@ struct Case {
     std::optional<VibrometerOptions> vibrometer = std::nullopt;
     std::optional<SensationOptions> sensation = std::nullopt; // none: the defaults
     bool operator==(const Case&) const = default;
-
-    /// The medium and the load. In a grid study, the measures alone refer to them.
-    const Scene& scene() const { return scene_of(problem); }
-    Scene& scene() { return scene_of(problem); }
-    /// Null if the problem is a scene.
-    const StudyData* study() const {
-        const auto* study = std::get_if<GridStudy>(&problem);
-        return study ? study->data.get() : nullptr;
-    }
 };
 
 template <class Walk, Is<Case> C>
 void walk_fields(Walk& walk, C& c) {
-    walk_fields(walk, c.scene().medium);
-    walk_fields(walk, c.scene().load);
+    walk_fields(walk, c.scene.medium);
+    walk_fields(walk, c.scene.load);
     walk_fields(walk, c.domain);
     walk_fields(walk, c.time);
     walk_fields(walk, c.measure);
@@ -337,11 +308,7 @@ void walk_fields(Walk& walk, C& c) {
              "bodies and maps, Kelvin-Voigt or lossless; `\"pstd\"`: the scheme of k-Wave for the "
              "same media, with Gaussian foci and c_p limited to a multiple of c_s. The options are "
              "in `[solver.layered]`, `[solver.spectral]` and `[solver.pstd]`; those of the other "
-             "engines are checked and otherwise ignored, so that a sweep can compare engines"},
-        [&c](auto& after_name) {
-            if (auto* study = std::get_if<GridStudy>(&c.problem))
-                after_name(study->data, {.text = "study"});
-        });
+             "engines are checked and otherwise ignored, so that a sweep can compare engines"});
     walk.maybe("afferents", c.afferents);
     walk.maybe("vibrometer", c.vibrometer);
     walk.maybe("sensation", c.sensation);

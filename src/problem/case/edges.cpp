@@ -123,7 +123,7 @@ std::vector<double> image_uplift_m(const Case& c) {
     // The disc with the same integral of 1/r^3 outside of it as outside of the rectangle.
     const double radius_m =
         std::numbers::pi / 4.0 * width_m * height_m / std::hypot(width_m, height_m);
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     const double dt_s = c.time.interval_s;
     const auto frames = static_cast<std::size_t>(c.time.frames);
     const double delay_s = std::min(width_m, height_m) / medium.layers.front().c_p_m_s;
@@ -131,7 +131,7 @@ std::vector<double> image_uplift_m(const Case& c) {
     std::vector<double> uplift_m(frames, 0.0);
     if (steps > static_cast<double>(frames)) return uplift_m;
     const auto delay = static_cast<std::size_t>(steps);
-    Load averaged = c.scene().load;
+    Load averaged = c.scene.load;
     averaged.carrier = AveragedCarrier{};
     const double k_zero = 0.0;
     std::complex<double> area_m2;
@@ -141,7 +141,7 @@ std::vector<double> image_uplift_m(const Case& c) {
         force_N.push_back(area_m2.real() * averaged.peak_Pa *
                           strength(averaged, static_cast<double>(n) * dt_s));
     // Up to where the spectrum of a Gaussian of this width has fallen to e^-8.
-    const double sigma_m = fwhm_m(c.scene().load.footprint) / std::sqrt(8.0 * std::numbers::ln2);
+    const double sigma_m = fwhm_m(c.scene.load.footprint) / std::sqrt(8.0 * std::numbers::ln2);
     const double step_rad_m = 0.1 / radius_m; // of the oscillating J1(k R)
     for (double k = 0.5 * step_rad_m; k * sigma_m < 4.0; k += step_rad_m) {
         Mode mode = mode_of(medium, k, radius_m);

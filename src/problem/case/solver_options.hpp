@@ -168,8 +168,6 @@ constexpr auto names_of(std::type_identity<Precision>) {
 /// Engine `pstd`: k-Wave's staggered pseudospectral scheme, explicit in time.
 struct PstdOptions {
     static constexpr const char* name = "pstd";
-    /// The engine computes grid studies, for which only these keys have an effect.
-    static constexpr std::array keys_for_studies = {"study", "precision"};
     std::optional<double> time_step_s; // none: chosen from the stability rule
     double c_p_over_c_s = 10.0;        // upper limit of c_p, as a multiple of c_s
     PstdTop top = PstdTop::nothing;
@@ -189,14 +187,6 @@ struct PstdOptions {
 /// The first part: the scheme.
 template <class Walk, Is<PstdOptions> Options>
 void walk_scheme(Walk& walk, Options& o) {
-    walk.key({.key = "study",
-              .type = "file",
-              .fallback = "none",
-              .meaning =
-                  "file written by `scripts/import-kwave`; its path is relative to the job file. "
-                  "It contains a k-Wave simulation, which replaces all keys of this table except "
-                  "`precision`, and the medium and load of the job, see "
-                  "[kwave.md](../how-to/kwave.md)"});
     walk(o.time_step_s, {.key = "time_step_us",
                          .range = Range::at_least(0.01),
                          .given = Given::automatic,

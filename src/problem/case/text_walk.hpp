@@ -24,12 +24,11 @@ public:
     }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field, const auto&... then) {
+    void choice(const std::variant<T...>& value, const Field& field) {
         std::visit(
             [&](const auto& alternative) {
                 const std::string name = alternative_name<std::decay_t<decltype(alternative)>>();
                 if (*field.text && !name.empty()) text_.put(field.text, name);
-                (then(*this), ...);
                 walk_fields(*this, alternative);
             },
             value);

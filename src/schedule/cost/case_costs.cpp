@@ -67,16 +67,16 @@ constexpr std::size_t least_estimated = 3;
 /// the other. The terms are ordered by their influence.
 double distance(const Case& a, const Case& b) {
     double far = 0.0;
-    if (a.scene().load.carrier != b.scene().load.carrier) far += 1e6;
-    if (a.scene().medium != b.scene().medium) far += 1e3;
-    if (a.scene().load.footprint != b.scene().load.footprint) far += 1e3;
+    if (a.scene.load.carrier != b.scene.load.carrier) far += 1e6;
+    if (a.scene.medium != b.scene.medium) far += 1e3;
+    if (a.scene.load.footprint != b.scene.load.footprint) far += 1e3;
     if (a.time != b.time) far += 10.0;
     if (a.domain != b.domain) far += 1.0;
     return far +
-           log_distance(greatest_envelope_frequency_Hz(a.scene().load.modulation.envelope),
-                        greatest_envelope_frequency_Hz(b.scene().load.modulation.envelope)) +
-           log_distance(greatest_speed_m_s(a.scene().load.modulation.trajectory),
-                        greatest_speed_m_s(b.scene().load.modulation.trajectory));
+           log_distance(greatest_envelope_frequency_Hz(a.scene.load.modulation.envelope),
+                        greatest_envelope_frequency_Hz(b.scene.load.modulation.envelope)) +
+           log_distance(greatest_speed_m_s(a.scene.load.modulation.trajectory),
+                        greatest_speed_m_s(b.scene.load.modulation.trajectory));
 }
 
 } // namespace

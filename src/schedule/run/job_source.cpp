@@ -36,19 +36,6 @@ config::MapLoader maps_beside(const std::filesystem::path& job, const Comm& worl
     };
 }
 
-/// Loads grid studies in the same way. Collective.
-config::StudyLoader studies_beside(const std::filesystem::path& job, const Comm& world) {
-    using Known = std::map<std::string, std::shared_ptr<const StudyData>>;
-    return [folder = job.parent_path(), world,
-            known = std::make_shared<Known>()](const std::string& file) {
-        auto& study = (*known)[file];
-        if (!study)
-            study =
-                std::make_shared<const StudyData>(storage::read_study_file(folder / file, world));
-        return study;
-    };
-}
-
 /// Loads texts from files relative to the job, each only once. Collective.
 config::TextLoader texts_beside(const std::filesystem::path& job, const Comm& world) {
     using Known = std::map<std::string, std::string>;
@@ -183,8 +170,7 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
         text = storage::read_file(path, storage::largest_user_text_B);
     });
     config::Job job = config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
-                                       maps_beside(path, world), texts_beside(path, world),
-                                       studies_beside(path, world), points);
+                                       maps_beside(path, world), texts_beside(path, world), points);
     check_columns(job, path.string());
     check_sizes(job, path.string());
     check_pins(job, path.string());

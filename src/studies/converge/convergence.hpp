@@ -30,8 +30,7 @@ struct Refinement {
 Case without_fields(Case c);
 
 /// The case with half the spacing, with half the time step (or a quarter of the tolerance), and
-/// with twice the domain. Each keeps all other parameters, and the measured region. Throws
-/// UsageError for a grid study, whose grid is given. Not collective.
+/// with twice the domain. Each keeps all other parameters, and the measured region. Not collective.
 std::vector<Refinement> refinements(const Case& c);
 
 /// The estimated error of the unrefined value, given the change of the value by the refinement:
@@ -53,8 +52,8 @@ struct RefinedPlan {
 };
 
 /// The cases with the ids in `only`, or without any, `count` cases from the first to the last of
-/// the sweep. The references of these cases are added. Throws UsageError for an unknown id and for
-/// grid studies. `plan` must outlive the result. Not collective.
+/// the sweep. The references of these cases are added. Throws UsageError for an unknown id. `plan`
+/// must outlive the result. Not collective.
 RefinedPlan refined_plan(const Plan& plan, std::span<const std::string> only, std::size_t count);
 
 /// Column -> value of one case; NaN: empty.

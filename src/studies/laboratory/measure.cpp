@@ -45,13 +45,12 @@ public:
         return {.arrays = {{"frame", static_cast<double>(c.domain.nx) *
                                          static_cast<double>(c.domain.ny) * sizeof(double)}}};
     }
-    /// Errors for what a measurement does not contain: depths, stress, volumes, grid studies.
+    /// Errors for what a measurement does not contain: depths, stress, volumes.
     static std::vector<Remark> limits(const Case& c) {
         std::vector<Remark> remarks;
         const auto refuse = [&](const char* key, const char* message) {
             remarks.push_back({Severity::error, key, message});
         };
-        if (c.study()) refuse("study", "a grid study cannot be compared with a scan");
         if (c.measure.depths_m != std::vector<double>{0.0})
             refuse("measure.depths_mm", "a scan contains the surface only: set it to [0]");
         if (!c.record.volumes_s.empty())

@@ -155,7 +155,7 @@ constexpr std::ptrdiff_t margin_share = 8, least_margin = 4;
 
 /// The case whose displacements are those of `c` for a load of 1 Pa.
 Case with_unit_load(Case c) {
-    scene_of(c.problem).load.peak_Pa = 1.0;
+    c.scene.load.peak_Pa = 1.0;
     VibrometerOptions& scan = *c.vibrometer;
     scan.rate_Hz = scan.high_pass_Hz = scan.low_pass_Hz = scan.trigger_delay_s = 0.0;
     return c;
@@ -215,7 +215,7 @@ std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
         std::vector<double> displacements_m = motion_m(with_unit_load(c));
         if (!team_.is_root()) return;
         for (double& value : displacements_m)
-            value *= c.scene().load.peak_Pa;
+            value *= c.scene.load.peak_Pa;
         const pipeline::Scan scan = pipeline::scan(c, displacements_m);
         const std::size_t count = scan.time_s.size(); // one period, or at least all samples
         for (std::size_t point = 0; point < data_.points_m.size(); ++point)

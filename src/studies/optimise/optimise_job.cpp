@@ -121,11 +121,11 @@ void set_path(JobTree& job, const Curve& before, const Curve& after) {
 void set_motion(JobTree& job, const Case& base, const MovedCase& moved) {
     if (moved.change == MotionChange{}) return;
     job.remove("load.modulation", "draw_frequency_Hz");
-    const std::vector<Mover>& parts = moved.physics.scene().load.modulation.trajectory.parts;
+    const std::vector<Mover>& parts = moved.physics.scene.load.modulation.trajectory.parts;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const auto* travel = std::get_if<Travel>(&parts[i]);
         if (!travel) continue;
-        const Mover& before = base.scene().load.modulation.trajectory.parts[i];
+        const Mover& before = base.scene.load.modulation.trajectory.parts[i];
         if (moved.change.size != 1.0) set_path(job, std::get<Travel>(before).path, travel->path);
         const auto set = [&](const char* key, double value) {
             job.set(std::string("load.modulation.") + key, exact(value));

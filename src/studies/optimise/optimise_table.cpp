@@ -23,7 +23,7 @@ using Row = std::vector<std::pair<std::string, reduce::Cell>>;
 void add_motion(Row& row, const MovedCase& moved) {
     const MotionChange& change = moved.change;
     const bool swings = change.periods > 0;
-    for (const Mover& mover : moved.physics.scene().load.modulation.trajectory.parts) {
+    for (const Mover& mover : moved.physics.scene.load.modulation.trajectory.parts) {
         const auto* travel = std::get_if<Travel>(&mover);
         if (!travel) continue;
         constexpr double none = not_a_number;
@@ -158,7 +158,7 @@ void write_waveforms(const Study& study, const Optima& results, std::size_t i, s
     const auto waveform = exported(moved.knots, of, study.options);
     if (!waveform) return;
     storage::write_file(stem + ".csv",
-                        csv_text(*waveform, moved.physics.scene().load.modulation.trajectory));
+                        csv_text(*waveform, moved.physics.scene.load.modulation.trajectory));
     storage::write_file(stem + ".toml", toml_text(*waveform));
     storage::write_file(stem + ".exported.job.toml",
                         job_of_optimum(study, c, moved, gain_of(*waveform)));
@@ -213,7 +213,7 @@ namespace {
 /// Whether two cases differ in the tissue alone.
 bool differ_in_tissue(const Case& a, const Case& b) {
     Case same = a;
-    same.scene().medium = b.scene().medium;
+    same.scene.medium = b.scene.medium;
     return !(a == b) && same == b;
 }
 

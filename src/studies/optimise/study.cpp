@@ -210,7 +210,7 @@ ResultCases result_cases(const OptimisedCase& c, const MovedCase& moved, const O
                                           c.sm[*sm].phase_rad);
     if (const auto waveform = exported(moved.knots, optimum, options)) {
         cases.exported = moved.physics;
-        cases.exported->scene().load.modulation.envelope.gains = {gain_of(*waveform)};
+        cases.exported->scene.load.modulation.envelope.gains = {gain_of(*waveform)};
     }
     return cases;
 }

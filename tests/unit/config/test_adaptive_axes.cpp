@@ -15,9 +15,7 @@ load.peak_Pa = [50, 100]
 
 Plan plan_of(std::string_view more, const config::AxisPoints& points = {},
              std::vector<config::Override> overrides = {}) {
-    return config::read_job(plain_and(more), "job.toml", overrides, nullptr, nullptr, nullptr,
-                            points)
-        .plan;
+    return config::read_job(plain_and(more), "job.toml", overrides, nullptr, nullptr, points).plan;
 }
 
 Texts of_axis(const std::string& axis) {

@@ -66,13 +66,13 @@ reference = { kind = "STM" }
 /// Every value of `full_job` before its sweep, in SI, written by hand.
 Case full_case() {
     Case c;
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers = {{"tissue", 0.02, 1000.0, 1500.0, 5.0, KelvinVoigt{1.0}}};
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.footprint = GaussianFootprint{0.003};
-    c.scene().load.modulation = {"AM-STM",
-                                 {{Travel{{{-0.049, 0.0}, {0.049, 0.0}}, ConstantSpeed{7.0}}}},
-                                 {{SineGain{200.0}}}};
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers = {{"tissue", 0.02, 1000.0, 1500.0, 5.0, KelvinVoigt{1.0}}};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.footprint = GaussianFootprint{0.003};
+    c.scene.load.modulation = {"AM-STM",
+                               {{Travel{{{-0.049, 0.0}, {0.049, 0.0}}, ConstantSpeed{7.0}}}},
+                               {{SineGain{200.0}}}};
     c.domain = {256, 180, 0.00075, 0.012}; // 171 points make 180: 2 2 3 3 5
     c.time = {280, 5e-5};
     c.measure = {.at_s = 0.014, .settled_after_s = 0.004, .focal_radius_m = 0.003};

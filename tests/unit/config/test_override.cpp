@@ -8,13 +8,11 @@ using namespace shearwake::test;
 
 TEST_CASE("an override replaces, adds and reaches into tables and layers", "[config][override]") {
     CHECK(only_case(plain_job, {{"load.peak_Pa", "300"}, {"load.peak_Pa", "200"}}) // the last wins
-              .scene()
-              .load.peak_Pa == 200.0);
+              .scene.load.peak_Pa == 200.0);
     CHECK(only_case(plain_job, {{"domain.sponge_mm", "1.5"}}).domain.sponge_m == 0.0015);
     CHECK(only_case(plain_job, {{"measure.at_ms", "3"}}).measure.at_s == Approx(0.003));
-    CHECK(
-        only_case(plain_job, {{"medium.layer[1].c_s_m_s", "4"}}).scene().medium.layers[0].c_s_m_s ==
-        4.0);
+    CHECK(only_case(plain_job, {{"medium.layer[1].c_s_m_s", "4"}}).scene.medium.layers[0].c_s_m_s ==
+          4.0);
     CHECK(only_case(plain_job, {{"record.traces_mm", "[[1, 2]]"}}).record.traces_m[0].y == 0.002);
     CHECK(config::read_job(plain_job, "job.toml",
                            std::vector<config::Override>{{"job.name", "other"}})
@@ -24,7 +22,7 @@ TEST_CASE("an override replaces, adds and reaches into tables and layers", "[con
 TEST_CASE("a bare word is a string, and a quoted one too", "[config][override]") {
     const std::string value = GENERATE("pressure", "\"pressure\"", "'pressure'");
     const Case c = only_case(plain_job, {{"load.modulation.am_on", value}});
-    CHECK(std::get<SineGain>(c.scene().load.modulation.envelope.gains[0]).on == GainOn::pressure);
+    CHECK(std::get<SineGain>(c.scene.load.modulation.envelope.gains[0]).on == GainOn::pressure);
 }
 
 TEST_CASE("an override can add and replace an axis", "[config][override]") {
@@ -35,7 +33,7 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
                                        std::vector<config::Override>{{key, "[1, 2, 3]"}})
                           .plan;
     REQUIRE(plan.cases.size() == 3);
-    CHECK(plan.cases[2].physics.scene().load.peak_Pa == 3.0);
+    CHECK(plan.cases[2].physics.scene.load.peak_Pa == 3.0);
 }
 
 TEST_CASE("the text of a job with overrides is the job that is computed", "[config][override]") {

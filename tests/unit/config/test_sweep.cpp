@@ -35,8 +35,8 @@ TEST_CASE("axes multiply, the first slowest and the last fastest", "[config][swe
     CHECK(numbers(plan, "load.peak_Pa") == std::vector<double>{100, 100, 100, 200, 200, 200});
     CHECK(numbers(plan, "load.modulation.am_frequency_Hz") ==
           std::vector<double>{700, 500, 600, 700, 500, 600});
-    CHECK(plan.cases[3].physics.scene().load.peak_Pa == 200.0);
-    CHECK(modulation_frequency_Hz(plan.cases[4].physics.scene().load.modulation) == 500.0);
+    CHECK(plan.cases[3].physics.scene.load.peak_Pa == 200.0);
+    CHECK(modulation_frequency_Hz(plan.cases[4].physics.scene.load.modulation) == 500.0);
     std::set<std::string> ids;
     for (const PlannedCase& c : plan.cases) {
         CHECK(c.id == case_id(c.physics));
@@ -110,9 +110,9 @@ TEST_CASE("points, layers, words and tables can be swept", "[config][sweep]") {
     REQUIRE(plan.cases.size() == 8);
     const PlannedCase& last = plan.cases.back();
     CHECK(std::get<Line>(
-              std::get<Travel>(last.physics.scene().load.modulation.trajectory.parts[0]).path.shape)
+              std::get<Travel>(last.physics.scene.load.modulation.trajectory.parts[0]).path.shape)
               .from_m.x == -0.015);
-    CHECK(last.physics.scene().medium.layers[0].c_s_m_s == 4.5);
+    CHECK(last.physics.scene.medium.layers[0].c_s_m_s == 4.5);
     using Value = decltype(Setting::value);
     CHECK(last.settings[0].value == Value("[-15, 0]"));
     CHECK(last.settings[2].value == Value("pressure"));
@@ -124,21 +124,19 @@ TEST_CASE("a sweep can change the layers of a preset", "[config][sweep]") {
     const std::string job = with_medium("[medium]\npreset = \"three-layer-skin\"\n") + "[sweep]\n";
     CHECK(config::read_job(job + "\"medium.layer[2].thickness_mm\" = [1, 2]\n", "job.toml")
               .plan.cases[0]
-              .physics.scene()
-              .medium.layers[1]
+              .physics.scene.medium.layers[1]
               .thickness_m == 0.001);
     CHECK(config::read_job(job + "\"medium.preset\" = [\"ecoflex\", \"forearm\"]\n", "job.toml")
               .plan.cases[1]
-              .physics.scene()
-              .medium.layers[0]
+              .physics.scene.medium.layers[0]
               .name == "forearm");
 }
 
 TEST_CASE("with a swept kind, each kind ignores the keys of other kinds", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.modulation.kind\" = [\"STM\", \"AM-STM\"]\n");
     REQUIRE(plan.cases.size() == 2);
-    CHECK(plan.cases[0].physics.scene().load.modulation.envelope.gains.empty());
-    CHECK(plan.cases[1].physics.scene().load.modulation.envelope.gains.size() == 1);
+    CHECK(plan.cases[0].physics.scene.load.modulation.envelope.gains.empty());
+    CHECK(plan.cases[1].physics.scene.load.modulation.envelope.gains.size() == 1);
 }
 
 TEST_CASE("a required key may be given only in the sweep", "[config][sweep]") {

@@ -111,7 +111,7 @@ TEST_CASE("a key that the reference replaces is not swept in it", "[config][tabl
     REQUIRE(plan.cases.size() == 3);
     CHECK(plan.cases[2].is_reference);
     CHECK(plan.cases[2].settings.empty());
-    CHECK(plan.cases[2].physics.scene().load.modulation.envelope == Envelope{});
+    CHECK(plan.cases[2].physics.scene.load.modulation.envelope == Envelope{});
     CHECK(plan.cases[0].reference_id == plan.cases[2].id);
     CHECK(plan.cases[1].reference_id == plan.cases[2].id);
 }

@@ -20,11 +20,11 @@ constexpr double two_pi = 2.0 * std::numbers::pi;
 /// AM at 100 Hz at rest, 10 ms in the periodic regime; 40 mm in steps of 1 mm.
 Case periodic_case() {
     Case c;
-    c.scene().medium = {
+    c.scene.medium = {
         .layers = {
             {.thickness_m = 0.02, .density_kg_m3 = 1000.0, .c_p_m_s = 1500.0, .c_s_m_s = 5.0}}};
-    c.scene().load = {.peak_Pa = 100.0, .footprint = GaussianFootprint{.fwhm_m = 4e-3}};
-    c.scene().load.modulation = {
+    c.scene.load = {.peak_Pa = 100.0, .footprint = GaussianFootprint{.fwhm_m = 4e-3}};
+    c.scene.load.modulation = {
         .kind = "AM", .trajectory = {{Hold{}}}, .envelope = {{SineGain{.frequency_Hz = 100.0}}}};
     c.domain = {.nx = 40, .ny = 40, .spacing_m = 1e-3};
     c.time = {.frames = 100, .interval_s = 100e-6, .regime = Regime::periodic};
@@ -116,7 +116,7 @@ TEST_CASE("bands end at the exact edges of third octaves, and beyond the table n
     CHECK(bands[18].threshold_m_s2 == Approx(0.061 * std::pow(61.0 / 21.0, 2.0 / 3.0)));
 
     Case c = periodic_case();
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 1.0}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 1.0}}};
     c.time = {.frames = 2000, .interval_s = 500e-6, .regime = Regime::periodic};
     c.domain.nx = c.domain.ny = 4;
     struct Line {
@@ -143,7 +143,7 @@ TEST_CASE("the level of a tone is a continuous function of its frequency", "[sen
     Case c = periodic_case();
     c.domain.nx = c.domain.ny = 2;
     const auto level_dB = [&](double f_Hz) {
-        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = f_Hz}}};
+        c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = f_Hz}}};
         c.time = {.frames = 64, .interval_s = 1.0 / (64.0 * f_Hz), .regime = Regime::periodic};
         return map_of(c, [&](Vec2, double t) { return tone_m(1.0, f_Hz, t); }).level_dB.front();
     };
@@ -192,7 +192,7 @@ TEST_CASE("a window of whole periods has the exact levels of short runs", "[sens
     // From one to a few periods between a quarter of the run and its end.
     const auto [f_Hz, duration_s] = GENERATE(Run{200.0, 14e-3}, Run{200.0, 7e-3}, Run{100.0, 14e-3},
                                              Run{50.0, 28e-3}, Run{20.0, 70e-3}, Run{400.0, 4e-3});
-    run.scene().load.modulation.envelope.gains = {SineGain{.frequency_Hz = f_Hz}};
+    run.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = f_Hz}};
     run.measure.sensation = Sensation::on;
     run.time = {.frames = std::lround(duration_s / 50e-6), .interval_s = 50e-6};
     run.measure.at_s = duration_s;
@@ -211,7 +211,7 @@ TEST_CASE("a window that cannot judge its load has no level, with the reason", "
     run.time = {.frames = 280, .interval_s = 50e-6};
     run.measure.at_s = 14e-3;
     run.measure.settled_after_s = 3.5e-3;
-    auto& modulation = run.scene().load.modulation;
+    auto& modulation = run.scene.load.modulation;
     const auto reason = [&] { return measures::sensation_lines(run).reason; };
     const auto sine = [](double f_Hz) { return SineGain{.frequency_Hz = f_Hz}; };
     const auto line = [](AtEnd at_end, double speed_m_s) {
@@ -271,7 +271,7 @@ measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m, doubl
 Case two_foci(double distance_m) {
     Case c = periodic_case();
     c.domain = {.nx = 80, .ny = 60, .spacing_m = 1e-3};
-    c.scene().load.modulation.foci_m = {{-0.5 * distance_m, 0.0}, {0.5 * distance_m, 0.0}};
+    c.scene.load.modulation.foci_m = {{-0.5 * distance_m, 0.0}, {0.5 * distance_m, 0.0}};
     return c;
 }
 
@@ -279,22 +279,22 @@ Case two_foci(double distance_m) {
 
 TEST_CASE("two distant foci have two maxima with the dip of their profiles", "[sensation]") {
     const Case far = two_foci(32e-3), near = two_foci(6e-3);
-    const auto two = spots(far, far.scene().load.modulation.foci_m);
+    const auto two = spots(far, far.scene.load.modulation.foci_m);
     CHECK(column(far, two, "felt_peaks_1") == 2.0);
     // In the middle 2 exp(-8), at a spot 1.
     const double dip_dB = 20.0 * std::log10(std::exp(8.0) / 2.0);
     CHECK(column(far, two, "felt_gap_dB") == Approx(dip_dB).margin(1e-6));
     // Where their waves meet, another maximum may lie far below them. It does not count.
     const double middle = GENERATE(0.1, 0.4, 0.6); // 6 dB are 0.501
-    const auto waves = spots(far, far.scene().load.modulation.foci_m, middle);
+    const auto waves = spots(far, far.scene.load.modulation.foci_m, middle);
     CHECK(column(far, waves, "felt_peaks_1") == (middle > 0.501 ? 3.0 : 2.0));
-    const auto one = spots(near, near.scene().load.modulation.foci_m);
+    const auto one = spots(near, near.scene.load.modulation.foci_m);
     CHECK(column(near, one, "felt_peaks_1") == 1.0);
     CHECK(column(near, one, "felt_gap_dB") == 0.0);
     // Equal maxima whose dip is not noticeable are one. The largest samples are 1 mm inside the
     // foci.
     const Case close = two_foci(10e-3);
-    const auto flat = spots(close, close.scene().load.modulation.foci_m);
+    const auto flat = spots(close, close.scene.load.modulation.foci_m);
     CHECK(column(close, flat, "felt_peaks_1") == 1.0);
     const auto spot = [](double x_mm) { return std::exp(-x_mm * x_mm / 32.0); };
     CHECK(column(close, flat, "felt_gap_dB") ==
@@ -330,7 +330,7 @@ TEST_CASE("the width of a line is measured across it", "[sensation]") {
     c.domain = {.nx = 160, .ny = 160, .spacing_m = 0.25e-3};
     const bool is_along_x = GENERATE(true, false);
     const Vec2 end = is_along_x ? Vec2{12e-3, 0.0} : Vec2{0.0, 12e-3};
-    c.scene().load.modulation.trajectory = {
+    c.scene.load.modulation.trajectory = {
         {Travel{.path = {-1.0 * end, end}, .motion = ConstantSpeed{2.4}}}};
     const auto map = map_of(c, [&](Vec2 at, double t) {
         const double across_m = is_along_x ? at.y : at.x;
@@ -344,14 +344,14 @@ TEST_CASE("levels do not change when the problem is rotated or mirrored", "[sens
     Case c = two_foci(20e-3);
     c.domain = {.nx = 61, .ny = 61, .spacing_m = 1e-3}; // symmetric about the origin
     const std::vector<Vec2> at = {{-10e-3, 2e-3}, {10e-3, 0.0}};
-    c.scene().load.modulation.foci_m = at;
+    c.scene.load.modulation.foci_m = at;
     const auto columns = measures::sensation_columns(c, spots(c, at));
     const auto turn = GENERATE(0, 1);
     std::vector<Vec2> moved;
     for (const Vec2 p : at)
         moved.push_back(turn == 0 ? Vec2{-p.y, p.x} : Vec2{p.x, -p.y});
     Case other = c;
-    other.scene().load.modulation.foci_m = moved;
+    other.scene.load.modulation.foci_m = moved;
     const auto changed = measures::sensation_columns(other, spots(other, moved));
     REQUIRE(changed.size() == columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {

@@ -17,14 +17,14 @@ namespace {
 /// AM-STM at 200 Hz and 7 m/s over 14 ms, frames every 50 us.
 Case thesis_case() {
     Case c;
-    c.scene().medium = {
+    c.scene.medium = {
         .layers = {
             {.thickness_m = 0.02, .density_kg_m3 = 1000.0, .c_p_m_s = 1500.0, .c_s_m_s = 5.0}}};
-    c.scene().load = {.peak_Pa = 100.0, .footprint = GaussianFootprint{.fwhm_m = 3e-3}};
-    c.scene().load.modulation = {.kind = "AM-STM",
-                                 .trajectory = {{Travel{.path = {{-49e-3, 0.0}, {49e-3, 0.0}},
-                                                        .motion = ConstantSpeed{7.0}}}},
-                                 .envelope = {{SineGain{.frequency_Hz = 200.0}}}};
+    c.scene.load = {.peak_Pa = 100.0, .footprint = GaussianFootprint{.fwhm_m = 3e-3}};
+    c.scene.load.modulation = {.kind = "AM-STM",
+                               .trajectory = {{Travel{.path = {{-49e-3, 0.0}, {49e-3, 0.0}},
+                                                      .motion = ConstantSpeed{7.0}}}},
+                               .envelope = {{SineGain{.frequency_Hz = 200.0}}}};
     c.domain = {.nx = 256, .ny = 192, .spacing_m = 0.75e-3, .sponge_m = 12e-3};
     c.time = {.frames = 280, .interval_s = 50e-6};
     c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};
@@ -117,7 +117,7 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     CHECK(value("periods") == 2);
     // The same energy everywhere: a strip of 6 mm along a path, half a disc at either end, over
     // all.
-    const auto& path = std::get<Travel>(c.scene().load.modulation.trajectory.parts.front()).path;
+    const auto& path = std::get<Travel>(c.scene.load.modulation.trajectory.parts.front()).path;
     const double strip_m2 = 6e-3 * length_m(path) + std::numbers::pi * 9e-6;
     const double measured_m2 = (192e-3 - 24e-3) * (144e-3 - 24e-3); // inside the sponge
     // The rims of the half discs count by cells: a thousandth of the strip.
@@ -128,7 +128,7 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
 
 TEST_CASE("a period that does not fit leaves empty cells with the reason", "[summary]") {
     Case c = thesis_case();
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 50.0}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 50.0}}};
     const auto columns = measures::summarise(c, {growing(0.0, 280)}, {}, {});
     for (const char* name : {"eta_period_1", "ipr_period_mm2", "focal_rms_um", "periods"}) {
         CHECK(std::isnan(find(columns, name).value));
@@ -166,7 +166,7 @@ TEST_CASE("every empty cell has a reason", "[summary]") {
     CHECK(std::isnan(find(beyond, "eta_at_1").value));
     CHECK(std::isnan(find(beyond, "mach_angle_theory_deg").value)); // the path ends at 14 ms
 
-    c.scene().load.modulation.trajectory = {{Hold{}}};
+    c.scene.load.modulation.trajectory = {{Hold{}}};
     CHECK(find(measures::summarise(c, {}, {}, {}), "mach_angle_theory_deg").note ==
           "the focus does not move");
 }
@@ -186,7 +186,7 @@ TEST_CASE("the instant is the nearest frame, and a note states this", "[summary]
 TEST_CASE("there is no reading at an instant at which the focus jumps back to the start",
           "[summary]") {
     Case c = thesis_case();
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     travel.at_end = AtEnd::repeat; // 98 mm at 7 m/s end at 14 ms
     const auto read = [&] { return measures::summarise(c, {growing(0.0, 280)}, {}, {}); };
     const measures::Column jumps = find(read(), "eta_at_1");
@@ -273,7 +273,7 @@ TEST_CASE("focal_rms_um leaves out the part of the path outside the measured reg
         std::ranges::fill(u, 1e-9 * static_cast<double>(n + 1));
         series.frames.push_back(measures::surface_sums(
             {u.data(), c.domain.nx, c.domain.ny}, 0, c.domain, region,
-            foci(c.scene().load.modulation, c.time.frame_s(n)).front(), c.measure.focal_radius_m));
+            foci(c.scene.load.modulation, c.time.frame_s(n)).front(), c.measure.focal_radius_m));
     }
     const auto rms = find(measures::summarise(c, {series}, {}, {}), "focal_rms_um");
     // The integral of n^2 over the window from frame 80 to the frame at which a point of the disc
@@ -299,14 +299,14 @@ TEST_CASE("focal_rms_um leaves out the part of the path outside the measured reg
 
 TEST_CASE("overlapping focal discs inside the region leave nothing out", "[summary]") {
     Case c = thesis_case();
-    c.scene().load.modulation.foci_m = {{-1e-3, 0.0}, {1e-3, 0.0}};
+    c.scene.load.modulation.foci_m = {{-1e-3, 0.0}, {1e-3, 0.0}};
     const measures::Region region = measures::measured_region(c.domain, c.measure);
     const std::vector<double> u(static_cast<std::size_t>(c.domain.nx * c.domain.ny), 1e-9);
     measures::DepthSeries series{.depth_m = 0.0};
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
         series.frames.push_back(measures::surface_sums(
             {u.data(), c.domain.nx, c.domain.ny}, 0, c.domain, region,
-            foci(c.scene().load.modulation, c.time.frame_s(n)), c.measure.focal_radius_m));
+            foci(c.scene.load.modulation, c.time.frame_s(n)), c.measure.focal_radius_m));
     REQUIRE(series.frames[200].focal_weight < 1.5 * disc_cells);
     const auto rms = find(measures::summarise(c, {series}, {}, {}), "focal_rms_um");
     CHECK(rms.value == Approx(1e-3).epsilon(1e-12));

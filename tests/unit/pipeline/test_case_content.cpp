@@ -29,7 +29,7 @@ TEST_CASE("the receptors of a case are placed once", "[content]") {
     const auto first = pipeline::receptors_of(c);
     REQUIRE(first);
     Case other = c;
-    other.scene().load.peak_Pa *= 2.0;
+    other.scene.load.peak_Pa *= 2.0;
     CHECK(pipeline::receptors_of(other) == first);
     other.afferents->seed += 1;
     CHECK(pipeline::receptors_of(other) != first);
@@ -39,9 +39,8 @@ TEST_CASE("the receptors of a case are placed once", "[content]") {
 TEST_CASE("a mean map comes with the shape that was drawn, a line for each focus", "[content]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     c.domain = {8, 6, 0.01, 0.0};
-    c.scene().load.modulation.trajectory = {
-        {Travel{{{0.0, 0.0}, {0.025, 0.0}}, ConstantSpeed{7.0}}}};
-    c.scene().load.modulation.foci_m = {{0.0, -0.01}, {0.0, 0.01}};
+    c.scene.load.modulation.trajectory = {{Travel{{{0.0, 0.0}, {0.025, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene.load.modulation.foci_m = {{0.0, -0.01}, {0.0, 0.01}};
     const std::vector<measures::DepthSeries> depths = {
         {0.0, std::vector<measures::SurfaceSums>(224)}};
     CHECK(pipeline::case_content(c, depths, {}, std::nullopt, {}).size() == 1); // no map, no group

@@ -22,8 +22,8 @@ namespace {
 Case small_domain() {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     c.domain = {.nx = 20, .ny = 10, .spacing_m = 1e-3, .sponge_m = 0.0};
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation = {"AM", {{Hold{{0.0, 0.0}}}}, {{SineGain{200.0}}}};
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation = {"AM", {{Hold{{0.0, 0.0}}}}, {{SineGain{200.0}}}};
     c.time = {.frames = 200, .interval_s = 1e-4};
     c.measure = {.at_s = 0.02, .settled_after_s = 0.005, .focal_radius_m = 4e-3};
     return c;
@@ -78,8 +78,8 @@ TEST_CASE("returning waves make the readings invalid only where they carry energ
 
 TEST_CASE("the uplift by images is reported where it changes the field or eta", "[warnings]") {
     Case c = small_domain();
-    c.scene().load.modulation.envelope = {};
-    c.scene().medium.layers[0].c_p_m_s = 100.0;
+    c.scene.load.modulation.envelope = {};
+    c.scene.medium.layers[0].c_p_m_s = 100.0;
     const std::vector<double> uplift_m = image_uplift_m(c);
     const auto weights =
         measures::window_weights(c.time, c.measure.settled_after_s, c.measure.at_s);
@@ -133,12 +133,12 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
 TEST_CASE("the uplift by images begins as the flow from rest and ends at the static displacement",
           "[warnings]") {
     Case c = small_domain();
-    c.scene().load.modulation.envelope = {};
-    c.scene().load.footprint = GaussianFootprint{1e-3};
-    c.scene().medium = test::half_space(test::tissue(1500.0, 1.0)); // c_s = 5 m/s
+    c.scene.load.modulation.envelope = {};
+    c.scene.load.footprint = GaussianFootprint{1e-3};
+    c.scene.medium = test::half_space(test::tissue(1500.0, 1.0)); // c_s = 5 m/s
     const double sigma_m = 1e-3 / 2.3548, area_m2 = 20e-3 * 10e-3;
     const double radius_m = 0.785398 * area_m2 / std::hypot(20e-3, 10e-3); // of the disc, 7 mm
-    const double force_N = c.scene().load.peak_Pa * 6.283185 * sigma_m * sigma_m;
+    const double force_N = c.scene.load.peak_Pa * 6.283185 * sigma_m * sigma_m;
     c.time = {.frames = 400, .interval_s = 1e-4};
     const std::vector<double> uplift_m = image_uplift_m(c);
     // F t^2/(2 rho A R) while shear waves are within a tenth of R^2: 2 of 7 mm after .4 ms, of

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares two tables, cases or sweeps: columns, surfaces on their common grid, traces and sensors.
+"""Compares two tables, cases or sweeps: columns, surfaces on their common grid, and traces.
 
 Usage: python3 -m shearwake.report.compare A B [--tolerance COLUMN=RELATIVE|FILE.toml] [--json] [--page FILE]
 A and B are tables (CSV), case files or reduced output folders; B is the reference. Exit 0: no difference; 1: a difference;
@@ -24,7 +24,6 @@ from ...errors import NotAnOutputFolder
 from ...plan import first_line
 from ..load import load, single_case
 from .compare_fields import compare_surfaces, compare_traces
-from .compare_sensors import compare_sensors
 from .compare_tables import (Comparison, Matched, NotATable, compare_tables, match_rows, read_table, row_name,
                              table_of_case)
 from .compare_words import printable, words
@@ -99,12 +98,11 @@ def depths_mm(case: Case) -> list[float]:
 
 
 def compare_cases(a: Case, b: Case) -> dict[str, Any]:
-    sensors, note = compare_sensors(a, b)
     return {"first": a.id, "second": b.id, "settings": [a.settings, b.settings],
             "is_reference": [a.is_reference, b.is_reference], "warnings": [a.warnings, b.warnings],
             "engines": [c.setting("solver", "engine", default="") for c in (a, b)],
             "grids": [grid_of(a), grid_of(b)], "depths_mm": [depths_mm(a), depths_mm(b)], "fields": compare_surfaces(a, b),
-            "traces": compare_traces(a, b), "sensors": sensors, "sensors_note": note}
+            "traces": compare_traces(a, b)}
 
 
 def matched_rows(first: Side, second: Side) -> Matched:

@@ -111,20 +111,9 @@ def most_different(entries: list[Any], noun: str, line: Callable[..., Any], ever
             *(line(entries[n]) for n in sorted(order))]
 
 
-def sensor_lines(pair: dict[str, Any]) -> list[Any]:
-    """Nodes are counted from 1, as import-kwave does."""
-    lines = [f"  sensor, {s['field']} at {counted(s['nodes'], 'node')}: "
-             + difference(s, f"{s['largest']:.3g} {s['unit']}",
-                          f"at node [{', '.join(f'{index + 1:.6g}' for index in s['at_node'])}] and {s['time_ms']:.6g} ms")
-             for s in pair["sensors"]]
-    if pair["sensors_note"]:
-        lines.append(f"  {'note on the sensors' if lines else 'sensors not compared'}: {pair['sensors_note']}")
-    return lines
-
-
 def field_lines(pair: dict[str, Any], everything: bool) -> list[str]:
     return [*(most_different(pair["fields"], "surface", surface_line, everything) or ["  surface: no common time"]),
-            *most_different(pair["traces"], "trace", trace_line, everything), *sensor_lines(pair)]
+            *most_different(pair["traces"], "trace", trace_line, everything)]
 
 
 def column_line(column: dict[str, Any], width: int, cases: int) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which records of two cases differ by more than their tolerance: surfaces, traces and sensors.
+"""Which records of two cases differ by more than their tolerance: surfaces and traces.
 
 The change of a record is its largest difference relative to its largest value of the second case. A record that one case lacks,
 or has at other times or places, differs whatever its values are."""
@@ -12,7 +12,6 @@ import numpy as np
 
 from ...case import Case
 from .. import load
-from .compare_sensors import sensor
 from .compare_tables import Comparison, text_cell
 from .tolerances import Tolerance, Tolerances
 
@@ -50,17 +49,6 @@ def reasons_of(a: Case, b: Case, pair: dict[str, Any]) -> dict[str, tuple[list[d
         common = entries[0]["times"] if entries else 0
         found["traces"] = (entries, um, incomplete("points", points[0], points[1], len(entries))
                            or incomplete("times", times[0], times[1], common))
-    ours, theirs = sensor(a), sensor(b)
-    names = {**(ours.fields if ours else {}), **(theirs.fields if theirs else {})}
-    for name in names if pair["sensors"] or pair["sensors_note"] else ():
-        entries = [entry for entry in pair["sensors"] if entry["field"] == name]
-        reason = pair["sensors_note"] or "recorded by one case only"
-        if ours and theirs and entries:
-            reason = (incomplete("nodes", len(ours.nodes), len(theirs.nodes), entries[0]["nodes"])
-                      or incomplete("times", len(ours.time_s), len(theirs.time_s), entries[0]["times"]))
-            if ours.fields[name][0] != theirs.fields[name][0]:
-                reason = "other unit"
-        found[f"sensor_{name}"] = (entries, ("largest", "peak"), reason)
     return found
 
 

@@ -15,7 +15,7 @@ from .. import layout, references, style
 from ..figure import Figure
 from ..load import Selection
 from ..words import number
-from . import fig_medium, periods
+from . import periods
 
 CASES = 4
 LEAD = 1e-3  # of the length of the path: smaller leads over the reference are neglected
@@ -91,9 +91,8 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         columns.append(("place", draw_place))
     if any(lead_mm(selection, c) is not None for c in cases):
         columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, selection, c)))
-    is_driven = not any(map(fig_medium.is_study, cases))  # the force of a study is that of its sources
-    steady = is_driven and not any(map(changes, cases))
-    if is_driven and (not steady or not columns):
+    steady = not any(map(changes, cases))
+    if not steady or not columns:
         columns.append(("force (mN)", draw_force))
     if not columns:
         return []

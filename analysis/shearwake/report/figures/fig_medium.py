@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Vertical slices of the medium: its layers, bodies, map or study, with the path of the focus or the sources."""
+"""Vertical slices of the medium: its layers, bodies or map, with the path of the focus."""
 from __future__ import annotations
 
 import json
@@ -97,12 +97,11 @@ class Slice:
     label: str           # of the horizontal axis
     extent: tuple        # in mm: left, right, bottom, top
     c_s: np.ndarray      # (z, horizontal)
-    marks: np.ndarray    # (n, 2), the path of the focus or the sources in mm: horizontal, depth
-    sensors: np.ndarray  # (n, 2), in mm: horizontal, depth
+    marks: np.ndarray    # (n, 2), the path of the focus in mm: horizontal, depth
 
 
 def slices(x_mm: Any, y_mm: Any, below_mm: float, centre_mm: np.ndarray, speed_at: Callable[..., Any],
-           marks: np.ndarray, sensors: np.ndarray = np.empty((0, 3))) -> list[Slice]:
+           marks: np.ndarray) -> list[Slice]:
     """The planes y = centre and x = centre. x_mm and y_mm are the ends of the axes."""
     z = np.linspace(0.0, below_mm, POINTS)[:, None]
     made = []
@@ -111,7 +110,7 @@ def slices(x_mm: Any, y_mm: Any, below_mm: float, centre_mm: np.ndarray, speed_a
         row, number_m = 1e-3 * np.linspace(low, high, POINTS)[None, :], np.array(1e-3 * at)
         x, y = (row, number_m) if axis == 0 else (number_m, row)
         made.append(Slice(f"{'yx'[axis]}\u00a0=\u00a0{number(at)}\u00a0mm", f"{'xy'[axis]} (mm)", (low, high, below_mm, 0.0),
-                          speed_at(x, y, 1e-3 * z), marks[:, [axis, 2]], sensors[:, [axis, 2]]))
+                          speed_at(x, y, 1e-3 * z), marks[:, [axis, 2]]))
     return made
 
 
@@ -162,28 +161,7 @@ def shown(axis: int, low: float, high: float, path: np.ndarray, bodies: list[Any
     return max(low, min(ends) - depth), min(high, max(ends) + depth)
 
 
-def study(selection: Selection, case: Case) -> list[Slice] | None:
-    """The slices of a k-Wave study through the middle of its sources; None without its file."""
-    path = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "solver.pstd.study")
-    found = path and medium_files.read_study(path, case)
-    if not found:
-        return None
-    grid = found.grid
-    sources = found.sources_mm if len(found.sources_mm) else np.zeros((1, 3))
-    ends = [(1e3 * axis[0], 1e3 * axis[-1]) for axis in (grid.x_m, grid.y_m)]
-    return slices(ends[0], ends[1], 1e3 * grid.z_m[-1], np.median(sources[:, :2], axis=0), grid.speed, found.sources_mm,
-                  found.sensors_mm)
-
-
-def is_study(case: Case) -> bool:
-    """Whether the grid, the medium and the sources are those of an imported k-Wave study; [medium] and [load] of such a
-    job do not affect the solution."""
-    return bool(case.setting("solver", "study", default=""))
-
-
 def slices_of(selection: Selection, case: Case) -> list[Slice] | None:
-    if is_study(case):
-        return study(selection, case)
     has_layers = case.setting("medium", "layer", default=[]) and "nx" in case.setting("domain", default={})
     return scene(selection, case) if has_layers else None
 
@@ -197,7 +175,6 @@ def draw(axes: Axes, plane: Slice, norm: Any) -> Any:
                   clip_on=False, solid_capstyle="butt")
     else:
         axes.plot(*np.unique(plane.marks, axis=0).T, "o", color=ORANGE, markersize=5 if is_point else 2, clip_on=False)
-    axes.plot(*np.unique(plane.sensors, axis=0).T, "x", color="white", markersize=5, path_effects=style.halo(2.5, "black"))
     axes.set_ylim(plane.extent[2], plane.extent[3])
     hover.attach(axes, plane.c_s, plane.extent[:2], plane.extent[:1:-1], "shear-wave speed", plane.label, "z (mm)", "m/s")
     axes.set_xlabel(plane.label)
@@ -232,7 +209,7 @@ def different(selection: Selection) -> list[Case]:
     """The first case of each medium."""
     found: dict[str, Case] = {}
     for case in layout.ordinary(selection):
-        key = json.dumps([case.setting("medium", default={}), case.setting("solver", "study", default="")], default=str)
+        key = json.dumps(case.setting("medium", default={}), default=str)
         found.setdefault(key, case)
     return list(found.values())
 
@@ -258,14 +235,10 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
 
 
 def caption(cases: list[Case], every: int) -> str:
-    studies = any(map(is_study, cases))
     text = ("Vertical slices of the medium through "
-            + ("the middle of the sources" if studies else
-               "the first body" if any(c.parameters["medium"].get("body") for c in cases) else "the centre")
-            + ", coloured by the shear-wave speed. ")
-    text += ("Orange: all source nodes; crosses: sensor nodes; both are projected onto the slices."
-             if studies else "Orange: path of the focus at the surface.")
-    if not studies and not any("map" in c.parameters["medium"] for c in cases):
+            + ("the first body" if any(c.parameters["medium"].get("body") for c in cases) else "the centre")
+            + ", coloured by the shear-wave speed. Orange: path of the focus at the surface.")
+    if not any("map" in c.parameters["medium"] for c in cases):
         text += " The layers continue to the ends of the domain."
     if any(c.parameters["medium"].get("body") for c in cases):
         text += " Bodies are drawn as the job defines them; an engine may treat them as rigid or cap their stiffness."

@@ -23,7 +23,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
     : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
-      nodes_(c, time), pattern_(c.scene().load, time.end_s(c.time)),
+      nodes_(c, time), pattern_(c.scene.load, time.end_s(c.time)),
       forward_(time.samples, fft::Direction::forward), y_rests_(moves_along_x(c, time)),
       buffer_(nodes_.times_s().size()) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
@@ -32,7 +32,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
     const std::size_t n = times_s.size();
     for (std::size_t i = 0; i < n; ++i)
         weighted_.emplace_back(nodes_.weights()[i] * std::exp(-time.decay_rad_s * times_s[i]) *
-                               strength(c.scene().load, times_s[i]));
+                               strength(c.scene.load, times_s[i]));
     // Positions relative to the corner of the grid, where the transform has its origin.
     std::vector<Vec2> origin = origins_of_times(c);
     for (Vec2& place : origin)
@@ -72,7 +72,7 @@ void LoadSpectrum::transform(Complex* values, Complex* jumps_of_line) const {
 }
 
 bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
-    LoadPattern pattern(c.scene().load, time.end_s(c.time));
+    LoadPattern pattern(c.scene.load, time.end_s(c.time));
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {
         pattern.set(pattern.updated_s(time.sample_s(sample)));
@@ -96,7 +96,7 @@ std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
             origins.push_back(pattern_.origin_m());
             continue;
         }
-        const Vec2 place = position(c.scene().load.modulation.trajectory, at_s);
+        const Vec2 place = position(c.scene.load.modulation.trajectory, at_s);
         const auto [state, is_new] = states.try_emplace({place.x, place.y}, updated_s.size());
         if (is_new) updated_s.push_back(at_s);
         state_of_.push_back(state->second);
@@ -148,7 +148,7 @@ void LoadSpectrum::factors(std::ptrdiff_t ky, std::span<Complex> out) const {
 }
 
 double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count) {
-    const LoadPattern pattern(c.scene().load, time.end_s(c.time));
+    const LoadPattern pattern(c.scene.load, time.end_s(c.time));
     if (!pattern.changes()) return 0.0;
     const auto modes = [&](double extent_m, double most) {
         return std::min(most, pattern.band_rad_m() / two_pi * extent_m + 1.0);

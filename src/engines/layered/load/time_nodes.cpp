@@ -86,7 +86,7 @@ TimeNodes::TimeNodes(const Case& c, const TimeTransform& time)
     const double h = time.step_s, period_s = static_cast<double>(samples_) * h;
     const bool is_periodic = c.time.regime == Regime::periodic;
     if (is_periodic) duration_s_ = std::numeric_limits<double>::infinity();
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     const double end_s = std::min(time.first_s + period_s, duration_s_ + 1.6 * window * h);
     breaks_ = breaks_of(load, time.first_s, end_s, h);
 
@@ -162,7 +162,7 @@ void TimeNodes::add_nodes(const Case& c, double from_s, double to_s) {
     for (const auto& [node, weight] : gauss_nodes(count)) {
         const double t_s = within_period_s(from_s + half_s * (1.0 + node));
         const double share = taper(t_s) * (1.0 - smooth_share(t_s));
-        if (share == 0.0 || strength(c.scene().load, t_s) == 0.0) continue;
+        if (share == 0.0 || strength(c.scene.load, t_s) == 0.0) continue;
         const double steps = (t_s - time_.first_s) / h, before = std::floor(steps);
         const std::ptrdiff_t first =
             (static_cast<std::ptrdiff_t>(before) - taps / 2 + 1) % samples_;

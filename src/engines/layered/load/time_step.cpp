@@ -72,14 +72,14 @@ BreakError::BreakError(const Case& c, std::span<const Break> breaks, double cell
     // A frequency at which H has about the magnitude of the field.
     const double omega_rad_s =
         std::max(0.5 * std::numbers::pi / c.time.duration_s(),
-                 0.5 * greatest_speed_m_s(c.scene().load.modulation.trajectory) / sigma_m_);
+                 0.5 * greatest_speed_m_s(c.scene.load.modulation.trajectory) / sigma_m_);
     typical_m_Pa_ = at_focus({omega_rad_s, -0.1 * omega_rad_s}).cwiseAbs();
 }
 
 /// Gauss-Laguerre quadrature in (k sigma)^2 / 2 for a Gaussian of the same band, as if the spectrum
 /// of the footprint were that along x in all directions.
 void BreakError::choose_wavenumbers() {
-    const Footprint& footprint = case_.scene().load.footprint;
+    const Footprint& footprint = case_.scene.load.footprint;
     sigma_m_ =
         std::sqrt(-2.0 * std::log(band_fraction)) / bandwidth_rad_m(footprint, band_fraction);
     Eigen::Matrix<double, wavenumbers, wavenumbers> jacobi;
@@ -101,7 +101,7 @@ void BreakError::choose_wavenumbers() {
 
 Eigen::VectorXcd BreakError::at_focus(Complex omega_rad_s) const {
     const std::vector<double>& depths_m = case_.measure.depths_m;
-    const StackResponse response(case_.scene().medium, omega_rad_s, depths_m);
+    const StackResponse response(case_.scene.medium, omega_rad_s, depths_m);
     Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(std::ssize(depths_m)), h(std::ssize(depths_m));
     for (std::size_t i = 0; i < k_rad_m_.size(); ++i) {
         response.evaluate(k_rad_m_[i], {h.data(), depths_m.size()});
@@ -220,7 +220,7 @@ double band_Hz(const Load& load) {
 /// The longest step that resolves the load, or the step that the options specify.
 double longest_step_s(const Case& c, const LayeredOptions& options) {
     if (options.time_step_s) return *options.time_step_s;
-    return 1.0 / (2.5 * std::max(band_Hz(c.scene().load), 1.0));
+    return 1.0 / (2.5 * std::max(band_Hz(c.scene.load), 1.0));
 }
 
 /// Of a Gaussian of the same width.
@@ -234,15 +234,15 @@ BreakError break_error(const Case& c, double cell_s) {
     const bool is_periodic = c.time.regime == Regime::periodic;
     const double from_s = is_periodic ? c.time.interval_s : 0.0;
     const double after_s = is_periodic ? 0.0 : 4.0 * cell_s;
-    return {c, breaks_of(c.scene().load, from_s, from_s + c.time.duration_s() + after_s, cell_s),
+    return {c, breaks_of(c.scene.load, from_s, from_s + c.time.duration_s() + after_s, cell_s),
             cell_s};
 }
 
 /// The number of samples per frame, from `least` on, for which BreakError is small enough.
 std::ptrdiff_t samples_for_breaks(const Case& c, std::ptrdiff_t least) {
-    const double sigma_m = standard_deviation_m(c.scene().load);
+    const double sigma_m = standard_deviation_m(c.scene.load);
     const double longest_s =
-        longest_share_of_crossing * sigma_m / edge_speed_m_s(c.scene().medium, sigma_m);
+        longest_share_of_crossing * sigma_m / edge_speed_m_s(c.scene.medium, sigma_m);
     auto count = std::max(least, static_cast<std::ptrdiff_t>(
                                      std::ceil(c.time.interval_s / longest_s * (1.0 - 1e-9))));
     // Finding the breaks takes as long as there are cells in the run.
@@ -301,7 +301,7 @@ TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
 }
 
 double step_error(const Case& c, double step_s) {
-    const Load& load = c.scene().load;
+    const Load& load = c.scene.load;
     const double resolved_rad_s = 0.8 * std::numbers::pi / step_s;
     const double speed_m_s = greatest_speed_m_s(load.modulation.trajectory);
     const double sigma_m = standard_deviation_m(load);

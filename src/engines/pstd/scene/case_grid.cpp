@@ -28,14 +28,14 @@ double total_thickness_m(const Medium& medium) {
 
 /// Waves that travel downward must not be cut off while the focus acts.
 double chosen_depth_m(const Case& c) {
-    double lowest_m = total_thickness_m(c.scene().medium);
+    double lowest_m = total_thickness_m(c.scene.medium);
     const auto reach_down = [&](double z_m) { // unbounded bodies do not limit the depth
         if (std::isfinite(z_m)) lowest_m = std::max(lowest_m, z_m);
     };
-    for (const Body& body : c.scene().medium.bodies)
+    for (const Body& body : c.scene.medium.bodies)
         reach_down(bounds(body).high_m.z);
-    if (c.scene().medium.map) reach_down(depths(*c.scene().medium.map).bottom_m);
-    const double reach_m = 4.0 * fwhm_m(c.scene().load.footprint);
+    if (c.scene.medium.map) reach_down(depths(*c.scene.medium.map).bottom_m);
+    const double reach_m = 4.0 * fwhm_m(c.scene.load.footprint);
     return std::max(reach_m, lowest_m + 0.5 * reach_m);
 }
 
@@ -92,7 +92,7 @@ Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
     const double top_m = centre_m.z - 0.5 * d_m, bottom_m = centre_m.z + 0.5 * d_m;
     Cell sum;
     double layer_top_m = 0.0, per_mu = 0.0, per_layer = 0.0, greatest = 0.0;
-    const auto& layers = c.scene().medium.layers;
+    const auto& layers = c.scene.medium.layers;
     for (std::size_t l = 0; l < layers.size(); ++l) {
         const bool last = l + 1 == layers.size();
         const double layer_bottom_m = layer_top_m + layers[l].thickness_m;
@@ -102,7 +102,7 @@ Cell cell_of(const Case& c, Vec3 centre_m, double d_m) {
         const double share = (to_m - from_m) / d_m;
         if (share < 1e-9) continue;
         const CellMaterial part =
-            material_of_cell(c.scene().medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
+            material_of_cell(c.scene.medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
                              {d_m, d_m, to_m - from_m});
         sum.density_kg_m3 += share * part.density_kg_m3;
         sum.lambda_Pa += share * part.lambda_Pa;
@@ -137,16 +137,16 @@ CaseGrid case_grid(const Case& c, const PstdOptions& options) {
     CaseGrid grid;
     grid.spacing_m = d_m;
     grid.clear = static_cast<std::ptrdiff_t>(std::ceil(clear_m / d_m - 1e-9));
-    if (c.scene().medium.base == Base::rigid) {
-        grid.levels = static_cast<std::ptrdiff_t>(
-            std::ceil(total_thickness_m(c.scene().medium) / d_m - 1e-9));
+    if (c.scene.medium.base == Base::rigid) {
+        grid.levels =
+            static_cast<std::ptrdiff_t>(std::ceil(total_thickness_m(c.scene.medium) / d_m - 1e-9));
         grid.clear = grid.levels + base_points;
     }
     grid.above = options.top == PstdTop::nothing ? empty_points : grid.clear;
     grid.surface = layer + grid.above;
     const std::ptrdiff_t nz = good_even_length(grid.surface + grid.clear + layer);
     grid.clear = nz - grid.surface - layer;
-    if (c.scene().medium.base == Base::half_space) grid.levels = grid.clear;
+    if (c.scene.medium.base == Base::half_space) grid.levels = grid.clear;
     const std::ptrdiff_t around = options.edges == PstdEdges::absorbing ? layer : 0;
     const std::ptrdiff_t nx = good_even_length(c.domain.nx + 2 * around),
                          ny = good_even_length(c.domain.ny + 2 * around);
@@ -170,7 +170,7 @@ PmlOptions absorbing_layer(const Case& c, const PstdOptions& options) {
     PmlOptions pml;
     pml.points = {lateral, lateral, layer};
     pml.strength_1 = {lateral > 0 ? strength : 0.0, lateral > 0 ? strength : 0.0, strength};
-    for (const Layer& l : c.scene().medium.layers)
+    for (const Layer& l : c.scene.medium.layers)
         pml.reference_speed_m_s =
             std::max(pml.reference_speed_m_s, capped_material(l, options).c_p_m_s);
     return pml;
@@ -190,31 +190,31 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
         if (options.top == PstdTop::fluid)
             return {options.fluid_density_kg_m3,
                     std::min(options.fluid_c_p_m_s,
-                             options.c_p_over_c_s * c.scene().medium.layers.front().c_s_m_s)};
-        return {.density_kg_m3 = c.scene().medium.layers.front().density_kg_m3, .empty = true};
+                             options.c_p_over_c_s * c.scene.medium.layers.front().c_s_m_s)};
+        return {.density_kg_m3 = c.scene.medium.layers.front().density_kg_m3, .empty = true};
     }
-    if (c.scene().medium.base == Base::rigid && z_m > total_thickness_m(c.scene().medium)) {
-        NodeMaterial base = capped_material(c.scene().medium.layers.back(), options);
+    if (c.scene.medium.base == Base::rigid && z_m > total_thickness_m(c.scene.medium)) {
+        NodeMaterial base = capped_material(c.scene.medium.layers.back(), options);
         base.density_kg_m3 *= rigid_density;
         const double slower = 1.0 / std::sqrt(rigid_density); // of the same stiffness
         base.c_p_m_s *= slower;
         base.c_s_m_s *= slower;
         return base;
     }
-    if (z_m < 0.0) return capped_material(c.scene().medium.layers.front(), options);
+    if (z_m < 0.0) return capped_material(c.scene.medium.layers.front(), options);
     const Cell cell = cell_of(c, grid.place_m(c.domain, node, {}), c.domain.spacing_m);
     const double share = normal_share(cell.normal);
     return capped(
         {cell.density_kg_m3, cell.lambda_Pa, reduced(cell.mu_Pa, share), cell.viscosity_Pa_s},
-        options.c_p_over_c_s, fluid_limit_m_s(c.scene().medium, options.c_p_over_c_s));
+        options.c_p_over_c_s, fluid_limit_m_s(c.scene.medium, options.c_p_over_c_s));
 }
 
 StaggeredMaterial staggered_material(const Case& c, const PstdOptions& options,
                                      const CaseGrid& grid) {
     const Grid nodes{grid.points, {}, 0.0};
     const MaterialOfNode at_node = [=, &c](Node n) { return material_at(c, options, grid, n); };
-    const double bottom_m = c.scene().medium.base == Base::rigid
-                                ? total_thickness_m(c.scene().medium)
+    const double bottom_m = c.scene.medium.base == Base::rigid
+                                ? total_thickness_m(c.scene.medium)
                                 : std::numeric_limits<double>::infinity();
     const auto within = [=](Node node, double above) {
         return grid.node_depth_m(node[2]) > 0.0 &&

@@ -23,9 +23,9 @@ constexpr std::ptrdiff_t flat_nodes = 4, fading_nodes = 8;
 class MovingGaussians {
 public:
     MovingGaussians(const Case& c)
-        : load_(c.scene().load), domain_(c.domain),
-          off_s_(off_time_s(c.scene().load.modulation.trajectory)),
-          reach_m_(reach_sigmas * fwhm_m(c.scene().load.footprint) /
+        : load_(c.scene.load), domain_(c.domain),
+          off_s_(off_time_s(c.scene.load.modulation.trajectory)),
+          reach_m_(reach_sigmas * fwhm_m(c.scene.load.footprint) /
                    (2.0 * std::sqrt(2.0 * std::log(2.0)))) {}
 
     /// Calls add(i, j, value) for the points near a focus at time t, in units of the peak.
@@ -112,7 +112,7 @@ Source stress_above(const Case& c, const CaseGrid& grid, double step_s) {
     // After step n + 1 stresses belong to (n + 1) dt. At t = 0 there was no stress yet: the second
     // step compensates for the first one, in which the load acts on the velocities for half a step
     // only.
-    source.values = [=, load = MovingGaussians(c), peak_Pa = c.scene().load.peak_Pa](
+    source.values = [=, load = MovingGaussians(c), peak_Pa = c.scene.load.peak_Pa](
                         std::ptrdiff_t sample, std::span<const std::size_t> which,
                         std::span<double> values) mutable {
         std::fill(values.begin(), values.end(), 0.0);
@@ -141,7 +141,7 @@ Source force_sheet(const Case& c, const PstdOptions& options, const CaseGrid& gr
         }
     }
     const Columns columns{c.domain.ny, 1};
-    source.values = [=, load = MovingGaussians(c), peak_Pa = c.scene().load.peak_Pa](
+    source.values = [=, load = MovingGaussians(c), peak_Pa = c.scene.load.peak_Pa](
                         std::ptrdiff_t sample, std::span<const std::size_t> which,
                         std::span<double> values) mutable {
         std::fill(values.begin(), values.end(), 0.0);

@@ -93,9 +93,9 @@ namespace {
 class Varied {
 public:
     explicit Varied(const Case& c) : c_(c), half_m_(0.5 * c.domain.spacing_m) {
-        for (const Body& body : c.scene().medium.bodies)
+        for (const Body& body : c.scene.medium.bodies)
             bodies_.push_back(bounds(body));
-        if (c.scene().medium.map) map_ = depths(*c.scene().medium.map);
+        if (c.scene.medium.map) map_ = depths(*c.scene.medium.map);
     }
     /// Whether the cells of a column of the domain may differ from others at their depths.
     bool column(std::ptrdiff_t i, std::ptrdiff_t j) const {
@@ -131,7 +131,7 @@ Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseG
                           std::ptrdiff_t x_start, std::ptrdiff_t x_count,
                           engines::ChoiceLimit limit) {
     Extremes e;
-    const bool varies = varies_laterally(c.scene().medium);
+    const bool varies = varies_laterally(c.scene.medium);
     const std::ptrdiff_t nx = varies ? x_count : std::min<std::ptrdiff_t>(1, x_count),
                          ny = varies ? grid.points[1] : 1;
     const Varied varied(c);
@@ -223,7 +223,7 @@ std::vector<engines::Choice> step_choices(const PstdOptions& options, const Step
 
 std::vector<engines::Choice> case_choices(const Case& c, const PstdOptions& options) {
     std::vector<engines::Choice> notes;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         if (layer.c_p_m_s > options.c_p_over_c_s * layer.c_s_m_s * (1.0 + 1e-12))
             notes.push_back(
                 {"solver.pstd.c_p_over_c_s",
@@ -237,12 +237,12 @@ std::vector<engines::Choice> case_choices(const Case& c, const PstdOptions& opti
                          fmt::format("the free surface of pstd causes an error of about 4 / 2 / 1 "
                                      "% of the surface field "
                                      "at 3 / 4 / 6 points per focus width; this case has {:.3g}",
-                                     fwhm_m(c.scene().load.footprint) / c.domain.spacing_m)});
+                                     fwhm_m(c.scene.load.footprint) / c.domain.spacing_m)});
     if (options.top == PstdTop::fluid)
         notes.push_back({"domain.spacing_mm",
                          "below a fluid the observed error of pstd is 4 to 7 % at 9 to 3 points "
                          "per focus width"});
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         if (layer.thickness_m > 0.0 && layer.thickness_m < resolved_points * c.domain.spacing_m)
             notes.push_back(
                 {"domain.spacing_mm",

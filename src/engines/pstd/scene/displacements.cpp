@@ -92,10 +92,10 @@ std::string divergence(const Case& c, std::ptrdiff_t frame, double largest_m, do
                           "{:.4g} mm,",
                           1e3 * largest_m, 1e3 * domain_m)
             : std::string("is not finite");
-    return fmt::format("the field of engine \"pstd\" {} at frame {}, {:.4g} ms: the time step of "
-                       "{:.4g} us is probably unstable; a smaller {} may help",
-                       what, frame, 1e3 * c.time.frame_s(frame), 1e6 * step_s,
-                       c.study() ? "kgrid.dt of the study" : "solver.pstd.time_step_us");
+    return fmt::format(
+        "the field of engine \"pstd\" {} at frame {}, {:.4g} ms: the time step of "
+        "{:.4g} us is probably unstable; a smaller solver.pstd.time_step_us may help",
+        what, frame, 1e3 * c.time.frame_s(frame), 1e6 * step_s);
 }
 
 } // namespace

@@ -47,7 +47,6 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
                     .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0,
                     .per_work = work_factor(slabs, material, node),
                     .before = 0.0};
-        unknown_ = unknown_ || (!is_velocity(source.field) && !material(node).empty);
         if (const SplitRun* run = state.runs.run_at(row, node[2])) {
             const Parts parts = parts_of(source.field);
             const auto is_stored = [&](std::size_t p) {

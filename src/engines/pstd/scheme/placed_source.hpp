@@ -26,9 +26,6 @@ public:
     /// below them, an estimate, because the Fourier derivative distributes the force over several
     /// planes.
     double work_J() const { return work_J_; }
-    /// Whether it adds energy that is not in work_J(): a stress within the medium. Rank by rank.
-    bool is_unknown() const { return unknown_; }
-    std::ptrdiff_t samples() const { return source_.samples; }
 
 private:
     struct Place {
@@ -45,7 +42,6 @@ private:
     std::vector<Place> places_;
     std::vector<double> values_;
     double work_J_ = 0.0;
-    bool unknown_ = false;
 
 public:
     /// Memory of a node of this rank.

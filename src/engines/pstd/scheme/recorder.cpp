@@ -27,7 +27,7 @@ double value_at(const Stepper<Real>& stepper, std::size_t quantity, std::size_t 
     return quantity == Recorder::pressure
                ? pressure_at(stepper, at)
                : static_cast<double>(
-                     stepper.total(static_cast<Field>(quantity - Recorder::fields))[at]);
+                     stepper.total(static_cast<Field>(quantity - Recorder::velocity))[at]);
 }
 
 } // namespace
@@ -217,7 +217,7 @@ void Recorder::find_values(const Stepper<Real>& stepper, const Comm& team) {
     if (split_) {
         std::array<std::vector<double>, 3> u;
         for (std::size_t a = 0; a < 3; ++a)
-            u[a] = team.gather(dense(slabs_, stepper, fields + a));
+            u[a] = team.gather(dense(slabs_, stepper, velocity + a));
         if (team.is_root()) split_->project(u);
         for (std::size_t a = 0; a < 3; ++a) {
             std::vector<double> all(order_.size());

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/engine.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
-#include "problem/case/study_data.hpp"
 
 #include <memory>
 #include <set>
@@ -14,15 +12,23 @@ namespace shearwake::pstd {
 
 class SplitFields;
 
+/// The points of a sensor: nodes, or weighted sums of nodes. With weights, those of point p belong
+/// to the nodes p m to (p + 1) m - 1, where m is `nodes_of_a_point`.
+struct SensorPoints {
+    std::vector<Node> nodes;
+    std::vector<double> weights; // of each node; none: each node is a point
+    std::size_t nodes_of_a_point = 1;
+    std::size_t size() const { return nodes.size() / nodes_of_a_point; }
+};
+
 /// Records fields of the scheme at the points of a sensor, and extremes of the entire grid, in
-/// every step from a first one on. The names of records are those of sensor.record of k-Wave
-/// (sensor_records) and of the fields.
+/// every step from a first one on. The names of records are those of sensor.record of k-Wave.
 class Recorder {
 public:
-    /// Indices of quantities: pressure, the fields of the grid, velocities at the nodes, their
-    /// compressional and shear parts, and intensities.
-    static constexpr std::size_t pressure = 0, fields = 1, moved = 10, split_p = 13, split_s = 16,
-                                 intensity = 19, quantity_count = 22;
+    /// Indices of quantities: pressure, velocities at their staggered points and at the nodes,
+    /// their compressional and shear parts, and intensities.
+    static constexpr std::size_t pressure = 0, velocity = 1, moved = 4, split_p = 7, split_s = 10,
+                                 intensity = 13, quantity_count = 16;
     enum class Statistic { series, max, min, rms, mean, max_all, min_all, final };
     struct Record {
         std::string name; // of the dataset: ux_max
@@ -33,7 +39,6 @@ public:
         std::vector<double> values;
         bool is_series() const { return statistic == Statistic::series; }
         bool is_grid() const { return statistic >= Statistic::max_all; }
-        std::string units() const;
     };
 
     /// `points` must exist as long as the recorder. `steps`: of the run. Not collective.
@@ -46,9 +51,6 @@ public:
     /// Bytes on a rank of `ranks`. Not collective.
     static double memory_B(const SensorPoints& points, const Grid& grid,
                            const std::set<std::string>& records, std::ptrdiff_t samples, int ranks);
-    /// Values of the output of a run. Not collective.
-    static double output_values(const SensorPoints& points, const Grid& grid,
-                                const std::set<std::string>& records, std::ptrdiff_t samples);
     /// After every step. Collective.
     template <class Real>
     void add(const Stepper<Real>& stepper, const Comm& team);
@@ -65,9 +67,6 @@ public:
     template <class Real>
     std::vector<double> grid_of(const Record& record, const Stepper<Real>& stepper,
                                 const Comm& team) const;
-    /// On rank 0: all output; nothing on other ranks. Collective.
-    template <class Real>
-    std::vector<engines::SensorRecord> results(const Stepper<Real>& stepper, const Comm& team);
 
     void save(StateWriter& state) const;    // collective
     void restore(const StateReader& state); // collective

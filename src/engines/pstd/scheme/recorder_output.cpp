@@ -16,7 +16,7 @@ namespace {
 
 // clang-format off
 constexpr std::array<const char*, Recorder::quantity_count> quantities = {
-    "p", "ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz",
+    "p", "ux", "uy", "uz",
     "ux_non_staggered", "uy_non_staggered", "uz_non_staggered",
     "ux_split_p", "uy_split_p", "uz_split_p", "ux_split_s", "uy_split_s", "uz_split_s",
     "Ix", "Iy", "Iz"};
@@ -42,11 +42,6 @@ void move_half_a_sample(std::span<double> series) {
 
 } // namespace
 
-std::string Recorder::Record::units() const {
-    if (quantity >= intensity) return "W/m2";
-    return quantity == pressure || (quantity >= fields + 3 && quantity < moved) ? "Pa" : "m/s";
-}
-
 std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& names) {
     std::vector<Record> records;
     const auto add = [&](std::size_t quantity, std::size_t count, Statistic statistic,
@@ -58,8 +53,6 @@ std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& 
             if (known == records.end()) records.push_back({name, q, statistic, is_output, {}});
         }
     };
-    for (std::size_t f = 0; f < field_count; ++f)
-        if (names.contains(quantities[fields + f])) add(fields + f, 1, Statistic::series);
     constexpr std::pair<const char*, Statistic> suffixes[] = {
         {"", Statistic::series},          {"_max", Statistic::max},
         {"_min", Statistic::min},         {"_rms", Statistic::rms},
@@ -67,7 +60,7 @@ std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& 
         {"_final", Statistic::final}};
     for (const auto& [suffix, statistic] : suffixes) {
         if (names.contains(fmt::format("p{}", suffix))) add(pressure, 1, statistic, suffix);
-        if (names.contains(fmt::format("u{}", suffix))) add(fields, 3, statistic, suffix);
+        if (names.contains(fmt::format("u{}", suffix))) add(velocity, 3, statistic, suffix);
     }
     if (names.contains("u_non_staggered")) add(moved, 3, Statistic::series);
     if (names.contains("u_split_field")) add(split_p, 6, Statistic::series);
@@ -104,20 +97,6 @@ double Recorder::memory_B(const SensorPoints& points, const Grid& grid,
         gathered = 2.0 * grid_points;
     return sizeof(double) * (values / ranks + gathered) +
            48.0 * static_cast<double>(points.nodes.size());
-}
-
-double Recorder::output_values(const SensorPoints& points, const Grid& grid,
-                               const std::set<std::string>& records, std::ptrdiff_t samples) {
-    double values = 0.0;
-    for (const Record& record : records_of(records))
-        if (record.is_output)
-            values += record.is_grid()
-                          ? static_cast<double>(grid.points[0]) *
-                                static_cast<double>(grid.points[1]) *
-                                static_cast<double>(grid.points[2])
-                          : static_cast<double>(points.size()) *
-                                (record.is_series() ? static_cast<double>(samples) : 1.0);
-    return values;
 }
 
 /// The intensity is the product of the pressure and the velocity at the nodes, which is moved to
@@ -173,41 +152,6 @@ std::vector<double> Recorder::samples_of(const Record& record, std::size_t first
     return block;
 }
 
-template <class Real>
-std::vector<engines::SensorRecord> Recorder::results(const Stepper<Real>& stepper,
-                                                     const Comm& team) {
-    finish();
-    std::vector<engines::SensorRecord> all;
-    for (const Record& record : records_) {
-        if (!record.is_output) continue;
-        engines::SensorRecord one{.name = record.name, .units = record.units()};
-        if (record.is_grid()) {
-            one.of = engines::SensorRecord::Of::grid;
-            one.values = grid_of(record, stepper, team);
-        } else if (record.is_series()) {
-            constexpr std::size_t values_at_once = std::size_t{1} << 22;
-            const auto samples = static_cast<std::size_t>(samples_);
-            const std::size_t points = point_order_.size();
-            const std::size_t most =
-                std::max<std::size_t>(1, values_at_once / std::max<std::size_t>(points, 1));
-            one.of = engines::SensorRecord::Of::points_and_samples;
-            if (team.is_root()) one.values.resize(points * samples);
-            for (std::size_t first = 0; first < samples; first += most) {
-                const std::size_t count = std::min(most, samples - first);
-                const std::vector<double> block = samples_of(record, first, count, team);
-                for (std::size_t p = 0; p < points && !block.empty(); ++p)
-                    for (std::size_t s = 0; s < count; ++s)
-                        one.values[p * samples + first + s] = block[s * points + p];
-            }
-        } else {
-            one.of = engines::SensorRecord::Of::points;
-            one.values = samples_of(record, 0, 1, team);
-        }
-        if (team.is_root()) all.push_back(std::move(one));
-    }
-    return all;
-}
-
 DistributedRows Recorder::rows(const Record& record) const {
     if (!record.is_grid())
         return {.total = static_cast<std::ptrdiff_t>(point_order_.size()),
@@ -233,8 +177,5 @@ void Recorder::restore(const StateReader& state) {
             rows(record).total > 0)
             state.get("record_" + record.name, rows(record), record.values.data());
 }
-
-template std::vector<engines::SensorRecord> Recorder::results(const Stepper<double>&, const Comm&);
-template std::vector<engines::SensorRecord> Recorder::results(const Stepper<float>&, const Comm&);
 
 } // namespace shearwake::pstd

@@ -93,10 +93,6 @@ Stepper<Real>::Stepper(const Setup& setup, const Comm& team)
         const auto planes = static_cast<std::ptrdiff_t>(lossy ? 12 : 6);
         scratch_.assign(static_cast<std::size_t>(planes * slabs_.ny() * slabs_.pitch), Real(0));
     });
-    for (const PlacedSource<Real>& source : sources_)
-        if (source.is_unknown())
-            unknown_until_ = std::max(unknown_until_, static_cast<double>(source.samples()));
-    unknown_until_ = team.max(unknown_until_);
     make_coefficients(setup, material);
 }
 

@@ -53,9 +53,6 @@ public:
     double kinetic_J() const;
     double elastic_J() const;
     double work_J() const;
-    /// Number of samples after which no source acts whose work is not known: one of stresses within
-    /// the medium. Identical on all ranks. Not collective.
-    double unknown_until() const { return unknown_until_; }
 
     /// Totals, kept parts and the count of steps ("step"), for a stepper of the same setup on any
     /// number of ranks; the work of the sources is not saved. Names: "step", "ux", "ux_part_0" and
@@ -97,7 +94,6 @@ private:
     fft::StaggeredDerivative<Real> derivative_y_, derivative_z_;
     fft::AlignedVector<Real> scratch_; // planes of derivatives
     std::vector<PlacedSource<Real>> sources_;
-    double unknown_until_ = 0.0;
     std::ptrdiff_t top_ = 0; // the highest plane of z with nodes that are not empty
 };
 

@@ -21,7 +21,7 @@ Eigen::Index size_of(const auto& values) {
 
 RigidBodies::RigidBodies(const RigidPlan& plan, std::size_t freedoms, double step_s,
                          const Comm& team)
-    : bodies_(plan.bodies), medium_(plan.c.scene().medium), team_(team), step_s_(step_s),
+    : bodies_(plan.bodies), medium_(plan.c.scene.medium), team_(team), step_s_(step_s),
       freedoms_(freedoms) {
     now_.assign(freedoms * bodies_.size(), 0.0);
     before_ = acceleration_ = now_;

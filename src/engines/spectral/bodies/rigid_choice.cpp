@@ -102,7 +102,7 @@ std::string reason_against(const Case& c, const Body& body, Endless along) {
 std::vector<Body> moving_bodies(const Case& c) {
     std::vector<Body> bodies = rigid_bodies(c);
     std::erase_if(bodies,
-                  [&](const Body& body) { return !has_markers(body, c.scene().medium, c.domain); });
+                  [&](const Body& body) { return !has_markers(body, c.scene.medium, c.domain); });
     return bodies;
 }
 
@@ -138,7 +138,7 @@ std::size_t marker_count(const Body& body, const Domain& domain) {
 /// Why a body cannot be rigid; overlaps only with bodies that `meets` accepts.
 template <class Meets>
 std::vector<std::string> reasons_against(const Case& c, std::size_t i, const Meets& meets) {
-    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const std::vector<Body>& bodies = c.scene.medium.bodies;
     const std::string reason = reason_against(c, bodies[i], endless_along(bodies[i], c.domain));
     if (!reason.empty()) return {reason};
     std::vector<std::string> reasons;
@@ -185,9 +185,9 @@ namespace {
 
 /// Why an elastic body that is stiff enough is not treated as rigid, or an empty text if it is.
 std::string obstacle(const Case& c, std::size_t i) {
-    const Body& body = c.scene().medium.bodies[i];
+    const Body& body = c.scene.medium.bodies[i];
     bool is_light = false;
-    each_layer_around(body, c.scene().medium, [&](const Layer& layer) {
+    each_layer_around(body, c.scene.medium, [&](const Layer& layer) {
         is_light |= body.density_kg_m3.value_or(layer.density_kg_m3) < layer.density_kg_m3;
     });
     if (is_light) return "it is lighter than its surroundings";
@@ -197,12 +197,12 @@ std::string obstacle(const Case& c, std::size_t i) {
                            "below {:.2g}",
                            spacings, accurate_spacings);
     Case chosen = c;
-    chosen.scene().medium.bodies[i].rigid = true;
+    chosen.scene.medium.bodies[i].rigid = true;
     const auto reasons = reasons_against(chosen, i, [](std::size_t) { return true; });
     if (!reasons.empty()) return reasons.back();
     std::size_t more = 0; // markers
     const auto add = [&](const Body& lump) {
-        if (!has_markers(lump, chosen.scene().medium, c.domain)) return;
+        if (!has_markers(lump, chosen.scene.medium, c.domain)) return;
         more += squares_around(lump, c.domain) > most_squares ? most_markers + 1
                                                               : marker_count(lump, c.domain);
     };
@@ -220,10 +220,10 @@ std::string obstacle(const Case& c, std::size_t i) {
 
 RigidPlan rigid_plan(Case given) {
     const double above = std::get<SpectralOptions>(given.solver).rigid_above;
-    std::vector<std::string> reasons(given.scene().medium.bodies.size());
+    std::vector<std::string> reasons(given.scene.medium.bodies.size());
     for (std::size_t i = 0; i < reasons.size(); ++i) {
-        Body& body = given.scene().medium.bodies[i];
-        const double contrast = stiffness_contrast(body, given.scene().medium);
+        Body& body = given.scene.medium.bodies[i];
+        const double contrast = stiffness_contrast(body, given.scene.medium);
         if (body.rigid || !(contrast > above * (1.0 + 1e-9))) continue;
         const std::string against = obstacle(given, i);
         body.rigid = against.empty();
@@ -240,15 +240,15 @@ RigidPlan rigid_plan(Case given) {
 
 std::vector<Body> rigid_bodies(const Case& c) {
     std::vector<Body> rigid;
-    for (const Body& body : c.scene().medium.bodies)
+    for (const Body& body : c.scene.medium.bodies)
         if (body.rigid) rigid.push_back(body);
     return rigid;
 }
 
 RigidPlan::RigidPlan(Case marked)
     : c(std::move(marked)), layers(c), bodies(moving_bodies(c)),
-      treatment(treatment_of(bodies, c.domain)), reasons(c.scene().medium.bodies.size()) {
-    std::erase_if(layers.scene().medium.bodies, [](const Body& body) { return body.rigid; });
+      treatment(treatment_of(bodies, c.domain)), reasons(c.scene.medium.bodies.size()) {
+    std::erase_if(layers.scene.medium.bodies, [](const Body& body) { return body.rigid; });
     if (treatment == RigidTreatment::endless)
         why = fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
                           "of them cross the domain along it",
@@ -286,7 +286,7 @@ std::string reason_of_rest(const Body& body, const Medium& medium, const Domain&
 
 std::vector<Remark> rigid_limits(const Case& c) {
     std::vector<Remark> refused;
-    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const std::vector<Body>& bodies = c.scene.medium.bodies;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid) continue;
         const auto first_of_pair = [&](std::size_t j) { return j < i || !bodies[j].rigid; };
@@ -309,9 +309,9 @@ std::vector<Remark> rigid_limits(const Case& c) {
 
 std::vector<Remark> receptors_near_bodies(const Case& c) {
     std::vector<Remark> warnings;
-    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const std::vector<Body>& bodies = c.scene.medium.bodies;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-        if (!bodies[i].rigid || !has_markers(bodies[i], c.scene().medium, c.domain)) continue;
+        if (!bodies[i].rigid || !has_markers(bodies[i], c.scene.medium, c.domain)) continue;
         const Bounds box = bounds(bodies[i]);
         const double spacings = has_edges(bodies[i]) ? near_edges : near_surface,
                      near_m = spacings * c.domain.spacing_m;
@@ -334,8 +334,8 @@ InsideBodies::InsideBodies(const Case& c, const fft::SlabShare& share)
     // Complete layers, and bodies below them, are at rest and have no motion.
     std::size_t moving = 0;
     for (const Body& body : bodies_)
-        motion_.push_back(has_markers(body, c.scene().medium, c.domain) ? std::optional(moving++)
-                                                                        : std::nullopt);
+        motion_.push_back(has_markers(body, c.scene.medium, c.domain) ? std::optional(moving++)
+                                                                      : std::nullopt);
 }
 
 template <class Use>

@@ -34,8 +34,8 @@ struct Longest {
 Longest longest_elements(const Case& c, const SpectralOptions& options) {
     if (options.time_step_s) return {}; // the job specifies the step
     double least_loss = std::numeric_limits<double>::infinity();
-    for (const Layer& layer : c.scene().medium.layers) {
-        const double k = bandwidth_rad_m(c.scene().load.footprint, 1e-2);
+    for (const Layer& layer : c.scene.medium.layers) {
+        const double k = bandwidth_rad_m(c.scene.load.footprint, 1e-2);
         least_loss = std::min(least_loss, newtonian_viscosity_Pa_s(layer.loss).value_or(0.0) * k /
                                               (layer.density_kg_m3 * layer.c_s_m_s));
     }
@@ -49,7 +49,7 @@ constexpr std::size_t most_elements = 4000;
 
 UsageError too_fine(const Case& c, double h_m) {
     double depth_m = 0.0;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         depth_m += layer.thickness_m;
     return UsageError(
         fmt::format("solver.spectral: layers of {:.4g} mm in total need more than {} elements over "
@@ -85,21 +85,20 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
                    .light = {},
                    .bottom = {}};
     const double per_degree = degree / 8.0;
-    const double steepest = bandwidth_rad_m(c.scene().load.footprint, 1e-3);
-    const double omega =
-        bandwidth_rad_m(c.scene().load.footprint, 1e-2) *
-            greatest_speed_m_s(c.scene().load.modulation.trajectory) +
-        two_pi * greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope);
+    const double steepest = bandwidth_rad_m(c.scene.load.footprint, 1e-3);
+    const double omega = bandwidth_rad_m(c.scene.load.footprint, 1e-2) *
+                             greatest_speed_m_s(c.scene.load.modulation.trajectory) +
+                         two_pi * greatest_envelope_frequency_Hz(c.scene.load.modulation.envelope);
     // a_mu = 1/12 is stable for omega dt < 2.42 with omega = c_s sqrt(finest) (2/h).
-    const double calm_m = 2.0 * c.scene().medium.layers.front().c_s_m_s *
+    const double calm_m = 2.0 * c.scene.medium.layers.front().c_s_m_s *
                           std::sqrt(finest_mode(mesh.rule)) * step_s / 2.42;
     const double short_m = 9.0 * per_degree / steepest;
     const Longest longest = longest_elements(c, options);
     // Below a load that moves faster than the waves, the waves are shorter than the load. Measured
     // at 7/5.
     const double top_speed_m_s =
-        std::max(c.scene().medium.layers.front().c_s_m_s,
-                 greatest_speed_m_s(c.scene().load.modulation.trajectory) / 1.4);
+        std::max(c.scene.medium.layers.front().c_s_m_s,
+                 greatest_speed_m_s(c.scene.load.modulation.trajectory) / 1.4);
     double next_m =
         std::clamp(calm_m, std::min(1.0, longest.first) * short_m, longest.first * short_m);
     const auto fill = [&](std::size_t layer, double thickness_m, double longest_m) {
@@ -119,21 +118,21 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
         }
     };
     double depth_m = 0.0;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         depth_m += layer.thickness_m;
-    if (c.scene().medium.base == Base::half_space) {
+    if (c.scene.medium.base == Base::half_space) {
         mesh.bottom = absorbing_bottom(c, options);
         depth_m += mesh.bottom->clear_m;
     }
     for (const MeshPiece& piece : mesh_pieces(c, depth_m, 0.02 * short_m, degree, omega)) {
-        const double c_s_m_s = c.scene().medium.layers[piece.layer].c_s_m_s;
+        const double c_s_m_s = c.scene.medium.layers[piece.layer].c_s_m_s;
         fill(piece.layer, piece.bottom_m - piece.top_m,
              std::min({piece.longest_m, 20.0 * per_degree * c_s_m_s / std::max(omega, 1.0),
                        longest.all * short_m * c_s_m_s / top_speed_m_s}));
         mesh.light.resize(mesh.elements(), piece.has_light_body);
     }
     if (mesh.bottom)
-        fill(c.scene().medium.layers.size() - 1, mesh.bottom->depth_m, mesh.bottom->depth_m);
+        fill(c.scene.medium.layers.size() - 1, mesh.bottom->depth_m, mesh.bottom->depth_m);
     mesh.light.resize(mesh.elements(), false);
     return mesh;
 }

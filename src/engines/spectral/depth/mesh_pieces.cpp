@@ -72,15 +72,15 @@ std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m
                                    double omega_rad_s) {
     const double per_degree = degree / 8.0;
     std::vector<Inclusion> inclusions;
-    for (const Body& body : c.scene().medium.bodies)
+    for (const Body& body : c.scene.medium.bodies)
         inclusions.push_back(inclusion_of(body, c.domain.spacing_m, per_degree, omega_rad_s));
-    if (c.scene().medium.map) inclusions.push_back(inclusion_of(*c.scene().medium.map, per_degree));
+    if (c.scene.medium.map) inclusions.push_back(inclusion_of(*c.scene.medium.map, per_degree));
 
     std::vector<MeshPiece> pieces;
     double top_m = 0.0;
-    for (std::size_t l = 0; l < c.scene().medium.layers.size(); ++l) {
-        const bool last = l + 1 == c.scene().medium.layers.size();
-        const double bottom_m = last ? depth_m : top_m + c.scene().medium.layers[l].thickness_m;
+    for (std::size_t l = 0; l < c.scene.medium.layers.size(); ++l) {
+        const bool last = l + 1 == c.scene.medium.layers.size();
+        const double bottom_m = last ? depth_m : top_m + c.scene.medium.layers[l].thickness_m;
         std::vector<double> cuts_m;
         for (const Inclusion& in : inclusions)
             if (in.ends_sharply) cuts_m.insert(cuts_m.end(), {in.top_m, in.bottom_m});
@@ -95,8 +95,7 @@ std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m
             for (const Inclusion& in : inclusions)
                 if (in.top_m < piece.bottom_m - least_m && in.bottom_m > piece.top_m + least_m) {
                     piece.longest_m = std::min(piece.longest_m, in.longest_m);
-                    piece.has_light_body |=
-                        in.free_kg_m3 < c.scene().medium.layers[l].density_kg_m3;
+                    piece.has_light_body |= in.free_kg_m3 < c.scene.medium.layers[l].density_kg_m3;
                 }
             pieces.push_back(piece);
         }
@@ -121,9 +120,9 @@ double deepest_m(const Case& c) {
     for (const auto& depths_m : {c.measure.depths_m, stress_depths_m(c)})
         for (const double z_m : depths_m)
             reach(z_m);
-    for (const Body& body : c.scene().medium.bodies)
+    for (const Body& body : c.scene.medium.bodies)
         reach(bounds(body).high_m.z);
-    if (c.scene().medium.map) reach(depths(*c.scene().medium.map).bottom_m);
+    if (c.scene.medium.map) reach(depths(*c.scene.medium.map).bottom_m);
     return deepest;
 }
 
@@ -131,11 +130,11 @@ double deepest_m(const Case& c) {
 
 AbsorbingBottom absorbing_bottom(const Case& c, const SpectralOptions& options) {
     double interface_m = 0.0;
-    for (const Layer& layer : c.scene().medium.layers)
+    for (const Layer& layer : c.scene.medium.layers)
         interface_m += layer.thickness_m;
-    const double width_m = fwhm_m(c.scene().load.footprint);
+    const double width_m = fwhm_m(c.scene.load.footprint);
     AbsorbingBottom bottom;
-    bottom.longest_m = longest_wave_m(c.scene().load, c.scene().medium.layers.back().c_s_m_s);
+    bottom.longest_m = longest_wave_m(c.scene.load, c.scene.medium.layers.back().c_s_m_s);
     bottom.clear_m = std::max(
         {0.5 * bottom.longest_m - interface_m, deepest_m(c) + width_m - interface_m, width_m});
     bottom.depth_m =

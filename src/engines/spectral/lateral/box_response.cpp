@@ -80,7 +80,7 @@ double factor_entries(const DepthMesh& mesh) {
 
 std::optional<BoxGrid> box_grid(const Case& c, const DepthMesh& mesh, const CellExtent& extent,
                                 double step_s) {
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     if (extent.x_end == extent.x_begin || std::ranges::any_of(medium.bodies, &Body::rigid))
         return {};
     const Domain& domain = c.domain;

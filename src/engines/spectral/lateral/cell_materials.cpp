@@ -56,7 +56,7 @@ namespace {
 std::vector<CellMaterial> plane_of_materials(const Case& c, std::size_t layer,
                                              const fft::SlabShare& share, double z_m,
                                              const DepthCell& cell) {
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     const bool smooth = is_smooth(medium), map_alone = medium.map && medium.bodies.empty();
     const Vec3 size_m{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
     std::vector<CellMaterial> all;

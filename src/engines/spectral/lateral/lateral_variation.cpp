@@ -63,8 +63,8 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::Sl
     std::vector<Gathered> result;
     const auto nodes = static_cast<std::size_t>(mesh.degree) + 1;
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
-        if (!varies_between(c.scene().medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
-        const Material layer = material_of(c.scene().medium.layers[mesh.layers[e]]);
+        if (!varies_between(c.scene.medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
+        const Material layer = material_of(c.scene.medium.layers[mesh.layers[e]]);
         const CappedMaterials capped(c, layer);
         std::vector<Gathered> here;
         bool some_vary = false, less_viscous = false;
@@ -264,7 +264,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
                                    const Comm* team) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     LateralVariation v;
-    v.background = background_of(mesh, c.scene().medium);
+    v.background = background_of(mesh, c.scene.medium);
     const std::vector<Gathered> gathered = gather(c, mesh, share, team);
     if (gathered.empty()) return v;
 
@@ -272,7 +272,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh,
     Variety variety = least_background(gathered, mesh, v.background);
     const VerticalOperator vertical(mesh, v.background);
     variety.inertia = added_inertia(
-        gathered, vertical, bandwidth_rad_m(c.scene().load.footprint, 0.5), k_max_rad_m, step_s);
+        gathered, vertical, bandwidth_rad_m(c.scene.load.footprint, 0.5), k_max_rad_m, step_s);
     v.density_varies = variety.density;
     v.iterates = variety.must_iterate() || options.method == SpectralMethod::iterative ||
                  (options.method == SpectralMethod::automatic &&

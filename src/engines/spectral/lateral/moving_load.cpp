@@ -129,7 +129,7 @@ void MovingLoad::find_breaks(std::ptrdiff_t n) {
         std::erase_if(breaks_, drop);
         const double from_s = static_cast<double>(searched_ * searched_steps) * step_s_;
         for (const Break& each :
-             breaks_of(case_.scene().load, from_s,
+             breaks_of(case_.scene.load, from_s,
                        from_s + static_cast<double>(searched_steps) * step_s_, step_s_))
             // Nothing precedes the start.
             if (each.time_s > tolerance_steps * step_s_) breaks_.push_back(each.time_s / step_s_);
@@ -177,7 +177,7 @@ void MovingLoad::place(Sampled& load, double updated_s) {
 
 void MovingLoad::sample(std::ptrdiff_t n) {
     choose_nodes(n);
-    const Load& given = case_.scene().load;
+    const Load& given = case_.scene.load;
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
     // Placing a load is expensive: those of the previous step are reused, and an array that updates
     // its focus rarely is placed once per update.

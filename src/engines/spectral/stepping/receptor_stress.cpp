@@ -29,7 +29,7 @@ std::vector<std::size_t> elements_at(const DepthMesh& mesh, double depth_m) {
 }
 
 bool varies_in(const Case& c, const DepthMesh& mesh, std::size_t element) {
-    return varies_between(c.scene().medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
+    return varies_between(c.scene.medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
 }
 
 /// Node weights of the z derivative of a quantity, given its node weights.
@@ -100,7 +100,7 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         compression_.resize(plane);
         before_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
         if (bodies)
-            near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
+            near_ = stress_correction(*bodies, {c.scene.medium, c.domain, mesh_, slabs.share(),
                                                 depths_m_, Corrected::zz});
     });
     std::vector<Surfaces> all = std::move(surfaces_);
@@ -133,7 +133,7 @@ void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t el
     const Times strain = spread(slope, none, {0.0, 1.0, 0.0}),
                 rate = spread(slope, none, {-0.5 / step_s_, 0.0, 0.5 / step_s_});
     const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
-    const Material layer = material_of(case_.scene().medium.layers[mesh_.layers[element]]);
+    const Material layer = material_of(case_.scene.medium.layers[mesh_.layers[element]]);
     if (!varies_in(case_, mesh_, element)) {
         Part all{.depth = depth, .first = first, .weights = {}, .factors = {}};
         add_scaled(-share * layer.lambda_Pa, dilation(smooth, mesh_, element), all.weights);

@@ -36,8 +36,8 @@ double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
 /// 0.4 % of the energy of a pulse, as with shorter T, but 9 % with twice that T.
 double interval_s(const Case& c, double speed_m_s) {
     const double width_m = c.domain.sponge_m;
-    const double focus_s = fwhm_m(c.scene().load.footprint) / speed_m_s;
-    const double nu = least_diffusivity_m2_s(c.scene().medium, width_m);
+    const double focus_s = fwhm_m(c.scene.load.footprint) / speed_m_s;
+    const double nu = least_diffusivity_m2_s(c.scene.medium, width_m);
     const double dies_s = std::numbers::pi * std::sqrt(nu * width_m / std::pow(speed_m_s, 3));
     return std::min({0.25 * width_m / speed_m_s, focus_s, std::max(0.5 * focus_s, dies_s)});
 }
@@ -48,10 +48,10 @@ SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s) {
     const double width_m = c.domain.sponge_m;
     SpongePlan plan = {0, c.domain.nx, c.domain.ny};
     if (!(width_m > 0.0)) return plan;
-    const double T = interval_s(c, edge_speed_m_s(c.scene().medium, width_m));
+    const double T = interval_s(c, edge_speed_m_s(c.scene.medium, width_m));
     plan.every = std::max<std::ptrdiff_t>(1, std::lround(std::floor(T / step_s + 1e-9)));
     if (medium == Lateral::varies) return plan;
-    const double k_rad_m = bandwidth_rad_m(c.scene().load.footprint, 3e-2);
+    const double k_rad_m = bandwidth_rad_m(c.scene.load.footprint, 3e-2);
     const auto points = [&](double extent_m, std::ptrdiff_t all) {
         const double waves = std::ceil(k_rad_m * extent_m / two_pi);
         if (2.0 * waves + 2.0 >= static_cast<double>(all)) return all;
@@ -226,8 +226,7 @@ SpongeStage::SpongeStage(StepState& state)
     runs_.emplace(*slabs_, s_.team, std::move(all),
                   fft::RunTransform::Lines{vectors_.share().ky_start, vectors_.share().ky_count});
     const Domain& domain = s_.c.domain;
-    const double width_m = domain.sponge_m,
-                 speed_m_s = edge_speed_m_s(s_.c.scene().medium, width_m);
+    const double width_m = domain.sponge_m, speed_m_s = edge_speed_m_s(s_.c.scene.medium, width_m);
     const double time_s = static_cast<double>(every) * s_.step_s;
     const auto remaining = [&](std::ptrdiff_t count, double extent_m) {
         std::vector<double> shares;

@@ -26,7 +26,7 @@ constexpr double most_work = 1e5;
 
 Case with_few_wave_vectors(Case c, std::ptrdiff_t rows) {
     c.domain = {probed_columns, 2 * rows,
-                std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 1e-2), 0.0};
+                std::numbers::pi / bandwidth_rad_m(c.scene.load.footprint, 1e-2), 0.0};
     return c;
 }
 
@@ -36,7 +36,7 @@ public:
     Probe(const Case& c, const VerticalOperator& vertical, const WaveVectors& vectors,
           double step_s)
         : kernels_(simd::kernels<PencilKernels>()), vertical_(vertical), vectors_(vectors),
-          load_(c, vectors, step_s, unsteered_pattern(c.scene().load)), step_s_(step_s) {
+          load_(c, vectors, step_s, unsteered_pattern(c.scene.load)), step_s_(step_s) {
         factors_.resize(static_cast<std::size_t>(vectors.rows() * vertical.factor_size()));
         now_.assign(static_cast<std::size_t>(vectors.rows() * size()), Block{});
         before_ = now_;
@@ -247,7 +247,7 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s,
                     engines::ChoiceLimit limit) {
     const Case few = with_few_wave_vectors(c, probed_rows);
     const WaveVectors vectors = few_vectors(few.domain);
-    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
+    const VerticalOperator vertical(mesh, background_of(mesh, c.scene.medium));
     Probe full(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
     const Waves waves{vectors, {}, without_mean(counts_of(vectors))};
     const long all = steps_to_probe(c, step_s);
@@ -271,7 +271,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
     const DepthMesh mesh = choose_mesh(c, options, step_s), finer_mesh = with_halved_elements(mesh),
                     deeper_mesh =
                         mesh.bottom ? with_deeper_absorber(c, options, mesh, step_s) : mesh;
-    const Medium& medium = c.scene().medium;
+    const Medium& medium = c.scene.medium;
     const VerticalOperator vertical(mesh, background_of(mesh, medium)),
         finer(finer_mesh, background_of(finer_mesh, medium)),
         deeper(deeper_mesh, background_of(deeper_mesh, medium));
@@ -289,7 +289,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
 
     const std::ptrdiff_t steps = steps_to_probe(c, step_s),
                          per_frame = std::lround(c.time.interval_s / step_s);
-    const double apart_m = 0.5 * fwhm_m(c.scene().load.footprint);
+    const double apart_m = 0.5 * fwhm_m(c.scene.load.footprint);
     Series by_step, by_absorber, high_field, low_field;
     Deviation half_way;
     for (std::ptrdiff_t n = 1; n <= steps; ++n) {
@@ -298,7 +298,7 @@ ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double
         half.advance();
         std::vector<Vec2> points; // for maxima, at a frame or the step after it
         if (n % per_frame < 2)
-            points = points_near(focus_m(c.scene().load, static_cast<double>(n) * step_s), apart_m);
+            points = points_near(focus_m(c.scene.load, static_cast<double>(n) * step_s), apart_m);
         if (n % per_frame == 0) { // what lies between two frames is not part of the field
             by_step.add(size_of(full, &half, each, points));
             high_field.add(size_of(half, nullptr, above, points));

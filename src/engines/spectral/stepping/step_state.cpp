@@ -27,7 +27,7 @@ StepState::StepState(RigidPlan plan, const DepthMesh& of_depth, const fft::SlabT
             c.domain.ny, slabs.share()),
       vertical(mesh, field.variation().background),
       transfer(mesh, field.variation().strain_points, field.variation().components()),
-      load(c, vectors, step_s, {c.scene().load, c.time.duration_s() + 2.0 * step_s}),
+      load(c, vectors, step_s, {c.scene.load, c.time.duration_s() + 2.0 * step_s}),
       bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team)),
       slab_bodies(c, mesh, vectors), planes(field.cells(), slabs, team, StrainPlanes::Corner{}),
       kinetic(c.domain.ny / 2 + 1), work(c.domain.ny / 2 + 1),

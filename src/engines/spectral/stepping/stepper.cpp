@@ -16,7 +16,7 @@ Stepper::Stepper(RigidPlan bodies, const DepthMesh& mesh, const fft::SlabTransfo
     const CellExtent cells = state_.field.cells().extent(&state_.team);
     if (state_.field.variation().iterates)
         box_ = box_grid(state_.c, mesh,
-                        extent_of(state_.c.scene().medium, state_.c.domain).with(cells), step_s);
+                        extent_of(state_.c.scene.medium, state_.c.domain).with(cells), step_s);
     stages_.push_back(make_sponge(state_));
     stages_.push_back(box_ ? make_predicted_pencils(state_) : make_pencils(state_));
     stages_.push_back(make_energy(state_));

@@ -37,7 +37,7 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         pencil_.assign(pencil, Block{});
         earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, Block{});
         if (bodies)
-            near_ = stress_correction(*bodies, {c.scene().medium, c.domain, mesh_, slabs.share(),
+            near_ = stress_correction(*bodies, {c.scene.medium, c.domain, mesh_, slabs.share(),
                                                 mesh.clear_levels_m(), Corrected::all_components});
     });
 }
@@ -163,8 +163,8 @@ void TensorVolumes::find_strain(const StepState& state, const StrainPoint& point
 
 TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) const {
     const std::size_t element = point.element;
-    Materials all{{material_of(case_.scene().medium.layers[mesh_.layers[element]])}, {}};
-    if (!varies_between(case_.scene().medium, mesh_.ends_m[element], mesh_.ends_m[element + 1]))
+    Materials all{{material_of(case_.scene.medium.layers[mesh_.layers[element]])}, {}};
+    if (!varies_between(case_.scene.medium, mesh_.ends_m[element], mesh_.ends_m[element + 1]))
         return all;
     const CappedMaterials capped(case_, all.layer);
     together(team_, [&] {
@@ -233,7 +233,7 @@ void TensorVolumes::emit(const StepState& state, const InsideBodies& inside, std
 void TensorVolumes::correct(const StrainPoint& point) {
     const std::size_t level = point.element * static_cast<std::size_t>(mesh_.degree) +
                               static_cast<std::size_t>(point.node);
-    const Material m = material_of(case_.scene().medium.layers[mesh_.layers[point.element]]);
+    const Material m = material_of(case_.scene.medium.layers[mesh_.layers[point.element]]);
     const double of_trace = m.lambda_Pa / (3.0 * m.lambda_Pa + 2.0 * m.mu_Pa);
     for (const auto& [place, more_Pa] : near_->changes(level)) {
         const double trace_Pa = more_Pa[xx] + more_Pa[yy] + more_Pa[zz];

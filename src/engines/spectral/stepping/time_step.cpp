@@ -68,17 +68,17 @@ void find_fastest(const Load& load, Scales& s) {
 }
 
 Scales scales_of(const Case& c) {
-    Scales s{.k_rad_m = bandwidth_rad_m(c.scene().load.footprint, 0.5)};
+    Scales s{.k_rad_m = bandwidth_rad_m(c.scene.load.footprint, 0.5)};
     Material mean{};
     double top_m = 0.0;
-    for (std::size_t l = 0; l < c.scene().medium.layers.size(); ++l) {
-        const Layer& layer = c.scene().medium.layers[l];
+    for (std::size_t l = 0; l < c.scene.medium.layers.size(); ++l) {
+        const Layer& layer = c.scene.medium.layers[l];
         const bool endless =
-            l + 1 == c.scene().medium.layers.size() && c.scene().medium.base == Base::half_space;
+            l + 1 == c.scene.medium.layers.size() && c.scene.medium.base == Base::half_space;
         const double bottom_m =
             endless ? std::numeric_limits<double>::infinity() : top_m + layer.thickness_m;
         const double weight =
-            film_factor(c.scene().medium, l, s.k_rad_m) * share(s.k_rad_m, top_m, bottom_m);
+            film_factor(c.scene.medium, l, s.k_rad_m) * share(s.k_rad_m, top_m, bottom_m);
         const Material m = material_of(layer);
         mean.density_kg_m3 += weight * m.density_kg_m3;
         mean.mu_Pa += weight * m.mu_Pa;
@@ -86,8 +86,8 @@ Scales scales_of(const Case& c) {
         top_m = bottom_m;
     }
     s.wave_speed_m_s = std::sqrt(mean.mu_Pa / mean.density_kg_m3);
-    s.scan_speed_m_s = greatest_speed_m_s(c.scene().load.modulation.trajectory);
-    find_fastest(c.scene().load, s);
+    s.scan_speed_m_s = greatest_speed_m_s(c.scene.load.modulation.trajectory);
+    find_fastest(c.scene.load, s);
     s.loss_1 = mean.viscosity_Pa_s * s.omega_rad_s / mean.mu_Pa;
     return s;
 }
@@ -125,11 +125,11 @@ std::vector<Inclusion> inclusions_of(const Medium& medium) {
 double inertia_of_inclusions(const Case& c, const SpectralOptions& options, const DepthMesh& mesh,
                              const VerticalOperator& vertical, const Scales& s, double step_s) {
     double most = 0.0;
-    for (const Inclusion& stiff : inclusions_of(c.scene().medium)) {
+    for (const Inclusion& stiff : inclusions_of(c.scene.medium)) {
         for (std::size_t e = 0; e < mesh.elements(); ++e) {
             const double top_m = std::max(stiff.top_m, mesh.ends_m[e]);
             if (top_m >= std::min(stiff.bottom_m, mesh.ends_m[e + 1])) continue;
-            Layer layer = c.scene().medium.layers[mesh.layers[e]];
+            Layer layer = c.scene.medium.layers[mesh.layers[e]];
             const double most_mu_Pa = options.contrast_cap * static_shear_modulus(layer);
             layer.c_s_m_s = stiff.c_s_m_s;
             layer.density_kg_m3 = stiff.density_kg_m3.value_or(layer.density_kg_m3);
@@ -158,7 +158,7 @@ Expected expected_error(const Case& c, const SpectralOptions& options, const Sca
     if (limit.is_finite() &&
         static_cast<double>(mesh.elements()) * mesh.degree * mesh.degree > most_squares)
         throw engines::StepNotChosen{};
-    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
+    const VerticalOperator vertical(mesh, background_of(mesh, c.scene.medium));
     const double periods = std::max(1.0, s.omega_rad_s * c.time.duration_s() / 10.0);
     return {probed_error(c, mesh, step_s, limit),
             0.8 * inertia_of_inclusions(c, options, mesh, vertical, s, step_s) /

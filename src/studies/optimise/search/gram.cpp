@@ -107,7 +107,7 @@ private:
         double weight = 0.0; // sum
     };
     FocalSamples focal_samples(const KnotFields& fields, double t_s) const {
-        const std::vector<Vec2> places = foci(c_.scene().load.modulation, t_s);
+        const std::vector<Vec2> places = foci(c_.scene.load.modulation, t_s);
         const measures::FocalRegion disc(c_.domain, region_, places, c_.measure.focal_radius_m);
         std::vector<Eigen::RowVectorXd> rows;
         FocalSamples samples;
@@ -123,9 +123,9 @@ private:
     }
 
     void find_roots() {
-        const std::vector<double> shares = measures::shares_near(
-            drawn_shape(c_.scene().load.modulation, 0.25 * c_.domain.spacing_m),
-            fwhm_m(c_.scene().load.footprint), c_.domain);
+        const std::vector<double> shares =
+            measures::shares_near(drawn_shape(c_.scene.load.modulation, 0.25 * c_.domain.spacing_m),
+                                  fwhm_m(c_.scene.load.footprint), c_.domain);
         roots_.resize(region_.samples());
         Index filled = 0;
         for (std::ptrdiff_t i = region_.x0; i < region_.x1; ++i)
@@ -192,7 +192,7 @@ MatrixXd traces_of(const TimeAxis& time, const Quotient& quotient,
 std::vector<std::array<WeightedSample, 4>> samples_along_path(const Case& c) {
     const Domain& d = c.domain;
     std::vector<std::array<WeightedSample, 4>> points;
-    for (const std::vector<Vec2>& line : drawn_shape(c.scene().load.modulation, d.spacing_m)) {
+    for (const std::vector<Vec2>& line : drawn_shape(c.scene.load.modulation, d.spacing_m)) {
         if (line.size() < 2) continue; // a focus at rest
         for (const Vec2 point : line) {
             const CellPlace x = place_in(d.nx, d.spacing_m, point.x),
@@ -219,7 +219,7 @@ double uniformity_of(const Case& c, const std::filesystem::path& file) {
 
 Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
                  const std::vector<std::filesystem::path>& knot_files) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     const measures::PeriodWindow window = measures::period_window(
         c.measure, c.time, modulation_frequency_Hz(modulation), off_time_s(modulation.trajectory));
     const std::vector<double> weights =

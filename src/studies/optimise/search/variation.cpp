@@ -16,7 +16,7 @@ namespace shearwake::optimise {
 namespace {
 
 Travel* travel_at_constant_speed(Case& c) {
-    for (Mover& mover : c.scene().load.modulation.trajectory.parts)
+    for (Mover& mover : c.scene.load.modulation.trajectory.parts)
         if (auto* travel = std::get_if<Travel>(&mover);
             travel && std::holds_alternative<ConstantSpeed>(travel->motion))
             return travel;
@@ -29,7 +29,7 @@ void scale_times(Case& c, double factor) {
     c.measure.settled_after_s *= factor;
     for (double& time_s : c.record.snapshots_s)
         time_s *= factor;
-    for (Gain& gain : c.scene().load.modulation.envelope.gains)
+    for (Gain& gain : c.scene.load.modulation.envelope.gains)
         std::visit(overloaded{[&](SampledGain& sampled) { sampled.interval_s *= factor; },
                               [](SineGain&) {}, [](RampGain&) {}, [](SquareGain&) {},
                               [](WindowGain&) {}},
@@ -47,9 +47,9 @@ void scale_viscosity(ShearLoss& loss, double factor) {
 } // namespace
 
 bool can_be_computed(const Case& c) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     if (c.time.regime == Regime::periodic) {
-        const LoadPeriod period = least_period(c.scene().load, 1.01 * c.time.duration_s());
+        const LoadPeriod period = least_period(c.scene.load, 1.01 * c.time.duration_s());
         if (!period.reason.empty()) return false;
         const double periods = c.time.duration_s() / period.period_s;
         if (std::abs(periods - std::round(periods)) > 1e-6) return false;
@@ -160,7 +160,7 @@ std::vector<Difference> differences_by(double relative) {
 
 std::optional<Case> with_difference(const Case& c, const Difference& difference) {
     Case changed = c;
-    for (Layer& layer : changed.scene().medium.layers) {
+    for (Layer& layer : changed.scene.medium.layers) {
         layer.c_s_m_s *= difference.c_s;
         scale_viscosity(layer.loss, difference.viscosity);
     }

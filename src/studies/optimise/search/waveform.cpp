@@ -29,8 +29,7 @@ Knots knots_of(const Case& c, double interval_s) {
 }
 
 std::string why_not(const Case& c, const OptimiseOptions& options) {
-    if (c.study()) return "a k-Wave study has sources of its own, which have no envelope";
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     if (!modulation.envelope.gains.empty())
         return fmt::format("the modulation {} has an envelope, which would be replaced; use a kind "
                            "without AM, for example STM, and no ramp",
@@ -52,10 +51,9 @@ std::string why_not(const Case& c, const OptimiseOptions& options) {
 }
 
 Case with_envelope(Case c, const Knots& knots, const Eigen::VectorXd& values) {
-    c.scene().load.modulation.envelope.gains = {
-        SampledGain{.values = {values.begin(), values.end()},
-                    .interval_s = knots.interval_s,
-                    .repeat = knots.repeat}};
+    c.scene.load.modulation.envelope.gains = {SampledGain{.values = {values.begin(), values.end()},
+                                                          .interval_s = knots.interval_s,
+                                                          .repeat = knots.repeat}};
     return c;
 }
 
@@ -73,7 +71,7 @@ Case knot_case(const Case& c, const Knots& knots, Eigen::Index knot) {
 }
 
 double window_s(const Case& c) {
-    const Modulation& modulation = c.scene().load.modulation;
+    const Modulation& modulation = c.scene.load.modulation;
     const measures::PeriodWindow window = measures::period_window(
         c.measure, c.time, modulation_frequency_Hz(modulation), off_time_s(modulation.trajectory));
     return window.to_s - window.from_s;

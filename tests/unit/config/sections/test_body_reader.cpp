@@ -29,7 +29,7 @@ const std::string upright = "shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius
                             "c_s_m_s = 9\n";
 
 Body only_body(const std::string& job) {
-    const auto bodies = only_case(job).scene().medium.bodies;
+    const auto bodies = only_case(job).scene.medium.bodies;
     REQUIRE(bodies.size() == 1);
     return bodies[0];
 }
@@ -183,7 +183,7 @@ TEST_CASE("the numbers of a body can be swept", "[config][body]") {
     const auto bodies = [&](const std::string& axis) {
         std::vector<Body> found;
         for (const PlannedCase& c : config::read_job(job + axis, "job.toml").plan.cases)
-            found.push_back(c.physics.scene().medium.bodies.at(0));
+            found.push_back(c.physics.scene.medium.bodies.at(0));
         return found;
     };
     CHECK(bodies("\"medium.body[1].depth_mm\" = [8, 9]\n").at(0).centre_m.z == 0.008);
@@ -211,7 +211,7 @@ TEST_CASE("a map is provided by the loader and is part of the case", "[config][b
         return small_map(7.0);
     });
     CHECK(asked == std::vector<std::string>{"a.h5"});
-    CHECK(read.plan.cases.at(0).physics.scene().medium.map->c_s_m_s == std::vector{7.0});
+    CHECK(read.plan.cases.at(0).physics.scene.medium.map->c_s_m_s == std::vector{7.0});
     CHECK(read.plan.cases.at(0).id != case_id(only_case(job_with(""))));
     CHECK(diagnostics_of(job) == Texts{"job.toml:7:7: error: medium.map names a file, but this job "
                                        "is read without access to files"});

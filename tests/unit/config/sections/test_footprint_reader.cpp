@@ -21,7 +21,7 @@ std::string with_footprint(std::string_view footprint, std::string_view peak = "
 }
 
 Load load_of(std::string_view footprint, std::string_view peak = "") {
-    return only_case(with_footprint(footprint, peak)).scene().load;
+    return only_case(with_footprint(footprint, peak)).scene.load;
 }
 
 const std::string board = "shape = \"array\", preset = \"array-16x16\", distance_mm = 200";
@@ -71,7 +71,7 @@ TEST_CASE("numbers of an array can be swept", "[config][footprint][slow]") {
                             "\"load.footprint.distance_mm\" = [150, 200]\n";
     const config::Job read = config::read_job(job, "job.toml");
     REQUIRE(read.plan.cases.size() == 4);
-    CHECK(read.plan.cases[1].physics.scene().load.peak_Pa == Approx(51.0).margin(0.5));
+    CHECK(read.plan.cases[1].physics.scene.load.peak_Pa == Approx(51.0).margin(0.5));
 }
 
 TEST_CASE("the strength of a piston is not limited like a length", "[config][footprint]") {
@@ -105,7 +105,7 @@ TEST_CASE("several foci are positions relative to the moving point", "[config][f
         return plain_with("kind = \"AM-STM\"\n",
                           "kind = \"AM-STM\"\nfoci_mm = " + std::string(foci) + "\n");
     };
-    CHECK(only_case(job("[[-5, 0], [5, 0]]")).scene().load.modulation.foci_m ==
+    CHECK(only_case(job("[[-5, 0], [5, 0]]")).scene.load.modulation.foci_m ==
           std::vector<Vec2>{{-0.005, 0.0}, {0.005, 0.0}});
     CHECK(diagnostics_of(job("[]")) ==
           Texts{"job.toml:18:11: error: load.modulation.foci_mm must contain at least one focus"});

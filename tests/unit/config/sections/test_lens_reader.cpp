@@ -28,8 +28,7 @@ std::string with_lens(std::string_view footprint, std::string_view peak = "peak_
 TEST_CASE("the pressure behind a lens gives the peak on the skin", "[config][lens]") {
     const Load load =
         only_case(with_lens(plate + ", target_foci_mm = [[0, 0]], pressure_Pa = 500", ""))
-            .scene()
-            .load;
+            .scene.load;
     const auto& lens = std::get<LensFootprint>(load.footprint);
     REQUIRE(lens.design);
     CHECK(lens.pixel_m == Approx(0.25 * 346.1 / 40e3));
@@ -46,8 +45,7 @@ TEST_CASE("a picture is a target", "[config][lens]") {
     const auto load_text = [&](const std::string&) { return png; };
     const std::string job = with_lens(plate + ", target_png = \"a.png\", target_width_mm = 30");
     const config::Job read = config::read_job(job, "job.toml", {}, nullptr, load_text);
-    const auto& lens =
-        std::get<LensFootprint>(read.plan.cases.at(0).physics.scene().load.footprint);
+    const auto& lens = std::get<LensFootprint>(read.plan.cases.at(0).physics.scene.load.footprint);
     REQUIRE(lens.image);
     CHECK(lens.image->at({0.0, 5e-3}, 0.03) == 1.0);
     CHECK(lens.image->at({10e-3, -5e-3}, 0.03) == Approx(128.0 / 255.0));
@@ -61,7 +59,7 @@ TEST_CASE("the cases of a sweep share a lens", "[config][lens]") {
                             "[sweep]\n\"load.modulation.am_frequency_Hz\" = [400, 500]\n";
     const config::Job read = config::read_job(job, "job.toml");
     const auto design = [&](std::size_t n) {
-        return std::get<LensFootprint>(read.plan.cases.at(n).physics.scene().load.footprint).design;
+        return std::get<LensFootprint>(read.plan.cases.at(n).physics.scene.load.footprint).design;
     };
     CHECK(design(0) == design(1));
 }

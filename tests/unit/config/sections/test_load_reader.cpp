@@ -11,7 +11,7 @@ using namespace shearwake::test;
 namespace {
 
 Modulation modulation_of(std::string_view modulation) {
-    return only_case(with_modulation(modulation)).scene().load.modulation;
+    return only_case(with_modulation(modulation)).scene.load.modulation;
 }
 
 const std::string path = "path = { shape = \"line\", from_mm = [-14, 0], to_mm = [14, 0] }\n";
@@ -60,8 +60,7 @@ TEST_CASE("SM-STM is a path at oscillating speed", "[config][load]") {
 TEST_CASE("a carrier can be resolved", "[config][load]") {
     const auto carrier = [](std::string_view more) {
         return only_case(plain_with("peak_Pa = 100.0\n", "peak_Pa = 100.0\n" + std::string(more)))
-            .scene()
-            .load.carrier;
+            .scene.load.carrier;
     };
     CHECK(carrier("") == Carrier(AveragedCarrier{}));
     CHECK(carrier("carrier = \"averaged\"\n") == Carrier(AveragedCarrier{}));

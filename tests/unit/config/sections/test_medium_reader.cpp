@@ -10,7 +10,7 @@ using namespace shearwake::test;
 namespace {
 
 Layer layer_with(std::string_view loss) {
-    return only_case(plain_with("viscosity_Pa_s = 1.0", loss)).scene().medium.layers.at(0);
+    return only_case(plain_with("viscosity_Pa_s = 1.0", loss)).scene.medium.layers.at(0);
 }
 
 } // namespace
@@ -67,7 +67,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
 TEST_CASE("every preset gives a case without diagnostics", "[config][medium]") {
     const std::string name = GENERATE(from_range(config::preset_names()));
     const std::string job = with_medium("[medium]\npreset = \"" + name + "\"\n");
-    const Medium medium = only_case(job).scene().medium;
+    const Medium medium = only_case(job).scene.medium;
     CHECK_FALSE(medium.layers.empty());
     for (const Layer& layer : medium.layers)
         CHECK(layer.c_p_m_s / layer.c_s_m_s > std::sqrt(51.0)); // a Poisson's ratio above 0.49
@@ -75,9 +75,7 @@ TEST_CASE("every preset gives a case without diagnostics", "[config][medium]") {
 
 TEST_CASE("the presets have the values of their sources", "[config][medium]") {
     const auto layers = [](const std::string& name) {
-        return only_case(with_medium("[medium]\npreset = \"" + name + "\"\n"))
-            .scene()
-            .medium.layers;
+        return only_case(with_medium("[medium]\npreset = \"" + name + "\"\n")).scene.medium.layers;
     };
     CHECK(static_shear_modulus(layers("ecoflex")[0]) == Approx(27.8e3).epsilon(2e-3));
     CHECK(layers("ecoflex")[0].loss == ShearLoss(FractionalKelvinVoigt{260e-6, 0.27}));
@@ -99,8 +97,7 @@ TEST_CASE("a layer's preset fills in only what is not given", "[config][medium]"
                    with_medium(
                        "[medium]\nbase = \"rigid\"\n[[medium.layer]]\npreset = \"ecoflex\"\n" +
                        more))
-            .scene()
-            .medium.layers.at(0);
+            .scene.medium.layers.at(0);
     };
     CHECK(layer("").c_s_m_s == 5.10);
     CHECK(layer("c_s_m_s = 6.0\n").c_s_m_s == 6.0);
@@ -112,8 +109,7 @@ TEST_CASE("the thickness of a preset is ignored in a half-space", "[config][medi
     const Medium medium =
         only_case(with_medium("[medium]\nbase = \"half-space\"\n[[medium.layer]]\npreset = "
                               "\"ecoflex\"\n[[medium.layer]]\npreset = \"forearm\"\n"))
-            .scene()
-            .medium;
+            .scene.medium;
     CHECK(medium.base == Base::half_space);
     CHECK(medium.layers.at(0).thickness_m == 0.02);
     CHECK(medium.layers.at(1).thickness_m == 0.0);

@@ -21,12 +21,12 @@ std::string stm(std::string_view path, std::string_view more = speed) {
 }
 
 Modulation modulation_of(std::string_view modulation) {
-    return only_case(with_modulation(modulation)).scene().load.modulation;
+    return only_case(with_modulation(modulation)).scene.load.modulation;
 }
 
 Travel travel_of(std::string_view path, std::string_view more = speed) {
     return std::get<Travel>(
-        only_case(stm(path, more)).scene().load.modulation.trajectory.parts.at(0));
+        only_case(stm(path, more)).scene.load.modulation.trajectory.parts.at(0));
 }
 
 } // namespace
@@ -161,7 +161,7 @@ frequency_Hz = 500)") + R"([sweep]
 )";
     const config::Job read = config::read_job(job, "job.toml");
     REQUIRE(read.plan.cases.size() == 4);
-    const Modulation& last = read.plan.cases[1].physics.scene().load.modulation;
+    const Modulation& last = read.plan.cases[1].physics.scene.load.modulation;
     CHECK(std::get<Swing>(last.trajectory.parts[0]).frequency_Hz == 600.0);
     CHECK(std::get<SineGain>(last.envelope.gains[0]).depth == 0.5);
 }
@@ -173,7 +173,7 @@ TEST_CASE("a path can come from a file of points", "[config][path]") {
             CHECK(file == "shape.csv");
             return "# mine\nx_mm,y_mm\n0, 0\r\n\n3,0\n3,4\n";
         });
-    const auto& parts = read.plan.cases.at(0).physics.scene().load.modulation.trajectory.parts;
+    const auto& parts = read.plan.cases.at(0).physics.scene.load.modulation.trajectory.parts;
     CHECK(std::get<Travel>(parts[0]).path ==
           Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
 }
@@ -187,7 +187,7 @@ Travel travel_of_file(const std::string& csv, std::string_view path = "",
         config::read_job(stm("shape = \"csv\", file = \"a.csv\"" + std::string(path), more),
                          "job.toml", {}, nullptr, [&](const std::string&) { return csv; });
     return std::get<Travel>(
-        read.plan.cases.at(0).physics.scene().load.modulation.trajectory.parts.at(0));
+        read.plan.cases.at(0).physics.scene.load.modulation.trajectory.parts.at(0));
 }
 
 } // namespace

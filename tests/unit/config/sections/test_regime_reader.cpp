@@ -67,7 +67,7 @@ TEST_CASE("the periodic regime needs open edges, losses and the engine layered",
     c.domain.edges = DomainEdges::periodic;
     CHECK(any_contains(errors_of(c), "time.regime is \"periodic\", which requires domain.edges"));
     c = only_case(steady_job());
-    c.scene().medium.layers[0].loss = KelvinVoigt{0.0};
+    c.scene.medium.layers[0].loss = KelvinVoigt{0.0};
     CHECK(any_contains(errors_of(c), "layer \"tissue\" is lossless"));
     for (const SolverOptions& other :
          {SolverOptions(SpectralOptions{}), SolverOptions(PstdOptions{})}) {

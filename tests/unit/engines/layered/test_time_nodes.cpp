@@ -39,8 +39,8 @@ Complex by_nodes(const Case& c, const layered::TimeTransform& time, double k, st
     std::vector<Complex> samples(static_cast<std::size_t>(time.samples));
     const auto value = [&](std::size_t i) {
         const double t = nodes.times_s()[i];
-        return nodes.weights()[i] * strength(c.scene().load, t) *
-               std::exp(Complex(-time.decay_rad_s * t, -k * focus_m(c.scene().load, t).x));
+        return nodes.weights()[i] * strength(c.scene.load, t) *
+               std::exp(Complex(-time.decay_rad_s * t, -k * focus_m(c.scene.load, t).x));
     };
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i] = value(i);
@@ -64,8 +64,8 @@ Complex by_nodes(const Case& c, const layered::TimeTransform& time, double k, st
 TEST_CASE("a line that is drawn again and again has its exact harmonics", "[layered][time_nodes]") {
     const double speed = 7.0, length = 20e-3, period_s = length / speed;
     Case c = test::moving_focus(test::half_space(test::tissue()), {});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory.parts = {
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory.parts = {
         Travel{Line{{-1e-2, 0.0}, {1e-2, 0.0}}, ConstantSpeed{speed}, AtEnd::repeat}};
     c.time = {64, period_s / 64.0, Regime::periodic};
     layered::TimeTransform time;
@@ -88,8 +88,8 @@ TEST_CASE("a line that is drawn again and again has its exact harmonics", "[laye
 TEST_CASE("the start and the end of a path are integrated exactly", "[layered][time_nodes]") {
     const double speed = 5.0, off_s = 17.3e-3 / speed; // between two samples
     Case c = test::moving_focus(test::half_space(test::tissue()), {});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory.parts = {
+    c.scene.load.footprint = GaussianFootprint{4e-3};
+    c.scene.load.modulation.trajectory.parts = {
         Travel{Line{{-1e-2, 0.0}, {7.3e-3, 0.0}}, ConstantSpeed{speed}, AtEnd::off}};
     c.time = {80, 50e-6};
     layered::TimeTransform time;

@@ -176,9 +176,9 @@ TEST_CASE("a steady state without loss and responses that overflow are errors of
     // omega viscosity / mu = 2 pi 71.4 Hz 1e-8 Pa s / 25 kPa
     CHECK_THAT(remark_of(), Catch::Contains("time.regime") &&
                                 Catch::Contains("layer \"tissue\" at 71.43 Hz is 1.8e-10"));
-    c.scene().medium.layers[0].loss = KelvinVoigt{1e-6};
+    c.scene.medium.layers[0].loss = KelvinVoigt{1e-6};
     CHECK(remark_of().empty());
-    c.scene().medium.layers[0].density_kg_m3 = 1e300;
+    c.scene.medium.layers[0].density_kg_m3 = 1e300;
     CHECK_THAT(remark_of(), Catch::Contains("medium.layer") && Catch::Contains("layer \"tissue\""));
 }
 

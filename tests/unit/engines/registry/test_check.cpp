@@ -13,17 +13,17 @@ namespace {
 /// A case without a remark: a path of 28 mm at 7 m/s through 96 x 67.5 mm in 4 ms.
 Case good_case() {
     Case c;
-    c.scene().medium.layers = {Layer{.name = "tissue",
-                                     .thickness_m = 0.02,
-                                     .density_kg_m3 = 1000.0,
-                                     .c_p_m_s = 1500.0,
-                                     .c_s_m_s = 5.0,
-                                     .loss = KelvinVoigt{1.0}}};
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.footprint = GaussianFootprint{0.003};
-    c.scene().load.modulation = {"AM-STM",
-                                 {{Travel{{{-0.014, 0.0}, {0.014, 0.0}}, ConstantSpeed{7.0}}}},
-                                 {{SineGain{500.0}}}};
+    c.scene.medium.layers = {Layer{.name = "tissue",
+                                   .thickness_m = 0.02,
+                                   .density_kg_m3 = 1000.0,
+                                   .c_p_m_s = 1500.0,
+                                   .c_s_m_s = 5.0,
+                                   .loss = KelvinVoigt{1.0}}};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.footprint = GaussianFootprint{0.003};
+    c.scene.load.modulation = {"AM-STM",
+                               {{Travel{{{-0.014, 0.0}, {0.014, 0.0}}, ConstantSpeed{7.0}}}},
+                               {{SineGain{500.0}}}};
     c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
     c.time = {.frames = 80, .interval_s = 5e-5};
     c.measure = {.at_s = 0.004, .settled_after_s = 0.0012, .focal_radius_m = 0.003};
@@ -32,7 +32,7 @@ Case good_case() {
 }
 
 Travel& travel(Case& c) {
-    return std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    return std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
 }
 
 /// The one remark of a case.
@@ -77,7 +77,7 @@ TEST_CASE("frames that do not resolve the load give a warning", "[check]") {
 TEST_CASE("a modulation with fewer than four frames per period gives a warning", "[check]") {
     Case c = good_case();
     travel(c).motion = ConstantSpeed{0.5}; // so slow that only the envelope matters
-    c.scene().load.modulation.envelope.gains = {SineGain{6000.0}};
+    c.scene.load.modulation.envelope.gains = {SineGain{6000.0}};
     const Remark remark = only_remark(c);
     CHECK(remark.key == "time.output_interval_us");
     CHECK(has(remark.message, "the modulation of 6000 Hz"));
@@ -86,29 +86,29 @@ TEST_CASE("a modulation with fewer than four frames per period gives a warning",
 TEST_CASE("a pressure that strains the tissue or that is a sound pressure gives a warning",
           "[check]") {
     Case c = good_case(); // mu = 25 kPa
-    c.scene().load.peak_Pa = 3000.0;
-    CHECK(check(c).empty());         // 1.9 %
-    c.scene().load.peak_Pa = 4500.0; // as p^2/(rho c^2), 143 Pa
+    c.scene.load.peak_Pa = 3000.0;
+    CHECK(check(c).empty());       // 1.9 %
+    c.scene.load.peak_Pa = 4500.0; // as p^2/(rho c^2), 143 Pa
     CHECK(has(only_remark(c).message, "p^2/(rho c^2) = 143 Pa"));
-    c.scene().load.peak_Pa = 0.1; // kPa
+    c.scene.load.peak_Pa = 0.1; // kPa
     CHECK(has(only_remark(c).message, "0.1 Pa is far below those of devices in air"));
-    c.scene().load.peak_Pa = 9000.0;
+    c.scene.load.peak_Pa = 9000.0;
     CHECK(only_remark(c).key == "load.peak_Pa");
     // .155 9000/25000, and 9000^2/(1.204 343.2^2).
     CHECK(
         has(only_remark(c).message, "strains the tissue by about 5.6 %, but the model is linear"));
     CHECK(has(only_remark(c).message, "p^2/(rho c^2) = 571 Pa"));
-    c.scene().medium.layers[0].c_s_m_s = 20.0; // a stiff gel: .35 %
+    c.scene.medium.layers[0].c_s_m_s = 20.0; // a stiff gel: .35 %
     c.domain = {.nx = 512, .ny = 512, .spacing_m = 0.00075};
     CHECK(has(only_remark(c).message, "strains the tissue by about 0.35 %; devices in air"));
     // A thin stiff film does not protect the soft layer below it.
     c = good_case();
-    c.scene().load.peak_Pa = 2000.0;
-    c.scene().medium.layers[0].c_s_m_s = 1.9;
-    Layer film = c.scene().medium.layers[0];
+    c.scene.load.peak_Pa = 2000.0;
+    c.scene.medium.layers[0].c_s_m_s = 1.9;
+    Layer film = c.scene.medium.layers[0];
     film.thickness_m = 2e-5;
     film.c_s_m_s = 30.0;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     CHECK(has(only_remark(c).message, "strains the tissue by about 8.6 %"));
 }
 
@@ -117,27 +117,27 @@ TEST_CASE("lengths in m and times in s instead of mm and ms give a warning", "[c
     c.measure.settled_after_s = 1.2e-6;
     CHECK(only_remark(c).key == "measure.settled_after_ms");
     c = good_case();
-    c.scene().load.modulation.envelope.gains.push_back(RampGain{.duration_s = 2e-6});
+    c.scene.load.modulation.envelope.gains.push_back(RampGain{.duration_s = 2e-6});
     const auto of_ramp = check(c); // the kink also has frequencies that alias
     CHECK(std::ranges::count(of_ramp, "load.modulation.ramp_ms", &Remark::key) == 1);
     c = good_case();
-    c.scene().medium.layers[0].density_kg_m3 = 1.05;
-    c.scene().load.peak_Pa = 1.0;
+    c.scene.medium.layers[0].density_kg_m3 = 1.05;
+    c.scene.load.peak_Pa = 1.0;
     CHECK(only_remark(c).key == "medium.layer");
     CHECK(has(only_remark(c).message, "density of 1.05 kg/m^3"));
     c = good_case();
-    c.scene().medium.layers[0].thickness_m = 1.2e-5;
+    c.scene.medium.layers[0].thickness_m = 1.2e-5;
     CHECK(has(only_remark(c).message, "0.012 mm thick in total"));
     c = good_case();
-    c.scene().load.modulation.trajectory = {{Travel{Arc{.radius_m = 2.5e-5, .sweep_rad = 6.283185},
-                                                    ConstantSpeed{0.1}, AtEnd::repeat}}};
+    c.scene.load.modulation.trajectory = {{Travel{Arc{.radius_m = 2.5e-5, .sweep_rad = 6.283185},
+                                                  ConstantSpeed{0.1}, AtEnd::repeat}}};
     CHECK(only_remark(c).key == "load.modulation.path");
     CHECK(has(only_remark(c).message, "the size of the path is 0.05 mm"));
 }
 
 TEST_CASE("properties of layers in other units than those of the keys give a warning", "[check]") {
     Case c = good_case();
-    Layer& layer = c.scene().medium.layers[0];
+    Layer& layer = c.scene.medium.layers[0];
     layer.density_kg_m3 = 8000.0;
     CHECK(has(only_remark(c).message, "density of 8e+03 kg/m^3"));
     layer.density_kg_m3 = 1000.0;
@@ -162,10 +162,10 @@ TEST_CASE("coordinates, speeds, durations and intervals in other units give a wa
     CHECK(has(only_remark(c).message, "[0.01, 0] mm is closer to the centre than 5 %"));
     c.record.traces_m = {{1e-16, 0.0}}; // rounding
     CHECK(check(c).empty());
-    c.scene().load.modulation.foci_m = {{-2e-5, 0.0}, {2e-5, 0.0}};
+    c.scene.load.modulation.foci_m = {{-2e-5, 0.0}, {2e-5, 0.0}};
     CHECK(only_remark(c).key == "load.modulation.foci_mm");
     c = good_case();
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 3e-5}}}};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 3e-5}}}};
     CHECK(only_remark(c).key == "load.modulation.position_mm");
     c = good_case();
     travel(c).motion = ConstantSpeed{0.007}; // 28 mm in 4 s
@@ -177,7 +177,7 @@ TEST_CASE("coordinates, speeds, durations and intervals in other units give a wa
     c = good_case();
     c.time = {.frames = 2, .interval_s = 1e-5}; // waves travel .1 mm
     c.measure = {.at_s = 2e-5, .focal_radius_m = 0.003};
-    c.scene().load.modulation = {"AM", {{Hold{}}}, {}};
+    c.scene.load.modulation = {"AM", {{Hold{}}}, {}};
     CHECK(only_remark(c).key == "time.duration_ms");
     c = good_case();
     c.time = {.frames = 80000, .interval_s = 5e-8};
@@ -194,11 +194,11 @@ TEST_CASE("pins along the path of a moving focus give a warning", "[check]") {
     c.afferents->pins_m = {{0.0, 0.0}};
     CHECK(check(c).empty());
     c.afferents->pins_m = {{-0.001, 0.0}, {0.001, 0.0}};
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
     CHECK(check(c).empty());
     c.afferents->pins_m = {{0.0, 0.0}, {0.0016, 0.0}}; // the FWHM is 3 mm
     CHECK(has(only_remark(c).message, "1.6 mm away from the focus, which is 3 mm wide"));
-    c.scene().load.modulation.foci_m = {{0.0, 0.0}, {0.0016, 0.0}};
+    c.scene.load.modulation.foci_m = {{0.0, 0.0}, {0.0016, 0.0}};
     CHECK(check(c).empty());
     c = good_case();
     c.afferents = AfferentOptions{};
@@ -209,16 +209,16 @@ TEST_CASE("pins along the path of a moving focus give a warning", "[check]") {
 TEST_CASE("a tactile pointer that draws as fast as STM gives a warning", "[check]") {
     Case c = good_case(); // 28 mm at 7 m/s: 250 passes per second
     CHECK(check(c).empty());
-    c.scene().load.modulation.kind = "DTP";
+    c.scene.load.modulation.kind = "DTP";
     CHECK(only_remark(c).key == "load.modulation.kind");
     CHECK(has(only_remark(c).message,
               "250 shapes per second, but a pointer moves slowly, with at most 10 shapes per "
               "second: this load is identical to that of AM-STM"));
-    c.scene().load.modulation.kind = "STP";
+    c.scene.load.modulation.kind = "STP";
     CHECK(has(only_remark(c).message, "the pointer of STP draws 250 shapes per second"));
     travel(c).motion = ConstantSpeed{0.27}; // 9.6 per second
     CHECK(check(c).empty());
-    c.scene().load.modulation.kind = "DTP";
+    c.scene.load.modulation.kind = "DTP";
     CHECK(check(c).empty());
 }
 
@@ -243,8 +243,8 @@ TEST_CASE("a focus that would leave the domain after the end of the run or path 
 
 TEST_CASE("a focus near the edge gives a warning", "[check]") {
     Case c = good_case();
-    c.scene().medium.layers[0].c_s_m_s = 0.1; // nothing comes round
-    c.scene().load.peak_Pa = 0.01;            // strains so soft a medium by 2e-4
+    c.scene.medium.layers[0].c_s_m_s = 0.1; // nothing comes round
+    c.scene.load.peak_Pa = 0.01;            // strains so soft a medium by 2e-4
     c.measure.settled_after_s = 0.002; // waves travel .2 mm, more than a twentieth of the focus
     travel(c).path = {{-0.014, 0.0285}, {0.014, 0.0285}};
     const Remark remark = only_remark(c);
@@ -277,13 +277,13 @@ TEST_CASE("waves that return within the run give a warning with the required ext
 
 TEST_CASE("a thin top layer does not determine the speed of returning waves", "[check]") {
     Case c = good_case();
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), Layer{.name = "film",
-                                                                          .thickness_m = 1e-4,
-                                                                          .density_kg_m3 = 1000.0,
-                                                                          .c_p_m_s = 1500.0,
-                                                                          .c_s_m_s = 36.0});
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), Layer{.name = "film",
+                                                                      .thickness_m = 1e-4,
+                                                                      .density_kg_m3 = 1000.0,
+                                                                      .c_p_m_s = 1500.0,
+                                                                      .c_s_m_s = 36.0});
     CHECK(check(c).empty());
-    c.scene().medium.layers[0].thickness_m = 0.002;
+    c.scene.medium.layers[0].thickness_m = 0.002;
     CHECK(has(only_remark(c).message, "waves of 36 m/s"));
 }
 
@@ -298,7 +298,7 @@ TEST_CASE("a sponge that is too narrow for the waves gives a warning with the re
           "[check]") {
     Case c = good_case();
     c.solver = SpectralOptions{};
-    c.scene().load.modulation.envelope = {};
+    c.scene.load.modulation.envelope = {};
     c.domain.sponge_m = 0.0125; // waves of 20.4 mm
     CHECK(check(c).empty());
     c.time.frames = 400; // a sponge lets nothing come round
@@ -323,7 +323,7 @@ TEST_CASE("a path that ends before the measurement gives a warning", "[check]") 
 
 TEST_CASE("a period that does not fit into the period window gives a warning", "[check]") {
     Case c = good_case();
-    c.scene().load.modulation.envelope.gains = {SineGain{200.0}};
+    c.scene.load.modulation.envelope.gains = {SineGain{200.0}};
     CHECK(only_remark(c).key == "measure.settled_after_ms");
     CHECK(has(only_remark(c).message, "lasts 5 ms and does not fit between 1.2 and 4 ms"));
 }
@@ -355,9 +355,9 @@ TEST_CASE("volumes are rejected for engines that do not store them", "[check]") 
 TEST_CASE("side lobes that cross the edge give a warning", "[check]") {
     Case c = good_case();
     // The path comes within 33.75 mm of the edges along y, and within 34 mm along x.
-    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.033};
+    c.scene.load.footprint = ArrayFootprint{.reach_m = 0.033};
     CHECK(check(c).empty());
-    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.04};
+    c.scene.load.footprint = ArrayFootprint{.reach_m = 0.04};
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(only_remark(c).key == "load.footprint");
     CHECK(has(only_remark(c).message, "within 33.75 mm of the edge"));
@@ -366,7 +366,7 @@ TEST_CASE("side lobes that cross the edge give a warning", "[check]") {
 
 TEST_CASE("all of several foci must lie inside the domain", "[check]") {
     Case c = good_case();
-    c.scene().load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
+    c.scene.load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
     const auto remarks = check(c);
     CHECK(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
         return remark.severity == Severity::error && has(remark.message, "leaves the domain");

@@ -14,9 +14,9 @@ namespace {
 /// A ball of 4 mm in 96 x 67.5 mm: nothing to remark.
 Case good_case() {
     Case c;
-    c.scene().medium.layers = {
+    c.scene.medium.layers = {
         {.name = "tissue", .thickness_m = 0.02, .density_kg_m3 = 1e3, .c_p_m_s = 50, .c_s_m_s = 5}};
-    c.scene().medium.bodies = {{.shape = Ellipsoid{{2e-3, 2e-3, 2e-3}}, .centre_m = {0, 0, 5e-3}}};
+    c.scene.medium.bodies = {{.shape = Ellipsoid{{2e-3, 2e-3, 2e-3}}, .centre_m = {0, 0, 5e-3}}};
     c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
     c.time = {20, 100e-6};
     c.solver = SpectralOptions{};
@@ -65,16 +65,16 @@ TEST_CASE("the layered engine rejects bodies and maps with their keys", "[check_
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(only_remark(c).key == "medium.body");
     CHECK(has(only_remark(c).message, "solver.engine = \"spectral\""));
-    c.scene().medium.bodies.clear();
+    c.scene.medium.bodies.clear();
     CHECK(remarks_on(c).empty());
-    c.scene().medium.map = map_over(1.0);
+    c.scene.medium.map = map_over(1.0);
     CHECK(only_remark(c).key == "medium.map");
     CHECK(only_remark(c).severity == Severity::error);
 }
 
 TEST_CASE("only the engine pstd supports a fluid body", "[check_variation]") {
     Case c = good_case();
-    c.scene().medium.bodies[0].c_s_m_s = 0.0;
+    c.scene.medium.bodies[0].c_s_m_s = 0.0;
     c.solver = SpectralOptions{};
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(only_remark(c).key == "medium.body[1].c_s_m_s");
@@ -86,20 +86,20 @@ TEST_CASE("only the engine pstd supports a fluid body", "[check_variation]") {
 
 TEST_CASE("a body that the grid does not resolve is reported with numbers", "[check_variation]") {
     Case c = good_case();
-    c.scene().medium.bodies.push_back(
+    c.scene.medium.bodies.push_back(
         {.shape = Cylinder{.radius_m = 0.5e-3, .length_m = 20e-3}, .centre_m = {0, 0, 5e-3}});
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(only_remark(c).key == "medium.body[2].shape");
     CHECK(has(only_remark(c).message,
               "1 mm wide along the surface and the spacing is 0.75 mm, which gives 1.3 "));
-    c.scene().medium.bodies[1].shape = Box{{10e-3, 10e-3, 0.1e-3}}; // thin in depth only
+    c.scene.medium.bodies[1].shape = Box{{10e-3, 10e-3, 0.1e-3}}; // thin in depth only
     CHECK(remarks_on(c).empty());
 }
 
 TEST_CASE("the error of a body that the grid hardly resolves depends on its stiffness",
           "[check_variation]") {
     Case c = good_case();
-    Body& body = c.scene().medium.bodies[0];
+    Body& body = c.scene.medium.bodies[0];
     body.shape = Ellipsoid{{3e-3, 3e-3, 3e-3}}; // 4 spacings per radius
     body.c_s_m_s = 5.0 * std::sqrt(10.0);
     CHECK(remarks_on(c).empty());
@@ -126,7 +126,7 @@ TEST_CASE("the error of a body that the grid hardly resolves depends on its stif
 
 TEST_CASE("the engine pstd needs more points across a body than spectral", "[check_variation]") {
     Case c = good_case();
-    c.scene().medium.bodies[0].shape = Ellipsoid{{1.5e-3, 2e-3, 2e-3}}; // 3 mm: 4 points
+    c.scene.medium.bodies[0].shape = Ellipsoid{{1.5e-3, 2e-3, 2e-3}}; // 3 mm: 4 points
     CHECK(remarks_on(c).empty());
     PstdOptions pstd;
     pstd.top = PstdTop::continued; // without the error of a free surface
@@ -140,44 +140,44 @@ TEST_CASE("the engine pstd needs more points across a body than spectral", "[che
 TEST_CASE("a body that crosses the edge of the domain is reported", "[check_variation]") {
     Case c = good_case();
     SECTION("cut off") {
-        c.scene().medium.bodies[0].centre_m.x = -47e-3;
+        c.scene.medium.bodies[0].centre_m.x = -47e-3;
         CHECK(only_remark(c).severity == Severity::warning);
         CHECK(only_remark(c).key == "medium.body[1].center_mm");
         CHECK(has(
             only_remark(c).message,
             "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off"));
-        c.scene().medium.bodies[0].name = "bone";
+        c.scene.medium.bodies[0].name = "bone";
         CHECK(has(only_remark(c).message, "\"bone\" reaches 49 mm along x"));
-        c.scene().medium.bodies[0].name = "body 1"; // the default
+        c.scene.medium.bodies[0].name = "body 1"; // the default
         CHECK(has(only_remark(c).message, "it reaches 49 mm along x"));
     }
     SECTION("a rigid body continues at the opposite edge") {
-        c.scene().medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
-                                      .centre_m = {47e-3, 0.0, 5e-3},
-                                      .rigid = true};
+        c.scene.medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
+                                    .centre_m = {47e-3, 0.0, 5e-3},
+                                    .rigid = true};
         CHECK(remarks_on(c).empty());
     }
     SECTION("a box as wide as the domain has no ends") {
-        c.scene().medium.bodies[0].shape = Box{{6e-3, 1.0, 6e-3}};
+        c.scene.medium.bodies[0].shape = Box{{6e-3, 1.0, 6e-3}};
         c.domain.sponge_m = 5e-3;
         CHECK(remarks_on(c).empty());
-        c.scene().medium.bodies[0].rigid = true;
+        c.scene.medium.bodies[0].rigid = true;
         CHECK(remarks_on(c).empty());
     }
     SECTION("its smooth edge counts") {
-        c.scene().medium.bodies[0].centre_m.x = 45.5e-3;
-        c.scene().medium.bodies[0].edge_m = 2e-3;
+        c.scene.medium.bodies[0].centre_m.x = 45.5e-3;
+        c.scene.medium.bodies[0].edge_m = 2e-3;
         CHECK(has(only_remark(c).message, "it reaches 48.5 mm along x"));
     }
     SECTION("in the margin") {
         c.domain.sponge_m = 5e-3;
-        c.scene().medium.bodies[0].centre_m.y = 30e-3;
+        c.scene.medium.bodies[0].centre_m.y = 30e-3;
         CHECK(has(only_remark(c).message,
                   "it reaches 32 mm along y and thus into the margin domain.sponge_mm, 5 mm wide, "
                   "at the edge of the domain at 33.75 mm"));
     }
     SECTION("outside") {
-        c.scene().medium.bodies[0].centre_m.y = 36e-3;
+        c.scene.medium.bodies[0].centre_m.y = 36e-3;
         CHECK(only_remark(c).severity == Severity::error);
         CHECK(has(only_remark(c).message, "has no effect: it extends from 34 to 38 mm along y"));
     }
@@ -186,28 +186,28 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
 TEST_CASE("an infinite cylinder must match itself at the periodic edges", "[check_variation]") {
     Case c = good_case();
     Cylinder bone{.radius_m = 3e-3, .azimuth_deg = 90.0};
-    c.scene().medium.bodies[0].shape = bone;
+    c.scene.medium.bodies[0].shape = bone;
     CHECK(remarks_on(c).empty());
     bone.azimuth_deg = 30.0;
-    c.scene().medium.bodies[0].shape = bone;
+    c.scene.medium.bodies[0].shape = bone;
     CHECK(only_remark(c).key == "medium.body[1].azimuth_deg");
     CHECK(has(only_remark(c).message, "at an angle of 30 degrees"));
-    c.scene().medium.bodies[0].shape = Cylinder{.radius_m = 3e-3, .axis = CylinderAxis::vertical};
+    c.scene.medium.bodies[0].shape = Cylinder{.radius_m = 3e-3, .axis = CylinderAxis::vertical};
     CHECK(remarks_on(c).empty());
 }
 
 TEST_CASE("a map that does not cover the domain is reported", "[check_variation]") {
     Case c = good_case();
-    c.scene().medium.map = map_over(48e-3);
+    c.scene.medium.map = map_over(48e-3);
     CHECK(remarks_on(c).empty());
-    c.scene().medium.map = map_over(30e-3);
+    c.scene.medium.map = map_over(30e-3);
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(only_remark(c).key == "medium.map");
     CHECK(has(only_remark(c).message, "it covers x from -30 to 30, y from"));
-    c.scene().medium.map = map_over(30e-3, 90e-3);
+    c.scene.medium.map = map_over(30e-3, 90e-3);
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(has(only_remark(c).message, "no part of the domain"));
-    c.scene().medium.map = map_over(30.0); // mm
+    c.scene.medium.map = map_over(30.0); // mm
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(has(only_remark(c).message, "are its coordinates in m?"));
 }

@@ -15,9 +15,9 @@ namespace {
 /// A focus at rest on 96 x 96 mm for 14 ms, with a body and a scan.
 Case good_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.scene().load.modulation.trajectory.parts = {Hold{}};
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().medium.bodies = {
+    c.scene.load.modulation.trajectory.parts = {Hold{}};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.medium.bodies = {
         {.name = "body", .shape = Box{.size_m = {8e-3, 8e-3, 4e-3}}, .centre_m = {0.0, 0.0, 4e-3}}};
     c.domain = {.nx = 128, .ny = 128, .spacing_m = 0.75e-3};
     c.time = {.frames = 140, .interval_s = 1e-4};
@@ -48,9 +48,9 @@ TEST_CASE("values of bodies, regions, scans and envelopes in other units give a 
         const char *key, *part;
     };
     CHECK(check_plausibility(good_case()).empty());
-    const auto body = [](Case& c) -> Body& { return c.scene().medium.bodies[0]; };
+    const auto body = [](Case& c) -> Body& { return c.scene.medium.bodies[0]; };
     const auto gains = [](Case& c) -> std::vector<Gain>& {
-        return c.scene().load.modulation.envelope.gains;
+        return c.scene.load.modulation.envelope.gains;
     };
     const Mistake mistakes[] = {
         {[&](Case& c) { body(c).density_kg_m3 = 1.9; }, "medium.body", "a density of 1.9 kg/m^3"},
@@ -101,7 +101,7 @@ TEST_CASE("values of bodies, regions, scans and envelopes in other units give a 
 TEST_CASE("bodies at the surface, foci at the edge of a region and metals are plausible",
           "[check]") {
     Case c = good_case();
-    Body& body = c.scene().medium.bodies[0];
+    Body& body = c.scene.medium.bodies[0];
     SECTION("half of an ellipsoid") {
         body.shape = Ellipsoid{{5e-3, 4e-3, 2e-3}};
         body.centre_m.z = 0.0;
@@ -113,7 +113,7 @@ TEST_CASE("bodies at the surface, foci at the edge of a region and metals are pl
     SECTION("a path that has ended") {
         Travel travel{{{0.0, 0.0}, {0.05, 0.0}}, ConstantSpeed{7.0}};
         travel.at_end = AtEnd::off;
-        c.scene().load.modulation.trajectory.parts = {travel};
+        c.scene.load.modulation.trajectory.parts = {travel};
     }
     SECTION("tungsten") {
         body.density_kg_m3 = 19300.0;

@@ -15,32 +15,32 @@ namespace {
 /// A bone of 6 mm diameter along y, 2e5 times stiffer than the tissue around it.
 Case bone_case() {
     Case c;
-    c.scene().medium.layers = {{.name = "tissue",
-                                .thickness_m = 0.02,
-                                .density_kg_m3 = 1e3,
-                                .c_p_m_s = 1500.0,
-                                .c_s_m_s = 5.0}};
-    c.scene().medium.bodies = {{.name = "bone",
-                                .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
-                                .centre_m = {0.0, 0.0, 8e-3},
-                                .density_kg_m3 = 1900.0,
-                                .c_p_m_s = 3517.0,
-                                .c_s_m_s = 1619.0}};
+    c.scene.medium.layers = {{.name = "tissue",
+                              .thickness_m = 0.02,
+                              .density_kg_m3 = 1e3,
+                              .c_p_m_s = 1500.0,
+                              .c_s_m_s = 5.0}};
+    c.scene.medium.bodies = {{.name = "bone",
+                              .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
+                              .centre_m = {0.0, 0.0, 8e-3},
+                              .density_kg_m3 = 1900.0,
+                              .c_p_m_s = 3517.0,
+                              .c_s_m_s = 1619.0}};
     c.domain = {.nx = 64, .ny = 48, .spacing_m = 1e-3};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
     return c;
 }
 
 bool is_rigid(const Case& c) {
-    return spectral::rigid_plan(c).c.scene().medium.bodies[0].rigid;
+    return spectral::rigid_plan(c).c.scene.medium.bodies[0].rigid;
 }
 
 } // namespace
 
 TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]") {
     Case c = bone_case();
-    Body& bone = c.scene().medium.bodies[0];
-    CHECK(spectral::stiffness_contrast(bone, c.scene().medium) ==
+    Body& bone = c.scene.medium.bodies[0];
+    CHECK(spectral::stiffness_contrast(bone, c.scene.medium) ==
           Approx(1.9 * std::pow(1619.0 / 5.0, 2)));
     CHECK(is_rigid(c));
     SECTION("also where it does not cross the domain") {
@@ -62,12 +62,12 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
         CHECK(is_rigid(c));
     }
     SECTION("unless a layer around it is almost as stiff") {
-        Layer gel = c.scene().medium.layers[0];
+        Layer gel = c.scene.medium.layers[0];
         gel.c_s_m_s = 120.0;
-        c.scene().medium.layers[0].thickness_m = 6e-3;
-        c.scene().medium.layers.push_back(gel);
+        c.scene.medium.layers[0].thickness_m = 6e-3;
+        c.scene.medium.layers.push_back(gel);
         CHECK_FALSE(is_rigid(c)); // it extends from 5 to 11 mm
-        c.scene().medium.layers[0].thickness_m = 12e-3;
+        c.scene.medium.layers[0].thickness_m = 12e-3;
         CHECK(is_rigid(c));
     }
     SECTION("unless it is lighter than its surroundings") {
@@ -91,7 +91,7 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
             Body fat = bone;
             fat.c_s_m_s = 3.0;
             fat.density_kg_m3 = 900.0;
-            c.scene().medium.bodies.push_back(fat);
+            c.scene.medium.bodies.push_back(fat);
         }
         CHECK_FALSE(is_rigid(c));
         CHECK(spectral::rigid_limits(c).empty()); // it is elastic then
@@ -100,7 +100,7 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
 
 TEST_CASE("rigid bodies that are not supported are rejected with the reason", "[rigid_choice]") {
     Case c = bone_case();
-    Body& bone = c.scene().medium.bodies[0];
+    Body& bone = c.scene.medium.bodies[0];
     bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
     bone.rigid = true;
     CHECK(spectral::rigid_limits(c).empty());
@@ -137,12 +137,12 @@ TEST_CASE("rigid bodies that are not supported are rejected with the reason", "[
             other.centre_m.y = 23e-3;
         }
         if (!other.rigid) reason = "must not overlap another body, but it overlaps medium.body[2]";
-        c.scene().medium.bodies.push_back(other);
+        c.scene.medium.bodies.push_back(other);
     }
     SECTION("unless they are next to each other") {
         Body other = bone;
         other.centre_m.x = 8e-3;
-        c.scene().medium.bodies.push_back(other);
+        c.scene.medium.bodies.push_back(other);
         CHECK(spectral::rigid_limits(c).empty());
         return;
     }
@@ -155,7 +155,7 @@ TEST_CASE("rigid bodies that are not supported are rejected with the reason", "[
 
 TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
     Case c = bone_case();
-    Body& bone = c.scene().medium.bodies[0];
+    Body& bone = c.scene.medium.bodies[0];
     const auto note = [&] { return spectral::body_notes(spectral::rigid_plan(c)).at(0); };
     const std::string elastic =
         "medium.body[1] is elastic, 1.99e+05 times as stiff as its surroundings. It is not "
@@ -191,14 +191,14 @@ TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
 
 TEST_CASE("bodies along different axes and complete layers are rigid together", "[rigid_choice]") {
     Case c = bone_case();
-    Body across = c.scene().medium.bodies[0];
+    Body across = c.scene.medium.bodies[0];
     across.shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 0.0};
     across.centre_m.z = 14e-3;
-    c.scene().medium.bodies.push_back(across);
+    c.scene.medium.bodies.push_back(across);
     Body layer = across;
     layer.shape = Box{{1.0, 1.0, 2e-3}};
     layer.centre_m.z = 18e-3;
-    c.scene().medium.bodies.push_back(layer);
+    c.scene.medium.bodies.push_back(layer);
     SECTION("with a common matrix") {
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
         CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
@@ -207,7 +207,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
         CHECK_THAT(chosen.why, Catch::Contains("not all of them cross the domain along the same"));
     }
     SECTION("with one matrix per wavenumber if they are parallel") {
-        std::get<Cylinder>(c.scene().medium.bodies[1].shape).azimuth_deg = -90.0;
+        std::get<Cylinder>(c.scene.medium.bodies[1].shape).azimuth_deg = -90.0;
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
         CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
         CHECK(chosen.treatment == spectral::RigidTreatment::endless);
@@ -217,7 +217,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     SECTION("unless their matrix would be too large") {
         c.domain = {.nx = 160, .ny = 120, .spacing_m = 0.5e-3};
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
-        const std::vector<Body>& bodies = chosen.c.scene().medium.bodies;
+        const std::vector<Body>& bodies = chosen.c.scene.medium.bodies;
         CHECK(bodies[0].rigid);
         CHECK_FALSE(bodies[1].rigid);
         CHECK(bodies[2].rigid);
@@ -236,7 +236,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
 
 TEST_CASE("receptors of stress that may lie inside a rigid body are reported", "[rigid_choice]") {
     Case c = bone_case(); // spacing 1 mm, receptors down to 2 mm
-    Body& bone = c.scene().medium.bodies[0];
+    Body& bone = c.scene.medium.bodies[0];
     bone.rigid = true;
     bone.shape = Ellipsoid{{5e-3, 5e-3, 2e-3}};
     c.afferents = AfferentOptions{};

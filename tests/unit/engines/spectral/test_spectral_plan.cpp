@@ -21,15 +21,15 @@ constexpr double step_s = 50e-6;
 /// points, two elements.
 Case body_case(double contrast) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[0].thickness_m = 8e-3;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0},
-                                                                            {200e-3, 0.0}};
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[0].thickness_m = 8e-3;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0},
+                                                                          {200e-3, 0.0}};
     if (contrast != 1.0)
-        c.scene().medium.bodies = {{.name = "body",
-                                    .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},
-                                    .centre_m = {0.0, 2e-3, 3.5e-3},
-                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        c.scene.medium.bodies = {{.name = "body",
+                                  .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},
+                                  .centre_m = {0.0, 2e-3, 3.5e-3},
+                                  .c_s_m_s = 5.0 * std::sqrt(contrast)}};
     c.domain = {48, 36, 1e-3, 0.0};
     c.time = {20, step_s};
     c.solver = SpectralOptions{.time_step_s = step_s};
@@ -76,12 +76,12 @@ TEST_CASE("iterations and the box are planned where the stepper uses them", "[sp
         std::get<SpectralOptions>(c.solver).method = SpectralMethod::one_solve;
     }
     SECTION("softer, so that the cells around it vary") {
-        for (Body& body : c.scene().medium.bodies)
+        for (Body& body : c.scene.medium.bodies)
             body.c_s_m_s = 2.0;
         c.time.frames = 1000; // a box would pay
     }
     SECTION("denser") {
-        if (!c.scene().medium.bodies.empty()) c.scene().medium.bodies[0].density_kg_m3 = 1900.0;
+        if (!c.scene.medium.bodies.empty()) c.scene.medium.bodies[0].density_kg_m3 = 1900.0;
     }
     const spectral::VariationPlan planned = variation_of(c);
     const Found used = found(c);
@@ -92,16 +92,16 @@ TEST_CASE("iterations and the box are planned where the stepper uses them", "[sp
 TEST_CASE("many small bodies have the planned box, although their cells are sampled",
           "[spectral]") {
     Case c = body_case(4.0);
-    c.scene().medium.layers[0].thickness_m = 30e-3;
+    c.scene.medium.layers[0].thickness_m = 30e-3;
     c.domain = {96, 72, 1e-3, 0.0};
-    const Body body = c.scene().medium.bodies[0];
-    c.scene().medium.bodies.clear();
+    const Body body = c.scene.medium.bodies[0];
+    c.scene.medium.bodies.clear();
     for (int i = 0; i < 12; ++i) {
         Body small = body;
         small.shape = Ellipsoid{{1.7e-3, 1.7e-3, 1.7e-3}};
         small.density_kg_m3 = 1300.0;
         small.centre_m = {4.1e-3 * (i % 4 - 1.5), 4.1e-3 * (i / 4 - 1), 4e-3};
-        c.scene().medium.bodies.push_back(small);
+        c.scene.medium.bodies.push_back(small);
     }
     bool box_before = false; // longer runs have one
     int changes = 0;
@@ -123,7 +123,7 @@ TEST_CASE("many small bodies have the planned box, although their cells are samp
 
 TEST_CASE("the bounds of bodies and maps contain their cells closely", "[spectral]") {
     Case c = body_case(4.0);
-    Body body = c.scene().medium.bodies[0];
+    Body body = c.scene.medium.bodies[0];
     const auto [x_m, y_m, radius_m] =
         GENERATE(table<double, double, double>({{-22e-3, 0.0, 4.5e-3}, // beyond the edge
                                                 {0.0, 0.4e-3, 2.5e-3}, // ends at a cell's edge
@@ -147,18 +147,18 @@ TEST_CASE("the bounds of bodies and maps contain their cells closely", "[spectra
         map->spacing_m = {radius_m, 0.8 * radius_m, 1e-3};
         map->origin_m = {body.centre_m.x, body.centre_m.y, 2e-3};
         map->c_s_m_s.assign(60, 9.0);
-        c.scene().medium.map = map;
+        c.scene.medium.map = map;
     }
-    if (!c.scene().medium.map)
-        c.scene().medium.bodies = {body};
+    if (!c.scene.medium.map)
+        c.scene.medium.bodies = {body};
     else
-        c.scene().medium.bodies.clear();
+        c.scene.medium.bodies.clear();
     fft::SlabShare all;
     all.x_count = c.domain.nx;
     const spectral::LateralVariation v = spectral::lateral_variation(
         c, mesh_of(c), all, spectral::largest_k_rad_m(c.domain), step_s, nullptr);
     const spectral::CellExtent cells = spectral::PlaneCells{.points = v.points}.extent(nullptr),
-                               bounds = spectral::extent_of(c.scene().medium, c.domain);
+                               bounds = spectral::extent_of(c.scene.medium, c.domain);
     // A cell that touches a bound may differ by rounding.
     CHECK(cells.x_begin >= bounds.x_begin - 1);
     CHECK(cells.x_end <= bounds.x_end + 1);
@@ -178,8 +178,8 @@ TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
     SECTION("in a box") {
         c.domain = {96, 72, 1e-3, 0.0};
         c.time.frames = 100000;
-        if (!c.scene().medium.bodies.empty()) {
-            c.scene().medium.bodies[0].shape = Ellipsoid{{4e-3, 3e-3, 2e-3}};
+        if (!c.scene.medium.bodies.empty()) {
+            c.scene.medium.bodies[0].shape = Ellipsoid{{4e-3, 3e-3, 2e-3}};
             expected.emplace_back("box of elastic bodies");
         }
     }
@@ -188,19 +188,19 @@ TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
         expected.emplace_back("sponge");
     }
     SECTION("with a rigid cylinder") {
-        c.scene().medium.bodies = {{.name = "bone",
-                                    .shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 90.0},
-                                    .centre_m = {0.0, 0.0, 4e-3},
-                                    .density_kg_m3 = 1900.0,
-                                    .rigid = true}};
+        c.scene.medium.bodies = {{.name = "bone",
+                                  .shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 90.0},
+                                  .centre_m = {0.0, 0.0, 4e-3},
+                                  .density_kg_m3 = 1900.0,
+                                  .rigid = true}};
         expected.emplace_back("endless rigid bodies");
     }
     SECTION("with a rigid lump") {
-        c.scene().medium.bodies = {{.name = "lump",
-                                    .shape = Ellipsoid{{5e-3, 4e-3, 2.5e-3}},
-                                    .centre_m = {0.0, 0.0, 4e-3},
-                                    .density_kg_m3 = 1900.0,
-                                    .rigid = true}};
+        c.scene.medium.bodies = {{.name = "lump",
+                                  .shape = Ellipsoid{{5e-3, 4e-3, 2.5e-3}},
+                                  .centre_m = {0.0, 0.0, 4e-3},
+                                  .density_kg_m3 = 1900.0,
+                                  .rigid = true}};
         expected.emplace_back("rigid lumps");
     }
     SECTION("with strain, stress and receptors") {
@@ -260,7 +260,7 @@ TEST_CASE("counts cells only where the map extends", "[spectral]") {
     map->spacing_m = {8e-3, 8e-3, 1e-3};
     map->c_s_m_s = {5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 20.0};
     map->content_hash = hash_of(*map);
-    c.scene().medium.map = map;
+    c.scene.medium.map = map;
     const spectral::VariationPlan v = variation_of(c);
     CHECK(v.iterates); // the last point of the map is found
     CHECK(v.points >= 3.0);

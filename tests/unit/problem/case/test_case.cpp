@@ -11,15 +11,15 @@ namespace {
 
 Case some_case() {
     Case c;
-    c.scene().medium.layers = {Layer{.name = "tissue",
-                                     .thickness_m = 0.02,
-                                     .density_kg_m3 = 1000.0,
-                                     .c_p_m_s = 1500.0,
-                                     .c_s_m_s = 5.0,
-                                     .loss = KelvinVoigt{1.0}}};
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.footprint = GaussianFootprint{0.003};
-    c.scene().load.modulation = {"AM", {{Hold{}}}, {{SineGain{200.0}}}};
+    c.scene.medium.layers = {Layer{.name = "tissue",
+                                   .thickness_m = 0.02,
+                                   .density_kg_m3 = 1000.0,
+                                   .c_p_m_s = 1500.0,
+                                   .c_s_m_s = 5.0,
+                                   .loss = KelvinVoigt{1.0}}};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.footprint = GaussianFootprint{0.003};
+    c.scene.load.modulation = {"AM", {{Hold{}}}, {{SineGain{200.0}}}};
     c.domain = {.nx = 256, .ny = 180, .spacing_m = 0.00075};
     c.time = {.frames = 280, .interval_s = 5e-5};
     c.measure = {.at_s = 0.014, .settled_after_s = 0.004, .focal_radius_m = 0.003};
@@ -64,7 +64,7 @@ TEST_CASE("equal cases have equal texts and ids", "[case]") {
     CHECK(case_id(some_case()) == case_id(some_case()));
     CHECK(case_id(some_case()).size() == 16);
     Case signed_zero = some_case();
-    signed_zero.scene().load.modulation.trajectory.parts = {Hold{{-0.0, 0.0}}};
+    signed_zero.scene.load.modulation.trajectory.parts = {Hold{{-0.0, 0.0}}};
     CHECK(case_id(signed_zero) == case_id(some_case()));
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("the accuracy of a given time step is not part of a case", "[case]") {
 
 TEST_CASE("a name with quotes and control characters is written as one TOML string", "[case]") {
     Case c = some_case();
-    c.scene().medium.layers[0].name = "a\"b\\c\n";
+    c.scene.medium.layers[0].name = "a\"b\\c\n";
     CHECK(canonical_text(c).find(R"(name = "a\"b\\c\u000a")") != std::string::npos);
 }
 

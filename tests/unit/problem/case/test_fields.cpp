@@ -190,16 +190,16 @@ std::vector<Vec2> spiral(int points) {
 /// Between them, these hold every alternative.
 std::vector<Case> samples() {
     Case first;
-    first.scene().medium = {
+    first.scene.medium = {
         .layers = {layer(Lossless{}), layer(KelvinVoigt{1.0}),
                    layer(FractionalKelvinVoigt{1e-4, 0.3}), layer(StandardLinearSolid{1e-4, 0.5})},
         .bodies = {{.name = "a", .shape = Ellipsoid{{1e-3, 2e-3, 3e-3}}},
                    {.name = "b", .shape = Cylinder{1e-3, 5e-3, 30.0}},
                    {.name = "c", .shape = Box{{1e-3, 1e-3, 1e-3}}, .rigid = true}}};
-    first.scene().load.peak_Pa = 100.0;
-    first.scene().load.footprint = ArrayFootprint{};
-    first.scene().load.carrier = ResolvedCarrier{};
-    first.scene().load.modulation = {
+    first.scene.load.peak_Pa = 100.0;
+    first.scene.load.footprint = ArrayFootprint{};
+    first.scene.load.carrier = ResolvedCarrier{};
+    first.scene.load.modulation = {
         .kind = "custom",
         .trajectory = {{Hold{}, Swing{.amplitude_m = {1e-3, 0.0}, .frequency_Hz = 100.0},
                         travel(Line{{}, {0.1, 0.0}}, ConstantSpeed{7.0}),
@@ -225,13 +225,13 @@ std::vector<Case> samples() {
     first.vibrometer = VibrometerOptions{.points_m = {{1e-3, 0.0}}};
     first.sensation = SensationOptions{.threshold = {{100.0, 0.02}}, .line_m = {{}, {1e-3, 0.0}}};
     Case second = first;
-    second.scene().load.footprint = GaussianFootprint{0.003};
-    second.scene().load.carrier = AveragedCarrier{};
-    second.scene().load.modulation.trajectory.parts = {
+    second.scene.load.footprint = GaussianFootprint{0.003};
+    second.scene.load.carrier = AveragedCarrier{};
+    second.scene.load.modulation.trajectory.parts = {
         travel(Polyline(spiral(101), Ends::open), ConstantSpeed{1.0}),
         travel(Polyline(spiral(101), Ends::open),
                Rests{std::vector(101, 1e-3), std::vector(101, 1e-3), std::vector(101, 0.5)})};
-    second.scene().load.modulation.foci_m = {};
+    second.scene.load.modulation.foci_m = {};
     second.record.volumes_s = {};
     second.record.volume_fields = {};
     second.measure.bands = {};
@@ -248,10 +248,8 @@ std::vector<Case> samples() {
     lens.foci_m = {{1e-3, 0.0}};
     lens.polygon_m = {{0.0, 0.0}, {1e-3, 0.0}, {0.0, 1e-3}};
     lens.image = std::make_shared<const TargetImage>();
-    fourth.scene().load.footprint = lens;
-    Case study = fourth;
-    study.problem = GridStudy{std::make_shared<const StudyData>(), fourth.scene()};
-    return {first, second, third, fourth, study};
+    fourth.scene.load.footprint = lens;
+    return {first, second, third, fourth};
 }
 
 } // namespace
@@ -278,22 +276,6 @@ TEST_CASE("every field of every option struct decides the id of a case", "[field
         INFO(name);
         CHECK(changed.count(name) == 1);
     }
-}
-
-TEST_CASE("a grid study and its scene are different cases", "[fields][case]") {
-    Case scene = samples().front();
-    scene.solver = PstdOptions{};
-    StudyData data;
-    data.content_hash = "0123456789abcdef";
-    Case study = scene;
-    study.problem = GridStudy{std::make_shared<const StudyData>(data), scene.scene()};
-    CHECK(study.scene() == scene.scene());
-    CHECK_FALSE(study == scene);
-    CHECK(case_id(study) != case_id(scene));
-    const std::string line = "study = \"0123456789abcdef\"\n";
-    std::string text = canonical_text(study);
-    CHECK_THAT(text, Catch::Contains("engine = \"pstd\"\n" + line));
-    CHECK(text.replace(text.find(line), line.size(), "") == canonical_text(scene));
 }
 
 TEST_CASE("an id is never a number for programs that read tables", "[fields]") {

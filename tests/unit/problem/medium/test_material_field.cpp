@@ -191,12 +191,12 @@ TEST_CASE("only the depths of bodies and maps vary", "[material_field]") {
 
 TEST_CASE("a value of another property is another case", "[material_field]") {
     Case c;
-    c.scene().medium = two_layers();
+    c.scene.medium = two_layers();
     CHECK(canonical_text(c).find("map") == std::string::npos);
     CHECK(canonical_text(c).find("body") == std::string::npos);
-    c.scene().medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
+    c.scene.medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
     Case other = c;
-    other.scene().medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_p_m_s = 9.0}};
+    other.scene.medium.bodies = {{.shape = Cylinder{.radius_m = 1e-3}, .c_p_m_s = 9.0}};
     CHECK(case_id(other) != case_id(c));
     CHECK_FALSE(other == c);
 }
@@ -207,8 +207,8 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
     renamed.file = "elsewhere.h5";
     CHECK(hash_of(renamed) == map.content_hash);
     Case a, b;
-    a.scene().medium.map = std::make_shared<const MaterialMap>(map);
-    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
+    a.scene.medium.map = std::make_shared<const MaterialMap>(map);
+    b.scene.medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK(a == b);
     CHECK(case_id(a) == case_id(b));
     const int change = GENERATE(0, 1, 2);
@@ -216,7 +216,7 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
     if (change == 1) renamed.origin_m.y += 1e-9;
     if (change == 2) renamed.c_p_m_s.swap(renamed.c_s_m_s); // the values are another property's
     renamed.content_hash = hash_of(renamed);
-    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
+    b.scene.medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK_FALSE(a == b);
     CHECK(case_id(a) != case_id(b));
 }

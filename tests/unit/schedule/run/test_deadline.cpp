@@ -64,7 +64,7 @@ TEST_CASE(
         Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
         c.time = {20, 1e-3};
         c.solver = SpectralOptions{};
-        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
+        c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
         planned.push_back({std::to_string(i), c, {}, false, ""});
     }
     std::vector<const PlannedCase*> cases;

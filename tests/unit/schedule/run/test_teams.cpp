@@ -79,7 +79,7 @@ TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]"
 TEST_CASE("the first of adjacent cases of a medium computes its transfer function", "[teams]") {
     Cases pairs = alike(6);
     for (std::size_t i = 0; i < 6; ++i)
-        pairs.planned[i].physics.scene().medium.layers[0].c_s_m_s =
+        pairs.planned[i].physics.scene.medium.layers[0].c_s_m_s =
             5.0 + 1e-4 * static_cast<double>(i / 2);
     cost::CaseCosts costs({}, 0.0);
     const engines::Resources& one = costs.of(pairs.planned[0].physics);
@@ -108,8 +108,8 @@ TEST_CASE("a sweep lasts as long as its longest case or its busiest team", "[tea
 TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
     Cases cases = alike(6);
     cases.planned[1].physics.domain.nx = 512; // long
-    cases.planned[2].physics.scene().medium.layers[0].c_s_m_s = 4.0;
-    cases.planned[4].physics.scene().medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[2].physics.scene.medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[4].physics.scene.medium.layers[0].c_s_m_s = 4.0;
     cost::CaseCosts costs({}, 0.0);
     const auto order = schedule::order_of_work(cases.pointers(), costs);
     CHECK(order.front() == 1);

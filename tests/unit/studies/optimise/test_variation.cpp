@@ -48,7 +48,7 @@ engine = "layered"
 TEST_CASE("a uniformity is required of a focus that moves along a path", "[optimise]") {
     Case c = circle();
     CHECK(why_not(c, {.uniformity = 0.8}).empty());
-    c.scene().load.modulation.trajectory.parts = {Hold{}};
+    c.scene.load.modulation.trajectory.parts = {Hold{}};
     CHECK(why_not(c, {.uniformity = 0.8}) ==
           "optimise.uniformity requires a focus that moves along a path");
 }
@@ -60,11 +60,11 @@ TEST_CASE("a larger or slower path takes longer, and its load repeats with it", 
     REQUIRE(larger);
     CHECK(larger->time.frames == c.time.frames);
     CHECK(larger->time.duration_s() == Approx(1.25 / 140.0).epsilon(1e-12));
-    CHECK(least_period(larger->scene().load, 1.0).period_s == Approx(1.25 / 140.0).epsilon(1e-12));
+    CHECK(least_period(larger->scene.load, 1.0).period_s == Approx(1.25 / 140.0).epsilon(1e-12));
     const auto slower = with_motion(c, {.speed = 0.8, .periods = 2, .sine = 0.1, .cosine = 0.1});
     REQUIRE(slower);
     CHECK(slower->time.duration_s() == Approx(1.25 / 140.0).epsilon(1e-12));
-    const auto& travel = std::get<Travel>(slower->scene().load.modulation.trajectory.parts.front());
+    const auto& travel = std::get<Travel>(slower->scene.load.modulation.trajectory.parts.front());
     const auto& motion = std::get<OscillatingSpeed>(travel.motion);
     CHECK(motion.frequency_Hz == Approx(2.0 * 140.0 / 1.25).epsilon(1e-12));
     CHECK(motion.mean_m_s == Approx(0.8 * speed_m_s(c)).epsilon(1e-12));
@@ -98,8 +98,8 @@ TEST_CASE("an optimum is computed in eight other tissues and at two other speeds
     for (const Difference& difference : differences) {
         const auto other = with_difference(c, difference);
         REQUIRE(other);
-        CHECK(other->scene().medium.layers[0].c_s_m_s == Approx(5.0 * difference.c_s));
-        CHECK(other->scene().medium.layers[0].loss ==
+        CHECK(other->scene.medium.layers[0].c_s_m_s == Approx(5.0 * difference.c_s));
+        CHECK(other->scene.medium.layers[0].loss ==
               ShearLoss(KelvinVoigt{1.0 * difference.viscosity}));
         CHECK(speed_m_s(*other) == Approx(difference.speed * speed_m_s(c)));
         ids.insert(case_id(*other));

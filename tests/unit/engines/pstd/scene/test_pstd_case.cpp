@@ -62,11 +62,11 @@ TEST_CASE("largest step satisfies the stability bound with equality", "[pstd]") 
 TEST_CASE("a light layer between nodes limits the step by its own density", "[pstd]") {
     Case c = small_case();
     c.domain.spacing_m = 1e-3;
-    Layer light = c.scene().medium.layers.front(), below = light;
+    Layer light = c.scene.medium.layers.front(), below = light;
     light.density_kg_m3 = 0.5 * below.density_kg_m3;
     light.thickness_m = 1e-3;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin() + 1, {light, below});
-    c.scene().medium.layers.front().thickness_m = 0.5e-3;
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin() + 1, {light, below});
+    c.scene.medium.layers.front().thickness_m = 0.5e-3;
     const auto& options = std::get<PstdOptions>(c.solver);
     // The nodes see half of it and half of a neighbour, the point of u_z between them all of it.
     CHECK(pstd::extremes_of_grid(c, options, pstd::case_grid(c, options)).least_density_kg_m3 ==
@@ -76,7 +76,7 @@ TEST_CASE("a light layer between nodes limits the step by its own density", "[ps
 TEST_CASE("caps c_p with a note and rejects an unstable time step with its value", "[pstd]") {
     Case c = small_case();
     auto& options = std::get<PstdOptions>(c.solver);
-    CHECK(pstd::capped_material(c.scene().medium.layers[0], options).c_p_m_s ==
+    CHECK(pstd::capped_material(c.scene.medium.layers[0], options).c_p_m_s ==
           Approx(50.0).epsilon(1e-13));
     const auto notes = pstd::PstdEngine().choices(c);
     CHECK(any_has(notes, "is capped at 50 m/s, 10 times c_s, instead of 1500 m/s"));
@@ -97,9 +97,8 @@ TEST_CASE("caps c_p with a note and rejects an unstable time step with its value
 
 TEST_CASE("a displacement larger than the domain fails the case and names the step", "[pstd]") {
     Case c = small_case();
-    c.scene().load.modulation.trajectory = {
-        {Travel{{{0.0, 0.0}, {9e-3, 0.0}}, ConstantSpeed{7.0}}}};
-    c.scene().load.peak_Pa = 1e13; // the scheme is linear: as large as after an instability
+    c.scene.load.modulation.trajectory = {{Travel{{{0.0, 0.0}, {9e-3, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene.load.peak_Pa = 1e13; // the scheme is linear: as large as after an instability
     test::FrameStore store;
     const Comm alone = Comm::world().split(Comm::world().rank());
     CHECK_THROWS_WITH(pstd::PstdEngine().run(c, alone, store, nullptr),
@@ -111,10 +110,10 @@ TEST_CASE("a displacement larger than the domain fails the case and names the st
 TEST_CASE("supports an empty, fluid or continued medium above and cells with two layers",
           "[pstd]") {
     Case c = small_case();
-    Layer film = c.scene().medium.layers[0];
+    Layer film = c.scene.medium.layers[0];
     film.thickness_m = 1.5e-3;
     film.density_kg_m3 = 1200.0;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     PstdOptions options;
     const auto at = [&](std::ptrdiff_t below_surface) {
         const pstd::CaseGrid grid = pstd::case_grid(c, options);
@@ -138,19 +137,19 @@ TEST_CASE("supports an empty, fluid or continued medium above and cells with two
     CHECK(at(-1) == at(0));
     options.top = PstdTop::fluid;
     CHECK(at(-1) == pstd::NodeMaterial{1000.0, 50.0, 0.0});
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers.back().thickness_m = 10e-3;
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers.back().thickness_m = 10e-3;
     CHECK(at(12).density_kg_m3 > 1e8);
 }
 
 TEST_CASE("cells around staggered points are laminates at the surface of a body", "[pstd]") {
     Case c = small_case();
     const double mu_Pa = 1000.0 * 25.0;
-    c.scene().medium.bodies = {{.name = "box",
-                                .shape = Box{{5e-3, 6e-3, 3e-3}},
-                                .centre_m = {0.0, 0.0, 3.75e-3}, // its top is 2.25 mm deep
-                                .density_kg_m3 = 1400.0,
-                                .c_s_m_s = std::sqrt(4.0 * mu_Pa / 1400.0)}};
+    c.scene.medium.bodies = {{.name = "box",
+                              .shape = Box{{5e-3, 6e-3, 3e-3}},
+                              .centre_m = {0.0, 0.0, 3.75e-3}, // its top is 2.25 mm deep
+                              .density_kg_m3 = 1400.0,
+                              .c_s_m_s = std::sqrt(4.0 * mu_Pa / 1400.0)}};
     const PstdOptions options;
     const pstd::CaseGrid grid = pstd::case_grid(c, options);
     const pstd::StaggeredMaterial between = pstd::staggered_material(c, options, grid);
@@ -172,8 +171,8 @@ TEST_CASE("cells around staggered points are laminates at the surface of a body"
 
 TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outside", "[pstd]") {
     Case c = small_case();
-    c.scene().load.peak_Pa = 100.0;
-    c.scene().load.modulation.trajectory = {{Hold{{2.3e-3, -1.2e-3}}}};
+    c.scene.load.peak_Pa = 100.0;
+    c.scene.load.modulation.trajectory = {{Hold{{2.3e-3, -1.2e-3}}}};
     const PstdOptions options;
     const pstd::CaseGrid grid = pstd::case_grid(c, options);
     pstd::Source source = pstd::load_source(c, options, grid, 1e-5);
@@ -183,7 +182,7 @@ TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outsid
     double worst = 0.0;
     for (std::size_t n = 0; n < values.size(); ++n) {
         const pstd::Node& node = source.nodes[n];
-        const double p = 100.0 * pressure(c.scene().load.footprint, c.domain.x_m(node[0]) - 2.3e-3,
+        const double p = 100.0 * pressure(c.scene.load.footprint, c.domain.x_m(node[0]) - 2.3e-3,
                                           c.domain.y_m(node[1]) + 1.2e-3);
         if (node[2] >= grid.surface - 4) worst = std::max(worst, std::abs(values[n] + p));
         CHECK_FALSE(values[n] > 0.0);
@@ -198,8 +197,8 @@ TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outsid
 
 TEST_CASE("prescribes the displacement of the skin under the focus only", "[pstd]") {
     Case c = small_case();
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 500.0}}};
+    c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 500.0}}};
     PstdOptions options;
     options.load = PstdLoad::displacement;
     options.displacement_m = 4e-6;
@@ -221,9 +220,9 @@ TEST_CASE("prescribes the displacement of the skin under the focus only", "[pstd
 TEST_CASE("prescribes the motion only where the focus is at the moment, and elsewhere nothing",
           "[pstd]") {
     Case c = small_case();
-    c.scene().load.modulation.trajectory = {
+    c.scene.load.modulation.trajectory = {
         {Travel{{{-6e-3, 0.0}, {6e-3, 0.0}}, ConstantSpeed{7.0}}}};
-    c.scene().load.modulation.envelope = {};
+    c.scene.load.modulation.envelope = {};
     PstdOptions options;
     options.load = PstdLoad::velocity;
     options.velocity_m_s = 2e-3;
@@ -272,15 +271,15 @@ TEST_CASE("interpolates depths between planes and the oscillating surface from f
 TEST_CASE("the step that is planned is the one that is used, with bodies", "[pstd]") {
     Case c = small_case();
     // Stiff and only below the first layer: combined with the light film it would limit the step.
-    Layer film = c.scene().medium.layers[0];
+    Layer film = c.scene.medium.layers[0];
     film.thickness_m = 1.5e-3;
     film.density_kg_m3 = 400.0;
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     Body body;
     body.shape = Ellipsoid{.semi_axes_m = {3e-3, 3e-3, 2e-3}};
     body.centre_m = {0.0, 0.0, 5e-3};
     body.c_s_m_s = 9.0;
-    c.scene().medium.bodies = {body};
+    c.scene.medium.bodies = {body};
     const pstd::PstdEngine planned;
     REQUIRE(planned.step_chooser(c));
     const double step_s = planned.step_chooser(c)({});

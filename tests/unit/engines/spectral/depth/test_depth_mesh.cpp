@@ -31,10 +31,10 @@ TEST_CASE("Gauss-Lobatto rule integrates and differentiates polynomials exactly"
 TEST_CASE("elements end at interfaces, are shortest at the surface and fill the medium",
           "[spectral][slow]") {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    c.scene().medium.base = Base::rigid;
+    c.scene.medium.base = Base::rigid;
     for (const double thickness_m : {0.1e-3, 2e-3, 18e-3}) {
-        c.scene().medium.layers.push_back(test::tissue(1500.0));
-        c.scene().medium.layers.back().thickness_m = thickness_m;
+        c.scene.medium.layers.push_back(test::tissue(1500.0));
+        c.scene.medium.layers.back().thickness_m = thickness_m;
     }
     const spectral::DepthMesh mesh = spectral::choose_mesh(c, SpectralOptions{});
     CHECK(mesh.ends_m.back() == Approx(20.1e-3).epsilon(1e-13));
@@ -53,8 +53,8 @@ TEST_CASE("elements end at interfaces, are shortest at the surface and fill the 
 
 TEST_CASE("a half-space ends in an absorber below all measured depths", "[spectral][slow]") {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), c.scene().medium.layers[0]);
-    c.scene().medium.layers[0].thickness_m = 2e-3;
+    c.scene.medium.layers.insert(c.scene.medium.layers.begin(), c.scene.medium.layers[0]);
+    c.scene.medium.layers[0].thickness_m = 2e-3;
     c.measure.depths_m = {0.0, 30e-3};
     const spectral::DepthMesh mesh = spectral::choose_mesh(c, SpectralOptions{});
     REQUIRE(mesh.bottom);
@@ -64,11 +64,11 @@ TEST_CASE("a half-space ends in an absorber below all measured depths", "[spectr
     CHECK(mesh.bottom->depth_m == Approx(0.8 * c.domain.extent_x_m()));
     CHECK(spectral::choose_mesh(c, SpectralOptions{.absorbing_depth_m = 50e-3}).bottom->depth_m ==
           50e-3);
-    const Layer& last = c.scene().medium.layers.back();
+    const Layer& last = c.scene.medium.layers.back();
     CHECK(spectral::swirl_viscosity_Pa_s(*mesh.bottom, last, 0.0) == 0.0); // starts continuously
     CHECK(spectral::swirl_viscosity_Pa_s(*mesh.bottom, last, 0.1) > 0.0);
-    c.scene().medium.base = Base::rigid;
-    c.scene().medium.layers[1].thickness_m = 40e-3;
+    c.scene.medium.base = Base::rigid;
+    c.scene.medium.layers[1].thickness_m = 40e-3;
     const spectral::DepthMesh rigid = spectral::choose_mesh(c, SpectralOptions{});
     CHECK(rigid.clear_levels() == rigid.levels());
 }

@@ -19,8 +19,8 @@ constexpr double step_s = 30e-6;
 
 /// The load at the first kx, without footprint and area.
 Complex load_at(const Case& c, double kx, double t_s) {
-    return strength(c.scene().load, t_s) *
-           std::polar(1.0, -kx * (focus_m(c.scene().load, t_s).x - c.domain.x_m(0)));
+    return strength(c.scene.load, t_s) *
+           std::polar(1.0, -kx * (focus_m(c.scene.load, t_s).x - c.domain.x_m(0)));
 }
 
 /// Its average around step n, with weights that fall linearly to zero within a step: by the
@@ -40,7 +40,7 @@ Complex average(const Case& c, double kx, std::ptrdiff_t n) {
 TEST_CASE("the load of a step is its average around it, also where the load jumps", "[spectral]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{5.0});
     c.domain = {32, 24, 1e-3, 0.0};
-    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     SECTION("a path that ends at a step") {
         travel.path = {{0.0, 0.0}, {10 * 5.0 * step_s, 0.0}};
     }
@@ -59,11 +59,11 @@ TEST_CASE("the load of a step is its average around it, also where the load jump
     share.ky_count = 1;
     const spectral::WaveVectors vectors(c.domain, share);
     spectral::MovingLoad load(c, vectors, step_s,
-                              {c.scene().load, c.time.duration_s() + 2.0 * step_s});
+                              {c.scene.load, c.time.duration_s() + 2.0 * step_s});
     fft::AlignedVector<Block> of_step(spectral::parts);
     const double kx = vectors.kx_rad_m(1);
-    const double unit = spectrum(c.scene().load.footprint, kx, 0.0) /
-                        (c.domain.extent_x_m() * c.domain.extent_y_m());
+    const double unit =
+        spectrum(c.scene.load.footprint, kx, 0.0) / (c.domain.extent_x_m() * c.domain.extent_y_m());
     for (std::ptrdiff_t n = 0; n < 16; ++n) {
         load.sample(n);
         load.put(0, 0, of_step.data());

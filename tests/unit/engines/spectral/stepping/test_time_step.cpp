@@ -12,8 +12,8 @@ namespace {
 
 Case some_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    c.scene().medium = {{test::tissue(1500.0, 0.5)}, Base::rigid};
-    c.scene().medium.layers[0].thickness_m = 12e-3;
+    c.scene.medium = {{test::tissue(1500.0, 0.5)}, Base::rigid};
+    c.scene.medium.layers[0].thickness_m = 12e-3;
     c.time = {40, 100e-6};
     return c;
 }
@@ -44,7 +44,7 @@ TEST_CASE("the choice of a time step ends when its time has passed", "[spectral]
 TEST_CASE("the choice of the time step of a long run does not advance all of its frames",
           "[spectral]") {
     Case c = some_case();
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
     c.time.interval_s = 250e-6;
     c.time.frames = 2500;
     const double usual_s = step_s(c, 1e-2);
@@ -59,9 +59,9 @@ TEST_CASE("the choice of the time step of a long run does not advance all of its
 
 TEST_CASE("error of a long run is extrapolated as it grows", "[spectral]") {
     Case c = some_case();
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
+    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
     const bool lossy = GENERATE(true, false);
-    if (!lossy) c.scene().medium.layers[0].loss = Lossless{};
+    if (!lossy) c.scene.medium.layers[0].loss = Lossless{};
     const double step_s = lossy ? 250e-6 : 62.5e-6; // the error does not reach its limit
     const spectral::DepthMesh mesh = spectral::choose_mesh(c, SpectralOptions{}, step_s);
     const auto error = [&](std::ptrdiff_t frames, double interval_s) {
@@ -87,32 +87,32 @@ TEST_CASE("chooses a shorter step for faster or finer motion and for higher accu
     CHECK(c.time.interval_s / usual_s == Approx(std::round(c.time.interval_s / usual_s)));
     Case other = c;
     SECTION("a finer focus") {
-        other.scene().load.footprint = GaussianFootprint{1.5e-3};
+        other.scene.load.footprint = GaussianFootprint{1.5e-3};
     }
     SECTION("a faster scan") {
-        std::get<Travel>(other.scene().load.modulation.trajectory.parts[0]).motion =
+        std::get<Travel>(other.scene.load.modulation.trajectory.parts[0]).motion =
             ConstantSpeed{14.0};
     }
     SECTION("stiffer tissue") {
-        other.scene().medium.layers[0].c_s_m_s = 12.0;
+        other.scene.medium.layers[0].c_s_m_s = 12.0;
     }
     SECTION("a fast modulation") {
-        other.scene().load.modulation.envelope.gains = {SineGain{.frequency_Hz = 2000.0}};
+        other.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = 2000.0}};
     }
     SECTION("a resolved carrier") {
-        other.scene().load.carrier = ResolvedCarrier{};
+        other.scene.load.carrier = ResolvedCarrier{};
         CHECK(step_s(other) < 0.25 / 40e3); // otherwise the carrier is not resolved
     }
     SECTION("a stiff body near the surface") {
-        other.scene().medium.bodies = {{.name = "body",
-                                        .shape = Ellipsoid{{3e-3, 3e-3, 1e-3}},
-                                        .centre_m = {0.0, 0.0, 1.5e-3},
-                                        .c_s_m_s = 50.0}};
+        other.scene.medium.bodies = {{.name = "body",
+                                      .shape = Ellipsoid{{3e-3, 3e-3, 1e-3}},
+                                      .centre_m = {0.0, 0.0, 1.5e-3},
+                                      .c_s_m_s = 50.0}};
     }
     SECTION("a stiff map near the surface") {
         MaterialMap map{.counts = {1, 1, 2}, .origin_m = {0.0, 0.0, 1e-3}, .c_s_m_s = {5.0, 50.0}};
         map.spacing_m = {0.0, 0.0, 1e-3};
-        other.scene().medium.map = std::make_shared<MaterialMap>(map);
+        other.scene.medium.map = std::make_shared<MaterialMap>(map);
     }
     CHECK(step_s(other) < usual_s);
 }
@@ -124,19 +124,19 @@ TEST_CASE("reports the reason for the chosen time step", "[spectral]") {
     Case c = some_case();
     CHECK_THAT(why(c), Catch::Contains("for an accuracy of 0.01 (estimated error ") &&
                            Catch::Contains("limited by the scan (6.8 mm at 7 m/s, 1.03e+03 Hz)"));
-    c.scene().load.modulation.envelope.gains = {SineGain{.frequency_Hz = 2000.0}};
+    c.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = 2000.0}};
     CHECK_THAT(why(c), Catch::Contains("limited by the modulation (2e+03 Hz)"));
     c = some_case();
-    c.scene().medium.layers[0].c_s_m_s = 12.0;
+    c.scene.medium.layers[0].c_s_m_s = 12.0;
     CHECK_THAT(why(c), Catch::Contains("limited by shear waves (6.8 mm at 12 m/s"));
     c = some_case();
-    c.scene().load.footprint = GaussianFootprint{30e-3};
+    c.scene.load.footprint = GaussianFootprint{30e-3};
     CHECK_THAT(why(c), Catch::Contains("one step per frame is sufficient"));
     c = some_case();
-    c.scene().medium.bodies = {{.name = "body",
-                                .shape = Ellipsoid{{3e-3, 3e-3, 1e-3}},
-                                .centre_m = {0.0, 0.0, 1.5e-3},
-                                .c_s_m_s = 50.0}};
+    c.scene.medium.bodies = {{.name = "body",
+                              .shape = Ellipsoid{{3e-3, 3e-3, 1e-3}},
+                              .centre_m = {0.0, 0.0, 1.5e-3},
+                              .c_s_m_s = 50.0}};
     CHECK_THAT(why(c), Catch::Contains("limited by the stiffest inclusion"));
 }
 
