@@ -89,25 +89,16 @@ public:
     struct Stress {
         double across_m, down_m, sigma_zz_Pa;
     };
-    std::vector<Stress> stress(const Eigen::VectorXd& forces, const std::vector<double>& downs_m,
-                               bool is_corrected = true) {
+    std::vector<Stress> stress(const Eigen::VectorXd& forces, const std::vector<double>& downs_m) {
         std::vector<double> depths_m;
         for (const double down_m : downs_m)
             depths_m.push_back(centre().z + down_m);
-        const spectral::EndlessBodies bodies(case_, mesh_, *vectors_, 1.0, alone_);
-        spectral::ReceptorStress receptors(case_, depths_m, mesh_, *slabs_, 1.0, alone_,
-                                           is_corrected ? &bodies : nullptr);
+        spectral::ReceptorStress receptors(case_, depths_m, mesh_, *slabs_, 1.0, alone_);
         const fft::AlignedVector<Block> u = displacement(forces);
         StressStore store;
         store.begin({.x_start = 0, .x_count = case_.domain.nx});
         receptors.remember(u.data());
-        // Those of the other wavenumbers along the axis vanish.
-        std::vector<double> step_forces(static_cast<std::size_t>(
-            vectors_->rows() * markers_->count() * spectral::marker_parts));
-        for (Eigen::Index i = 0; i < forces.size(); ++i)
-            if (i % spectral::marker_components != spectral::along)
-                step_forces[static_cast<std::size_t>(2 * i)] = forces[i];
-        receptors.emit({u.data(), u.data()}, step_forces, 0, store);
+        receptors.emit({u.data(), u.data()}, 0, store);
         std::vector<Stress> all;
         for (std::size_t n = 0; n < downs_m.size(); ++n)
             for (std::ptrdiff_t i = 0; i < case_.domain.nx; ++i)

@@ -2,11 +2,9 @@
 #pragma once
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/stepping/receptor_stress.hpp"
 #include "support/displacement_at.hpp"
 #include "support/growing_motion.hpp"
 #include "support/spectral_cases.hpp"
-#include "support/stress_store.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -117,74 +115,6 @@ public:
         return displacements;
     }
 
-    /// sigma_zz [Pa] in the plane at a height above the centre, as receptors receive it, and its
-    /// points, as offsets from the centre.
-    struct Plane {
-        std::vector<Vec3> offsets;
-        std::vector<double> sigma_zz_Pa;
-    };
-    /// The planes at which stress() evaluates the stress.
-    void set_heights(const std::vector<double>& heights_m) {
-        heights_m_ = heights_m;
-        std::vector<double> depths_m;
-        for (const double height_m : heights_m)
-            depths_m.push_back(centre().z - height_m);
-        const Comm alone = Comm::world().split(Comm::world().rank());
-        receptors_.emplace(case_, depths_m, mesh_, *slabs_, 1.0, alone, &*bodies_);
-    }
-    std::vector<Plane> stress(const std::vector<double>& forces) {
-        const fft::AlignedVector<Block> u = displacement(forces);
-        StressStore store;
-        store.begin({.x_start = 0, .x_count = case_.domain.nx});
-        receptors_->remember(u.data());
-        receptors_->emit({u.data(), u.data()}, forces, 0, store);
-        std::vector<Plane> planes;
-        for (std::size_t n = 0; n < heights_m_.size(); ++n) {
-            planes.push_back({{}, store.at(0, n)});
-            Plane& plane = planes.back();
-            for (double& value : plane.sigma_zz_Pa)
-                value = -value;
-            for (std::ptrdiff_t i = 0; i < case_.domain.nx; ++i)
-                for (std::ptrdiff_t j = 0; j < case_.domain.ny; ++j)
-                    plane.offsets.push_back({case_.domain.x_m(i) - centre().x,
-                                             case_.domain.y_m(j) - centre().y, -heights_m_[n]});
-        }
-        return planes;
-    }
-    /// The correction of volumes in the planes of set_heights(), that of sigma_zz also as receptors
-    /// receive it.
-    struct Correction {
-        Vec3 offset_m; // from the centre
-        spectral::Stress stress_Pa;
-        double of_receptor_Pa;
-    };
-    std::vector<Correction> corrections(const std::vector<double>& forces) const {
-        std::vector<double> depths_m;
-        for (const double height_m : heights_m_)
-            depths_m.push_back(centre().z - height_m);
-        const fft::SlabShare& share = slabs_->share();
-        const auto near =
-            spectral::stress_correction(*bodies_, {case_.scene.medium, case_.domain, mesh_, share,
-                                                   depths_m, spectral::Corrected::zz});
-        near->set_forces(forces);
-        std::vector<Correction> all;
-        for (std::size_t n = 0; n < depths_m.size(); ++n) {
-            std::vector<double> plane(static_cast<std::size_t>(share.reals), 0.0);
-            near->add_zz(n, 1.0, plane.data());
-            for (const auto& [place, stress_Pa] : near->changes(n)) {
-                const auto at = static_cast<std::ptrdiff_t>(place);
-                all.push_back(
-                    {{case_.domain.x_m(at / share.padded_ny) - centre().x,
-                      case_.domain.y_m(at % share.padded_ny) - centre().y, -heights_m_[n]},
-                     stress_Pa,
-                     plane[place]});
-            }
-        }
-        return all;
-    }
-    double area_m2() const { return case_.domain.extent_x_m() * case_.domain.extent_y_m(); }
-    double spacing_m() const { return case_.domain.spacing_m; }
-
 private:
     /// The pencils of the displacement due to forces at the markers.
     fft::AlignedVector<Block> displacement(const std::vector<double>& forces) {
@@ -216,8 +146,6 @@ private:
     std::optional<spectral::VerticalOperator> operator_;
     fft::AlignedVector<Block> factors_;
     std::optional<spectral::LumpBodies> bodies_;
-    std::vector<double> heights_m_;
-    std::optional<spectral::ReceptorStress> receptors_;
 };
 
 /// Force per displacement, radius and mu on a rigid sphere full of background: Stokes (1851) and

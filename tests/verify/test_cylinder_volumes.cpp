@@ -91,46 +91,4 @@ TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify
         CHECK(d.difference < 1e-8 * d.largest); // rounding
 }
 
-TEST_CASE("the stress around a cylinder is that of its markers in three dimensions",
-          "[long][verify]") {
-    // With a distant lump the cylinder is treated as one, with Kelvin's solution at every marker.
-    Case c = stress_case(Along::y);
-    c.domain = {48, 28, 0.5e-3, 0.0};
-    Case as_lumps = c;
-    as_lumps.scene.medium.bodies.push_back(
-        {.name = "distant",
-         .shape = Ellipsoid{{1e-3, 1e-3, 3e-3}}, // as high as the cylinder: the same elements
-         .centre_m = {-10.5e-3, 0.0, 6e-3},
-         .density_kg_m3 = 1000.0,
-         .rigid = true});
-    const test::VolumeStore one = stresses(c), other = stresses(as_lumps);
-    REQUIRE(one.z_m() == other.z_m());
-    const Vec3 centre_m = c.scene.medium.bodies[0].centre_m;
-    const std::ptrdiff_t ny = c.domain.ny;
-    struct Band {
-        double from, to, limit; // distance from the surface in spacings
-    };
-    // Relative to the largest stress. The treatments have errors of this size (see
-    // test_cylinder_stress and test_rigid_stress); 3.0, 1.6, 1.2 and 0.6 % are observed. With the
-    // wrong sign of the forces along the axis 6 % are.
-    for (const Band band : {Band{0.4, 1.0, 0.035}, Band{1.0, 1.5, 0.020}, Band{1.5, 2.5, 0.015},
-                            Band{2.5, 5.0, 0.010}}) {
-        const auto is_in_band = [&](Vec3 at_m) {
-            const double spacings =
-                (std::hypot(at_m.x - centre_m.x, at_m.z - centre_m.z) - 3e-3) / c.domain.spacing_m;
-            return spacings > band.from && spacings < band.to;
-        };
-        const auto all =
-            differences(c, one, other, not_swapped, is_in_band,
-                        [&](std::ptrdiff_t i, std::ptrdiff_t j) { return i * ny + j; });
-        double largest = 0.0;
-        for (const Difference& d : all)
-            largest = std::max(largest, d.largest);
-        for (const Difference& d : all) {
-            CAPTURE(band.from, d.difference / largest);
-            CHECK(d.difference < band.limit * largest);
-        }
-    }
-}
-
 } // namespace test_cylinder_volumes

@@ -10,34 +10,39 @@
 #include <array>
 #include <fmt/format.h>
 #include <limits>
+#include <span>
 
 namespace shearwake::spectral {
 
 namespace {
 
 /// Error in % of the waves that a body scatters, by its stiffness and the spacings per radius:
-/// docs/explanation/engine-spectral.md, "Errors at bodies".
-constexpr std::array per_radius = {1.0, 2.0, 4.0, 5.0, 7.5, 10.0};
-using Percent = std::array<double, per_radius.size()>;
+/// docs/explanation/engine-spectral.md, "Errors at bodies" and "Rigid bodies".
+struct ErrorTable {
+    std::span<const double> per_radius, percent;
+};
+constexpr std::array elastic_radii = {1.0, 2.0, 4.0, 5.0, 7.5, 10.0};
 struct MeasuredErrors {
     double up_to; // stiffness relative to the layer
-    Percent percent;
+    std::array<double, elastic_radii.size()> percent;
 };
 constexpr std::array measured = {
     MeasuredErrors{0.2, {21, 8.1, 2.9, 1.9, 0.9, 0.6}},
     MeasuredErrors{20.0, {7.2, 2.7, 2.0, 1.3, 0.9, 0.7}},
     MeasuredErrors{100.0, {8.5, 4.8, 1.8, 1.4, 0.8, 0.7}},
     MeasuredErrors{std::numeric_limits<double>::infinity(), {17, 12, 6.2, 5.2, 3.0, 2.3}}};
-constexpr Percent rigid_sphere = {156, 56, 8.2, 5.3, 2.2, 1.1},
-                  rigid_endless = {43, 5.1, 2.9, 2.4, 2.0, 1.3};
+constexpr std::array rigid_radii = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.5, 10.0},
+                     rigid_sphere = {156.0, 56.0, 16.0, 8.2, 5.3, 2.3, 2.2, 1.1},
+                     rigid_endless = {43.0, 5.1, 3.3, 2.9, 2.4, 2.1, 2.0, 1.3};
 constexpr double good_percent = 5.0;
 
-const Percent& measured_errors(const Body& body, double contrast, const Domain& domain) {
+ErrorTable measured_errors(const Body& body, double contrast, const Domain& domain) {
     if (body.rigid)
-        return endless_along(body, domain) == Endless::no ? rigid_sphere : rigid_endless;
-    return std::ranges::find_if(measured,
-                                [=](const MeasuredErrors& m) { return contrast <= m.up_to; })
-        ->percent;
+        return {rigid_radii,
+                endless_along(body, domain) == Endless::no ? rigid_sphere : rigid_endless};
+    return {elastic_radii, std::ranges::find_if(measured, [=](const MeasuredErrors& m) {
+                               return contrast <= m.up_to;
+                           })->percent};
 }
 
 /// `c` contains the bodies that are treated as rigid.
@@ -48,11 +53,11 @@ std::vector<Remark> resolution_remarks(const Case& c) {
         const double contrast = stiffness_contrast(body, c.scene.medium);
         const double width_m = lateral_thickness_m(body),
                      radius = 0.5 * width_m / c.domain.spacing_m;
-        if (radius < per_radius.front()) continue; // check_variation
+        if (radius < 1.0) continue; // check_variation
         if (body.rigid ? !has_markers(body, c.scene.medium, c.domain)
                        : contrast == 0.0 || contrast == 1.0)
             continue;
-        const Percent& percent = measured_errors(body, contrast, c.domain);
+        const auto [per_radius, percent] = measured_errors(body, contrast, c.domain);
         std::size_t own = 0, good = 0;
         while (own + 1 < per_radius.size() && per_radius[own + 1] <= radius)
             ++own;

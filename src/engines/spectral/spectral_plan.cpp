@@ -5,7 +5,6 @@
 #include "base/text.hpp"
 #include "engines/spectral/bodies/lump_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
-#include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_variation.hpp"
@@ -242,12 +241,9 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
     all.arrays.push_back({"material map", map_bytes(c.scene.medium)});
     all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
     if (rigid.treatment == RigidTreatment::endless)
-        all.arrays.push_back(
-            {"endless rigid bodies",
-             endless_memory_B(rigid, mesh, ranks) + endless_stress_memory_B(rigid, mesh, ranks)});
+        all.arrays.push_back({"endless rigid bodies", endless_memory_B(rigid, mesh, ranks)});
     if (rigid.treatment == RigidTreatment::lumps)
-        all.arrays.push_back({"rigid lumps", lump_memory_B(rigid, mesh, ranks) +
-                                                 lump_stress_memory_B(rigid, mesh, ranks)});
+        all.arrays.push_back({"rigid lumps", lump_memory_B(rigid, mesh, ranks)});
     all.work = work_of(*this, v);
     all.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
     all.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));

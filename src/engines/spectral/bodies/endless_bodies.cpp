@@ -158,24 +158,7 @@ void EndlessBodies::solve(const std::vector<double>& target, double scale) {
             static_cast<std::size_t>((end - first) * per_pencil() * lane_count)));
         std::copy(all.begin(), all.end(), scalars(blocks_.data()));
     }
-    set_forces(forces_in_order());
     share_acceleration();
-}
-
-/// The forces that this rank has: of its rows for an axis along y, otherwise of all wavenumbers.
-std::vector<double> EndlessBodies::forces_in_order() const {
-    if (!markers_.along_x()) return rows_;
-    std::vector<double> all;
-    for (std::ptrdiff_t kx = 0; vectors_.is_there(kx); ++kx)
-        for (std::ptrdiff_t i = 0; i < per_pencil(); ++i)
-            all.push_back(blocks_[static_cast<std::size_t>(kx / lane_count * per_pencil() + i)]
-                                 [kx % lane_count]);
-    return all;
-}
-
-std::vector<double> EndlessBodies::gathered(const std::vector<double>& step_forces) const {
-    if (markers_.along_x()) return step_forces;
-    return team().all_gather(std::span<const double>(step_forces));
 }
 
 engines::Array EndlessBodies::array() const {

@@ -24,17 +24,8 @@ public:
     engines::Array array() const override;
     std::vector<RigidMotion> motions() const override;
 
-    Kind kind() const override { return this; }
-    const std::vector<Body>& endless() const { return bodies(); }
-    const SectionMarkers& markers() const { return markers_; }
-    const WaveVectors& vectors() const { return vectors_; }
-    /// step_forces() of all wavenumbers along the axis, in their order: per length [N/m],
-    /// [wavenumber][marker][marker_parts]. Collective.
-    std::vector<double> gathered(const std::vector<double>& step_forces) const;
-
 private:
     void solve(const std::vector<double>& target, double scale) override;
-    std::vector<double> forces_in_order() const;
     Block* values_of(std::ptrdiff_t block) { // of a pencil's markers
         return markers_.along_x() ? blocks_.data() + block * per_pencil() : blocks_.data();
     }

@@ -181,7 +181,6 @@ void LumpBodies::solve(const std::vector<double>& target, double scale) {
     std::vector<double> forces = inverse_.multiply(lack);
     move(lack.data(), forces.data());
     exert(forces);
-    set_forces(std::move(forces));
 }
 
 void LumpBodies::exert(const std::vector<double>& forces) {
@@ -207,7 +206,6 @@ LumpSizes lump_sizes(const RigidPlan& plan, const DepthMesh& mesh) {
     double last_m = -1.0;
     for (const Placed& p : placed_markers(plan, mesh)) {
         sizes.markers += 1.0;
-        sizes.markers_m.push_back(plan.bodies[p.body].centre_m + p.offset_m);
         if (p.depth_m != last_m) sizes.depths += 1.0;
         last_m = p.depth_m;
     }

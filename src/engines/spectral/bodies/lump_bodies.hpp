@@ -51,8 +51,6 @@ public:
     }
     std::vector<RigidMotion> motions() const override;
 
-    Kind kind() const override { return this; }
-    const std::vector<Body>& lumps() const { return bodies(); }
     const std::vector<Marker>& markers() const { return markers_; }
     /// Forces [N], [marker][x, y, z], for such displacements [m] of all markers. Collective.
     std::vector<double> forces(const std::vector<double>& displacement) const {
@@ -95,7 +93,6 @@ std::unique_ptr<RigidBodies> make_rigid_bodies(const RigidPlan& plan, const Dept
 /// Sizes of the lumps. Not collective.
 struct LumpSizes {
     double markers = 0.0, depths = 0.0;
-    std::vector<Vec3> markers_m; // their places
     /// Points of a plane around the lumps along x and y.
     double points_x = 0.0, points_y = 0.0;
 };

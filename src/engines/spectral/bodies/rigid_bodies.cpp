@@ -90,7 +90,6 @@ void RigidBodies::advance(double scale) {
     for (std::size_t i = 0; i < now_.size(); ++i)
         before_[i] = 2.0 * now_[i] - before_[i];
     std::fill(acceleration_.begin(), acceleration_.end(), 0.0);
-    step_forces_.clear();
     solve(before_, scale);
     add_to_next(scale);
 }
@@ -103,9 +102,6 @@ void RigidBodies::respond() {
 void RigidBodies::add_to_next(double scale) {
     for (std::size_t i = 0; i < now_.size(); ++i)
         before_[i] += scale * acceleration_[i];
-    step_forces_.resize(forces_.size(), 0.0);
-    for (std::size_t i = 0; i < forces_.size(); ++i)
-        step_forces_[i] += forces_[i];
 }
 
 void RigidBodies::add_impulse() {

@@ -11,13 +11,10 @@
 #include "problem/case/case.hpp"
 
 #include <functional>
-#include <variant>
 #include <vector>
 
 namespace shearwake::spectral {
 
-class EndlessBodies;
-class LumpBodies;
 struct RigidPlan;
 
 /// The displacement of a rigid body: of its centre, and a small rotation about it.
@@ -79,12 +76,6 @@ public:
     /// negative to the previous one. Not collective.
     void add_to_next(double scale);
     void add_impulse();
-    /// The forces at the markers in the last step, in the order of set_forces(). They balance the
-    /// stress at the start of the step.
-    const std::vector<double>& step_forces() const { return step_forces_; }
-    /// The two treatments, for what depends on the places of the markers.
-    using Kind = std::variant<const EndlessBodies*, const LumpBodies*>;
-    virtual Kind kind() const = 0;
     /// The next position becomes the current one. Not collective.
     void end_step() { now_.swap(before_); }
 
@@ -119,10 +110,9 @@ protected:
     void move(const double* lack, double* forces);
     /// The acceleration of all ranks is that of the root. Collective.
     void share_acceleration() { team_.broadcast(acceleration_); }
-    /// Replaces the displacements of the markers by the forces that move them to `target`, and
-    /// passes these to set_forces(). Collective.
+    /// Replaces the displacements of the markers by the forces that move them to `target`.
+    /// Collective.
     virtual void solve(const std::vector<double>& target, double scale) = 0;
-    void set_forces(std::vector<double> forces) { forces_ = std::move(forces); }
 
 private:
     DistributedRows state_rows() const;
@@ -133,9 +123,8 @@ private:
     double step_s_, per_area_ = 0.0;
     std::size_t freedoms_; // of one body
     std::vector<double> now_, before_, acceleration_;
-    std::vector<double> forces_, step_forces_; // of the last solve, and of all in the last step
-    std::vector<std::size_t> free_;            // degrees of freedom that are not fixed
-    std::vector<double> mass_;                 // of the free ones, [row][column]
+    std::vector<std::size_t> free_; // degrees of freedom that are not fixed
+    std::vector<double> mass_;      // of the free ones, [row][column]
     /// With K = M/dt^2 + R' G^-1 R: G^-1 R and K^-1 of the free degrees of freedom.
     std::vector<double> per_freedom_, mobility_;
 };

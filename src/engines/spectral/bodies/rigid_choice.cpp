@@ -26,11 +26,15 @@ constexpr std::size_t most_markers = 2000;
 /// Limit of squares_around() for all lumps: their matrix then needs about 200 GB on all ranks.
 constexpr double most_squares = 1e5;
 
-bool has_edges(const Body& body) {
-    return std::visit(overloaded{[](const Ellipsoid&) { return false; },
-                                 [](const Cylinder& cylinder) { return !cylinder.is_endless(); },
-                                 [](const Box&) { return true; }},
-                      body.shape);
+/// Largest error of the stress within near_spacings of a body, in % of the largest stress around
+/// it: docs/explanation/engine-spectral.md, "Stress around rigid bodies".
+double stress_error_percent(const Body& body) {
+    constexpr double of_curved = 26.0, with_edges = 47.0;
+    return std::visit(
+        overloaded{[](const Ellipsoid&) { return of_curved; },
+                   [](const Cylinder& c) { return c.is_endless() ? of_curved : with_edges; },
+                   [](const Box&) { return with_edges; }},
+        body.shape);
 }
 
 bool spans(double centre_m, double size_m, double extent_m) {
@@ -313,16 +317,16 @@ std::vector<Remark> receptors_near_bodies(const Case& c) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid || !has_markers(bodies[i], c.scene.medium, c.domain)) continue;
         const Bounds box = bounds(bodies[i]);
-        const double spacings = has_edges(bodies[i]) ? near_edges : near_surface,
-                     near_m = spacings * c.domain.spacing_m;
+        const double near_m = near_spacings * c.domain.spacing_m;
         for (const double depth_m : stress_depths_m(c)) {
             if (depth_m < box.low_m.z - near_m || depth_m > box.high_m.z + near_m) continue;
             warnings.push_back(
                 {Severity::warning, fmt::format("medium.body[{}].rigid", i + 1),
                  fmt::format(
                      "receptors at a depth of {:.3g} mm may lie inside this body or within {:.3g} "
-                     "grid spacings of it, where their stress is not accurate",
-                     1e3 * depth_m, spacings)});
+                     "grid spacings of it, where the error of their stress reaches {:.2g} % of the "
+                     "largest stress around the body",
+                     1e3 * depth_m, near_spacings, stress_error_percent(bodies[i]))});
             break;
         }
     }

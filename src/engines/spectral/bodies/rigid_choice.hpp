@@ -56,10 +56,9 @@ std::string reason_of_rest(const Body& body, const Medium& medium, const Domain&
 /// Errors for rigid bodies that the engine does not support: bodies that overlap or touch the
 /// surface, and bodies that the grid does not resolve. Not collective.
 std::vector<Remark> rigid_limits(const Case& c);
-/// Warnings for receptors of stress that are at the depths of a body with markers or within this
-/// number of spacings of them, where they may lie inside it or too close to it: near_surface, or
-/// near_edges for bodies with edges, at which the stress is singular. Not collective.
-constexpr double near_surface = 0.4, near_edges = 1.5;
+/// Warnings for receptors of stress that are at the depths of a body with markers or within
+/// near_spacings of them, where they may lie inside it or too close to it. Not collective.
+constexpr double near_spacings = 2.5;
 std::vector<Remark> receptors_near_bodies(const Case& c);
 
 /// The points of this rank's slab inside the rigid bodies of a case. The field that the engine

@@ -95,13 +95,6 @@ void sort_by_depth(std::vector<SectionMarker>& markers) {
 
 } // namespace
 
-double inset_of(const Body& body) {
-    return std::visit(overloaded{[](const Ellipsoid&) { return curved_inset; },
-                                 [](const Cylinder&) { return curved_inset; },
-                                 [](const Box&) { return flat_inset; }},
-                      body.shape);
-}
-
 CrossSection cross_section(const Body& body, Endless along) {
     return std::visit(
         overloaded{[](const Ellipsoid&) -> CrossSection { throw Error("an endless ellipsoid"); },

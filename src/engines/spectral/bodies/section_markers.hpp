@@ -25,9 +25,6 @@ constexpr double flat_inset = 1.1283791670955126 * marker_smoothing;
 /// 0.2 % at 10, free or fixed. (At 0.28 and 0.56 it changes by 4 and 3 % at 5.)
 constexpr double curved_inset = 0.42;
 
-/// flat_inset or curved_inset.
-double inset_of(const Body& body);
-
 /// The cross-section of an endless body: a circle or a rectangle.
 struct CrossSection {
     bool is_round;

@@ -80,9 +80,8 @@ private:
 
 Output::Output(StepState& state, std::ptrdiff_t per_frame)
     : OutputStage(state), per_frame_(per_frame), inside_(s_.c, s_.slabs.share()),
-      tensors_(s_.rigid.layers, s_.mesh, s_.slabs, s_.step_s, s_.team, s_.bodies.get()),
-      receptors_(s_.rigid.layers, stress_depths_m(s_.c), s_.mesh, s_.slabs, s_.step_s, s_.team,
-                 s_.bodies.get()) {
+      tensors_(s_.rigid.layers, s_.mesh, s_.slabs, s_.step_s, s_.team),
+      receptors_(s_.rigid.layers, stress_depths_m(s_.c), s_.mesh, s_.slabs, s_.step_s, s_.team) {
     together(s_.team, [&] { plane_.resize(static_cast<std::size_t>(s_.slabs.share().reals)); });
 }
 
@@ -119,9 +118,7 @@ void Output::emit(engines::Observer& observer) {
 
 void Output::emit_earlier(engines::Observer& observer) {
     if (saved_snapshot_) tensors_.emit(s_, inside_, *saved_snapshot_, observer);
-    if (saved_frame_)
-        receptors_.emit({s_.before.data(), s_.now.data()}, s_.bodies->step_forces(), *saved_frame_,
-                        observer);
+    if (saved_frame_) receptors_.emit({s_.before.data(), s_.now.data()}, *saved_frame_, observer);
     saved_snapshot_.reset();
     saved_frame_.reset();
 }

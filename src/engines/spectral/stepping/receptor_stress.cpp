@@ -82,8 +82,7 @@ constexpr std::ptrdiff_t motion_blocks = 3 * motion_levels * parts;
 } // namespace
 
 ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
-                               const fft::SlabTransform& slabs, double step_s, const Comm& team,
-                               const RigidBodies* bodies)
+                               const fft::SlabTransform& slabs, double step_s, const Comm& team)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
       depths_m_(std::move(depths_m)), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)),
       strains_(motion_mesh(), {{}}, strain_components) {
@@ -99,9 +98,6 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         plane_.resize(plane);
         compression_.resize(plane);
         before_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
-        if (bodies)
-            near_ = stress_correction(*bodies, {c.scene.medium, c.domain, mesh_, slabs.share(),
-                                                depths_m_, Corrected::zz});
     });
     std::vector<Surfaces> all = std::move(surfaces_);
     surfaces_.clear();
@@ -290,11 +286,9 @@ void ReceptorStress::add_across(Surfaces& surfaces, const Steps& steps) {
     add_stress(&Surfaces::Cell::viscosity);
 }
 
-void ReceptorStress::emit(const Steps& steps, const std::vector<double>& forces,
-                          std::ptrdiff_t frame, engines::Observer& observer) {
+void ReceptorStress::emit(const Steps& steps, std::ptrdiff_t frame, engines::Observer& observer) {
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
-    if (near_) near_->set_forces(forces);
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
         std::fill(compression_.begin(), compression_.end(), 0.0);
@@ -320,7 +314,6 @@ void ReceptorStress::emit(const Steps& steps, const std::vector<double>& forces,
         }
         for (Surfaces& surfaces : surfaces_)
             if (surfaces.depth == depth) add_across(surfaces, steps);
-        if (near_) near_->add_zz(depth, -1.0, compression_.data());
         observer.stress({.number = frame,
                          .depth = depth,
                          .compression_Pa = View2<const double>(compression_.data(), slab.x_count,

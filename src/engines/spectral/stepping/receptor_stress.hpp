@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/step_state.hpp"
 
 #include <array>
@@ -16,8 +15,8 @@ namespace shearwake::spectral {
 /// contains the depth, followed by one transform per depth. If the medium varies laterally within
 /// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed, and
 /// twelve where surfaces of bodies cross cells, since the stress across them depends on all strains
-/// and their rates. At an element boundary the result is the mean of both sides. Around rigid
-/// bodies the error of the forces at their markers is corrected (StressCorrection).
+/// and their rates. At an element boundary the result is the mean of both sides. The
+/// forces at the markers of rigid bodies make it inaccurate near them (receptors_near_bodies()).
 class ReceptorStress {
 public:
     /// The pencils of the displacement at two consecutive steps, row by row.
@@ -25,11 +24,10 @@ public:
         const Block *before, *now;
     };
 
-    /// For these depths; allocates memory only if there are any. `bodies` may be null; they
-    /// must outlive this object. Throws CaseFailure on all ranks together. Collective.
+    /// For these depths; allocates memory only if there are any. Throws CaseFailure on all ranks
+    /// together. Collective.
     ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
-                   const fft::SlabTransform& slabs, double step_s, const Comm& team,
-                   const RigidBodies* bodies);
+                   const fft::SlabTransform& slabs, double step_s, const Comm& team);
 
     /// Whether there are any depths.
     bool wanted() const { return !depths_m_.empty(); }
@@ -37,10 +35,8 @@ public:
     /// that ends at a frame. Not collective.
     void remember(const Block* before);
     /// Passes the stress at `frame` to the observer, for the displacement at the frame and after
-    /// the next step, and the forces at the markers of the bodies, RigidBodies::step_forces().
-    /// Collective.
-    void emit(const Steps& steps, const std::vector<double>& forces, std::ptrdiff_t frame,
-              engines::Observer& observer);
+    /// the next step. Collective.
+    void emit(const Steps& steps, std::ptrdiff_t frame, engines::Observer& observer);
     double allocated_B() const;
     /// Number of planes that are transformed per frame, as far as it follows from the case.
     static double planes(const Case& c, const DepthMesh& mesh);
@@ -91,8 +87,7 @@ private:
     fft::AlignedVector<double> plane_, compression_;
     StrainTransfer strains_; // at the depth of surfaces
     std::vector<Surfaces> surfaces_;
-    fft::AlignedVector<double> strain_;      // planes of six components; empty without surfaces
-    std::unique_ptr<StressCorrection> near_; // may be null
+    fft::AlignedVector<double> strain_; // planes of six components; empty without surfaces
 };
 
 } // namespace shearwake::spectral

@@ -23,7 +23,7 @@ std::vector<double> smoothing_of(const GaussLobatto& rule) {
 } // namespace
 
 TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                             double step_s, const Comm& team, const RigidBodies* bodies)
+                             double step_s, const Comm& team)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), team_(team),
       vectors_(c.domain, slabs.share()), wanted_(records_tensors(c.record)) {
     if (!wanted_) return;
@@ -36,9 +36,6 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         pressure_.assign(mesh.rule.nodes.size() * plane, 0.0);
         pencil_.assign(pencil, Block{});
         earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, Block{});
-        if (bodies)
-            near_ = stress_correction(*bodies, {c.scene.medium, c.domain, mesh_, slabs.share(),
-                                                mesh.clear_levels_m(), Corrected::all_components});
     });
 }
 
@@ -208,7 +205,6 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
 
 void TensorVolumes::emit(const StepState& state, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
-    if (near_) near_->set_forces(state.bodies->step_forces());
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(state, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
@@ -223,25 +219,7 @@ void TensorVolumes::emit(const StepState& state, const InsideBodies& inside, std
             find_strain(state, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // the adjacent element follows
-            if (near_) together(team_, [&] { correct({element, node}); });
             emit_level(inside, snapshot, level, observer);
-        }
-    }
-}
-
-/// The strain changes as that of an elastic solid by Hooke's law.
-void TensorVolumes::correct(const StrainPoint& point) {
-    const std::size_t level = point.element * static_cast<std::size_t>(mesh_.degree) +
-                              static_cast<std::size_t>(point.node);
-    const Material m = material_of(case_.scene.medium.layers[mesh_.layers[point.element]]);
-    const double of_trace = m.lambda_Pa / (3.0 * m.lambda_Pa + 2.0 * m.mu_Pa);
-    for (const auto& [place, more_Pa] : near_->changes(level)) {
-        const double trace_Pa = more_Pa[xx] + more_Pa[yy] + more_Pa[zz];
-        for (int c = 0; c < strain_components; ++c) {
-            const double stress_Pa = more_Pa[static_cast<std::size_t>(c)];
-            plane(stress_, c)[place] += stress_Pa;
-            plane(strain_, c)[place] +=
-                (stress_Pa - (c < yz ? of_trace * trace_Pa : 0.0)) / (2.0 * m.mu_Pa);
         }
     }
 }

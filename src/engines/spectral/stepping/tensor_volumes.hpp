@@ -3,7 +3,6 @@
 
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/step_state.hpp"
 #include "problem/medium/material_field.hpp"
 
@@ -20,14 +19,14 @@ namespace shearwake::spectral {
 /// from node to node where the face of a body cuts an element. Therefore the two highest degrees of
 /// its polynomial over depth are removed, as in P_N - P_(N-2) elements (Maday and Patera 1989). The
 /// materials are those of the computation (with capped stiffness). At an element boundary the
-/// result is the mean of both sides. Around rigid bodies the error of the forces at their markers
-/// is corrected (StressCorrection).
+/// result is the mean of both sides. The forces at the markers of rigid bodies make it inaccurate
+/// near them.
 class TensorVolumes {
 public:
     /// Allocates memory only if the case records strain or stress. Throws CaseFailure on all ranks
     /// together. Collective.
     TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                  double step_s, const Comm& team, const RigidBodies* bodies);
+                  double step_s, const Comm& team);
 
     /// Whether the case records strain or stress.
     bool wanted() const { return wanted_; }
@@ -59,8 +58,6 @@ private:
     void find_strain(const StepState& state, const StrainPoint& point);
     /// Adds the results at a node times `share` to strain_ and stress_.
     void add(const StrainPoint& point, double share);
-    /// Corrects strain_ and stress_ of a level around rigid bodies.
-    void correct(const StrainPoint& point);
     void emit_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
                     engines::Observer& observer);
     double* plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const;
@@ -77,7 +74,6 @@ private:
     std::vector<double> smoothing_;              // of the nodal values of an element
     fft::AlignedVector<double> now_, rate_;      // strain at a node: planes of six components
     fft::AlignedVector<double> strain_, stress_; // accumulated results
-    std::unique_ptr<StressCorrection> near_;     // may be null
     fft::AlignedVector<double> pressure_;        // one plane per node of an element
     fft::AlignedVector<Block> earlier_, pencil_; // displacement one step before; of one pencil
 };

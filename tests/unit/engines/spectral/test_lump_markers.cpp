@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/lump_markers.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/bodies/stress/surface_patches.hpp"
 
 #include <catch2/catch.hpp>
 #include <algorithm>
@@ -152,33 +151,6 @@ TEST_CASE("markers of turned bodies lie inside them on a limited number of depth
         const Bounds box = bounds(body);
         CHECK(static_cast<double>(depths.size()) <=
               (box.high_m.z - box.low_m.z) / (0.3 * h_m) + 1.0);
-    }
-}
-
-TEST_CASE("the points on a turned body have the area and the normals of its surface",
-          "[lump_markers]") {
-    const double h_m = 0.5e-3;
-    for (const Body& body : turned_bodies()) {
-        CAPTURE(body.shape.index());
-        const auto points = spectral::surface_points(body, small_domain, h_m);
-        const auto plain = spectral::surface_points(aligned(body), small_domain, h_m);
-        REQUIRE(points.size() == plain.size());
-        double volume_m3 = 0.0, plain_m3 = 0.0; // a third of the flux of the offset
-        const auto flux = [](const spectral::SurfacePoint& p) {
-            return p.area_m2 *
-                   (p.offset_m.x * p.normal.x + p.offset_m.y * p.normal.y +
-                    p.offset_m.z * p.normal.z) /
-                   3.0;
-        };
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            volume_m3 += flux(points[i]);
-            plain_m3 += flux(plain[i]);
-            const Vec3 out = points[i].offset_m + 1e-6 * points[i].normal;
-            const Vec3 in = points[i].offset_m - 1e-6 * points[i].normal;
-            CHECK(volume_fraction(body, body.centre_m + out, {}) == 0.0);
-            CHECK(volume_fraction(body, body.centre_m + in, {}) == 1.0);
-        }
-        CHECK(volume_m3 == Approx(plain_m3).epsilon(1e-12));
     }
 }
 
