@@ -14,7 +14,7 @@ import xarray as xr
 from . import stored
 from .case import Case, SweepInterface
 from .errors import HOW, NotRecorded, suggestion
-from .keys import cf_unit, short_keys, split_unit
+from .keys import cf_unit, follows, short_keys, split_unit
 from .lazy import Cells, Columns, axis_of, lazy, union
 
 MAIN = {"traces": "u_z", "surface": "u_z", "mean": "u_z_squared"}  # the variable that the name of a group stands for
@@ -38,12 +38,6 @@ def values_of(cases: Sequence[Case], key: str) -> list[Any]:
     return sorted(found) if is_number else found
 
 
-def follows(cases: Sequence[Case], key: str, other: str) -> bool:
-    """Whether the value of `key` is determined by that of `other`."""
-    pairs = {(case.settings.get(other), case.settings.get(key)) for case in cases}
-    return len(pairs) == len({value for value, _ in pairs})
-
-
 def key_attributes(key: str) -> dict[str, str]:
     return {"key": key, "long_name": key, **({"units": cf_unit(unit)} if (unit := split_unit(key)[1]) else {})}
 
@@ -54,7 +48,7 @@ def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
     chief: dict[str, str] = {}  # key -> the key of its dimension
     for key in sweep.swept_keys:
         chief[key] = next((other for other in sweep.swept_keys[: sweep.swept_keys.index(key)]
-                           if chief[other] == other and follows(cases, key, other)), key)
+                           if chief[other] == other and follows((case.settings for case in cases), key, other)), key)
     keys = [key for key in sweep.swept_keys if chief[key] == key]
     values = {key: values_of(cases, key) for key in keys}
     place = {key: {value: n for n, value in enumerate(values[key])} for key in keys}

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import json
 import sys
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from .checksum import open_case, sealed
+from .keys import follows, job_tables
 
 ATTRIBUTES = ("case_id", "settings", "is_reference", "reference_id", "job", "title")
 
@@ -41,22 +41,14 @@ def attempt(path: Path) -> dict[str, Any]:
         return nothing
 
 
-def tables(text: str) -> dict[str, Any]:
-    """The tables of a TOML text; none if the text is truncated or not valid TOML."""
-    try:
-        return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
-    except tomllib.TOMLDecodeError:
-        return {}
-
-
 def job_options(found: dict[str, Any]) -> dict[str, Any]:
     """[job] and [table] of the job with the overrides of the command line."""
-    job = tables(found["job"])
+    job = job_tables(found["job"])
     options: dict[str, Any] = {}
     for section in ("job", "table"):
         merged = dict(job.get(section, {}))
         for line in found["overrides"].splitlines():
-            merged.update(tables(line).get(section, {}))
+            merged.update(job_tables(line).get(section, {}))
         options[section] = merged
     return options
 
@@ -72,14 +64,6 @@ def place(found: dict[str, Any], keys: list[str], job: str) -> list[Any]:
         else:
             order.append((0, value, ""))
     return order
-
-
-def series_of(cases: list[dict[str, Any]], keys: list[str], x: str) -> list[str]:
-    """All swept keys except x and keys whose value follows from that of x."""
-    def follows(key: str) -> bool:
-        pairs = {(str(c["settings"].get(x)), str(c["settings"].get(key))) for c in cases}
-        return len(pairs) == len({value for value, _ in pairs})
-    return [key for key in keys if key != x and not follows(key)]
 
 
 def plan_of_cases(folder: Path) -> dict[str, Any]:
@@ -98,10 +82,10 @@ def plan_of_cases(folder: Path) -> dict[str, Any]:
     entries = [{"id": c["case_id"], "settings": c["settings"],
                 "is_reference": c["is_reference"] == "yes", "reference_id": c["reference_id"]}
                for c in cases]
+    series = [key for key in keys if key != x and not follows((c["settings"] for c in ordinary), key, x)]
     return {"schema": 2, "name": name, "job": first["job"], "title": first["title"] or options["job"].get("title", name),
             "swept_keys": keys, "cases": entries,
-            "table": {"x": x, "series": options["table"].get("series",
-                                                             series_of(ordinary, keys, x))}}
+            "table": {"x": x, "series": options["table"].get("series", series)}}
 
 
 def main(folder: Path) -> None:

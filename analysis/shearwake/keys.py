@@ -2,8 +2,10 @@
 """Keys of a job: their short forms, their units, and access to them in nested tables."""
 from __future__ import annotations
 
+import functools
 import re
-from typing import Any, Mapping, Sequence
+import tomllib
+from typing import Any, Iterable, Mapping, Sequence
 
 UNITS = ("kg_m3", "g_cm3", "m_s", "mm_s", "cm_s", "km_s", "Pa_s", "mPa_s", "kHz", "Hz", "MHz", "kPa", "MPa", "Pa", "mm", "um",
          "nm", "cm", "m", "ms", "us", "ns", "s", "deg", "rad", "mN", "N", "dB")
@@ -14,6 +16,12 @@ def split_unit(key: str) -> tuple[str, str]:
     word = key.split(".")[-1]
     found = max((unit for unit in UNITS if word.endswith("_" + unit) and len(word) > len(unit) + 1), key=len, default="")
     return (word[: -len(found) - 1], found) if found else (word, "")
+
+
+def follows(settings: Iterable[Mapping[str, Any]], key: str, other: str) -> bool:
+    """Whether the value of `key` is determined by that of `other` in all settings."""
+    pairs = {(str(values.get(other)), str(values.get(key))) for values in settings}
+    return len(pairs) == len({value for value, _ in pairs})
 
 
 def cf_unit(unit: str) -> str:
@@ -39,6 +47,15 @@ def by_short_key(keys: Sequence[str], short: Mapping[str, Any]) -> dict[str, Any
         if word not in full:
             raise KeyError(f"{word} is not swept; the swept keys are {', '.join(full) or 'none'}")
     return {full[word]: value for word, value in short.items()}
+
+
+@functools.cache
+def job_tables(text: str) -> dict[str, Any]:
+    """A job, or one override, as nested tables, which callers must not change; empty if the text is truncated or not TOML."""
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
+    except tomllib.TOMLDecodeError:
+        return {}
 
 
 def parts_of(key: str) -> list[str | int]:

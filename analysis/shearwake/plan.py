@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 from .checksum import read_json
 from .errors import NotAnOutputFolder
 from .inputs import text_of
+from .keys import job_tables
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,7 @@ def swept_values(table: Any, key: str) -> list[Any]:
 def labels_of(job: str, cases: list[dict[str, Any]]) -> dict[tuple[str, Any], str]:
     """The labels of [table]: {(swept key, value): text}. They are in the order of the values in [sweep] or, for a range or a CSV
     file, in that of the cases."""
-    try:
-        tables = tomllib.loads(job)
-    except tomllib.TOMLDecodeError:
-        return {}
+    tables = job_tables(job)
     labels = tables.get("table", {}).get("labels", {})
     found: dict[tuple[str, Any], str] = {}
     for key, texts in labels.items() if isinstance(labels, dict) else ():

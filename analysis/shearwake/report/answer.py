@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from dataclasses import dataclass
 from typing import Any
 
 from ..case import Case
+from ..keys import job_tables
 from . import layout
 from .load import Selection, remembered
 from .numerical_error import valid
@@ -85,10 +85,7 @@ def reference_name(selection: Selection) -> str:
 
 def _table(selection: Selection) -> dict[str, Any]:
     """The table [job] of the job file."""
-    try:
-        found = tomllib.loads(selection.sweep.job_text).get("job", {})
-    except tomllib.TOMLDecodeError:
-        return {}
+    found = job_tables(selection.sweep.job_text).get("job", {})
     return found if isinstance(found, dict) else {}
 
 

@@ -4,6 +4,7 @@ that stands for the absence: of [table] labels, or of a body with the material o
 from __future__ import annotations
 
 from ..case import Case
+from ..keys import follows
 from . import labels, layout
 from .load import Selection, remembered
 
@@ -29,7 +30,7 @@ def counterpart(selection: Selection, case: Case) -> Case | None:
     names = labels.labels(selection)
     if not key or case.is_reference or names.get((key, case.settings.get(key))) == text:
         return None
-    follow = {other for other in case.settings if _follows(selection, other, key)}
+    follow = {other for other in case.settings if follows((c.settings for c in labels.swept_cases(selection)), other, key)}
     body = labels.BODY.match(key)
 
     def differing(one: Case) -> list[str]:
@@ -37,9 +38,3 @@ def counterpart(selection: Selection, case: Case) -> Case | None:
     found = [c for c in layout.ordinary(selection) if names.get((key, c.settings.get(key))) == text
              and all(body and k.startswith(body[1] + ".") for k in differing(c))]
     return min(found, key=lambda c: len(differing(c))) if found else None
-
-
-def _follows(selection: Selection, other: str, key: str) -> bool:
-    """Whether each value of a key has a single value of another key."""
-    pairs = {(str(c.settings.get(key)), str(c.settings.get(other))) for c in layout.swept_cases(selection)}
-    return len(pairs) == len({value for value, _ in pairs})

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
+from ..keys import follows
 from . import words
 from .labels import is_number, labels, ordinary, setting_text, swept_cases, values_of
 from .load import Selection, remembered, traces
@@ -145,14 +146,12 @@ def is_reading(key: str) -> bool:
 @remembered
 def axes(selection: Selection) -> list[str]:
     """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
-    cases = swept_cases(selection)
+    settings = [case.settings for case in swept_cases(selection)]
     independent: list[str] = []
     for key in dict.fromkeys([selection.x, *selection.sweep.series_keys, *selection.sweep.swept_keys]):
         if not key or len(values_of(selection, key)) < 2:
             continue
-        follows = any(len({(str(c.settings.get(other)), str(c.settings.get(key))) for c in cases})
-                      == len({str(c.settings.get(other)) for c in cases}) for other in independent)
-        if not follows:
+        if not any(follows(settings, key, other) for other in independent):
             independent.append(key)
     return independent
 

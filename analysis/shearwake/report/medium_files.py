@@ -2,35 +2,25 @@
 """Maps that a case refers to. Case files contain only the hash of these files."""
 from __future__ import annotations
 
-import functools
-import tomllib
-from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import inputs
 from ..case import Case
+from ..inputs import MaterialMap
+from ..keys import job_tables
 
 LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
 
 
-@dataclass
-class Grid:
-    """Shear-wave speeds c_s_m_s(x, y, z) at the nodes x_m, y_m, z_m of a regular grid."""
-    x_m: np.ndarray
-    y_m: np.ndarray
-    z_m: np.ndarray
-    c_s_m_s: np.ndarray
-
-    def speed(self, x: Any, y: Any, z: Any) -> Any:
-        """The speed on a plane, of which x and y are a row and a number, or a number and a row, and z a column in m.
-        Linear between nodes; NaN farther outside than half a spacing."""
-        along = [weights(np.ravel(at), nodes) for at, nodes in ((x, self.x_m), (y, self.y_m), (z, self.z_m))]
-        values = np.einsum("xi,yj,zk,ijk->zxy", *along, self.c_s_m_s, optimize=True)
-        return values.reshape(np.broadcast(x, y, z).shape)
+def speed(found: MaterialMap, x: Any, y: Any, z: Any) -> Any:
+    """The speed on a plane, of which x and y are a row and a number, or a number and a row, and z a column in m.
+    Linear between nodes; NaN farther outside than half a spacing."""
+    along = [weights(np.ravel(at), nodes) for at, nodes in ((x, found.x_m), (y, found.y_m), (z, found.z_m))]
+    values = np.einsum("xi,yj,zk,ijk->zxy", *along, found.c_s_m_s, optimize=True)
+    return values.reshape(np.broadcast(x, y, z).shape)
 
 
 def weights(at: Any, nodes: Any) -> Any:
@@ -49,22 +39,13 @@ def weights(at: Any, nodes: Any) -> Any:
     return matrix
 
 
-@functools.cache
-def keys_in(text: str) -> dict[str, Any]:
-    """A job, or one override, as a dictionary; empty if it is not TOML."""
-    try:
-        return tomllib.loads(text.removeprefix("\ufeff"))  # a byte order mark
-    except tomllib.TOMLDecodeError:
-        return {}
-
-
 def job_value(job: str, case: Case, key: str) -> str | None:
     """The value of a key of the job, given as text, for this case: swept, overridden on the command line, or in the job file."""
     found: Any = case.settings.get(key)
     for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], job]:
         if found is not None:
             break
-        found = keys_in(text)
+        found = job_tables(text)
         for part in key.split("."):
             found = found.get(part) if isinstance(found, dict) else None
     return found
@@ -92,12 +73,3 @@ def started(case: Case) -> float:
     except ValueError:
         return 0.0
     return moment.replace(tzinfo=timezone.utc).timestamp()
-
-
-def read_map(path: Path) -> Grid | None:
-    """The grid of a map, or None if the file has no shear-wave speed or cannot be read."""
-    try:
-        found = inputs.read_map(path)
-    except (OSError, KeyError, ValueError):
-        return None
-    return Grid(found.x_m, found.y_m, found.z_m, found.c_s_m_s)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
+from ..keys import follows
 from ..tables import Optima
 from . import layout
 from .answer import quantity
@@ -49,9 +50,7 @@ def title_of(selection: Selection, row: dict[str, Any]) -> str:
     rows = optima(selection).rows
     keys: list[str] = []
     for key in swept(row):
-        values = {r[key] for r in rows}
-        follows = any(len({(r[k], r[key]) for r in rows}) == len({r[k] for r in rows}) for k in keys)
-        if len(values) > 1 and not follows:
+        if len({r[key] for r in rows}) > 1 and not any(follows(rows, key, other) for other in keys):
             keys.append(key)
     return ", ".join(_value(selection, key, row[key]) for key in keys) or "the case of the job"
 

@@ -6,14 +6,7 @@ import re
 import tomllib
 from collections.abc import Iterable
 
-# Suffix of a key -> unit on an axis; the suffixes of the job file.
-UNITS = {
-    "_kg_m3": "kg/m³", "_g_cm3": "g/cm³", "_m_s": "m/s", "_mm_s": "mm/s", "_cm_s": "cm/s",
-    "_km_s": "km/s", "_Pa_s": "Pa s", "_mPa_s": "mPa s", "_kHz": "kHz", "_Hz": "Hz", "_MHz": "MHz",
-    "_kPa": "kPa", "_MPa": "MPa", "_Pa": "Pa", "_mm": "mm", "_um": "µm", "_nm": "nm", "_cm": "cm",
-    "_m": "m", "_ms": "ms", "_us": "µs", "_ns": "ns", "_s": "s", "_deg": "°", "_rad": "rad",
-    "_mN": "mN", "_N": "N",
-}
+from .. import keys
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -33,13 +26,10 @@ POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 @functools.cache
 def split_unit(key: str) -> tuple[str, str]:
-    """The last part of a dotted key without its unit, and the unit ('' if it has none)."""
-    word = key.split(".")[-1]
-    found = [s for s in UNITS if word.endswith(s) and len(word) > len(s)]
-    if not found:
-        return word, ""
-    suffix = max(found, key=len)
-    return word[: -len(suffix)], UNITS[suffix]
+    """The last part of a dotted key without its unit, and the unit as on an axis ('' if it has none)."""
+    word, unit = keys.split_unit(key)
+    shown = {"Pa_s": "Pa s", "mPa_s": "mPa s", "um": "µm", "us": "µs", "deg": "°"}.get(unit)
+    return word, shown or unit.replace("_", "/").replace("3", "³")
 
 
 @functools.cache

@@ -2,6 +2,7 @@
 """Vertical slices of the medium: its layers, bodies or map, with the path of the focus."""
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from matplotlib.axes import Axes
 
 from ... import wake
 from ...case import Case
+from ...inputs import MaterialMap, read_map
 from .. import layout, medium_files, style
 from ..figure import Figure
 from ..load import Selection
@@ -118,17 +120,18 @@ def scene(selection: Selection, case: Case) -> list[Slice] | None:
     """The slices of a case with layers, bodies or a map, through the first body or the centre; None without the file of
     the map."""
     medium, domain = case.parameters["medium"], case.parameters["domain"]
-    grid: medium_files.Grid | None = None
+    grid: MaterialMap | None = None
     if "map" in medium:
         file = medium_files.file_of(selection.sweep.folder, selection.sweep.job_text, case, "medium.map")
-        grid = medium_files.read_map(file) if file else None
+        with contextlib.suppress(OSError, KeyError, ValueError):
+            grid = read_map(file) if file else None
         if grid is None:
             return None
 
     def speed_at(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         c_s = speed(medium, x, y, z)
         if grid is not None:
-            mapped = grid.speed(x, y, z)
+            mapped = medium_files.speed(grid, x, y, z)
             c_s = np.where(np.isfinite(mapped) & np.isfinite(c_s), mapped, c_s)
         return c_s
 
