@@ -159,6 +159,15 @@ def mean_square(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[np
         return None
 
 
+def bilinear(x: np.ndarray, y: np.ndarray, values: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:
+    """values(x, y) between equidistant nodes at points; beyond the nodes, those at the edge."""
+    at = [np.interp(points, nodes, np.arange(len(nodes))) for points, nodes in ((at_x, x), (at_y, y))]
+    i, j = (np.minimum(a.astype(int), len(nodes) - 2) for a, nodes in zip(at, (x, y)))
+    s, t = at[0] - i, at[1] - j
+    return ((1 - s) * (1 - t) * values[i, j] + s * (1 - t) * values[i + 1, j]
+            + (1 - s) * t * values[i, j + 1] + s * t * values[i + 1, j + 1])
+
+
 def levels(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """The level of sensation in the measured region: x_m, y_m, level_dB(x, y); None if it was not computed."""
     try:

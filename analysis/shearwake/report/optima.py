@@ -16,7 +16,7 @@ from ..keys import follows
 from ..tables import Optima
 from . import layout
 from .answer import quantity
-from .load import Selection, mean_square
+from .load import Selection, bilinear, mean_square
 from .warnings_of import is_valid
 from .words import number, value_text
 
@@ -140,11 +140,7 @@ def along_path(case: Case) -> AlongPath | None:
         return None
     x, y, squared, lines = found
     points = np.concatenate([line for line in lines if len(line) > 1] or [np.empty((0, 2))])
-    at = [np.interp(points[:, axis], nodes, np.arange(len(nodes))) for axis, nodes in enumerate((x, y))]
-    low = [np.minimum(a.astype(int), len(nodes) - 2) for a, nodes in zip(at, (x, y))]
-    (i, j), (s, t) = low, [a - b for a, b in zip(at, low)]
-    value = ((1 - s) * (1 - t) * squared[i, j] + s * (1 - t) * squared[i + 1, j]
-             + (1 - s) * t * squared[i, j + 1] + s * t * squared[i + 1, j + 1])
+    value = bilinear(x, y, squared, *points.T)
     inside = np.isfinite(value)
     if inside.sum() < 2 or not value[inside].any():
         return None

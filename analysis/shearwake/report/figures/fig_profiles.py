@@ -20,16 +20,9 @@ from . import fig_surface, fig_time
 
 def sample(shot: fig_surface.Snapshot, x_mm: np.ndarray, y_mm: np.ndarray) -> np.ndarray:
     """u in um at points, bilinear between the points of the grid; NaN outside."""
-    i = (np.asarray(x_mm) - shot.x_mm[0]) / (shot.x_mm[1] - shot.x_mm[0])
-    j = (np.asarray(y_mm) - shot.y_mm[0]) / (shot.y_mm[1] - shot.y_mm[0])
-    last_i, last_j = len(shot.x_mm) - 1, len(shot.y_mm) - 1
-    inside = (i > -1e-9) & (i < last_i + 1e-9) & (j > -1e-9) & (j < last_j + 1e-9)
-    i0 = np.clip(np.floor(i).astype(int), 0, last_i - 1)
-    j0 = np.clip(np.floor(j).astype(int), 0, last_j - 1)
-    a, b = i - i0, j - j0
-    u = ((1 - a) * (1 - b) * shot.u_um[i0, j0] + a * (1 - b) * shot.u_um[i0 + 1, j0]
-         + (1 - a) * b * shot.u_um[i0, j0 + 1] + a * b * shot.u_um[i0 + 1, j0 + 1])
-    return np.where(inside, u, math.nan)
+    inside = [(points > nodes[0] - 1e-9) & (points < nodes[-1] + 1e-9)
+              for points, nodes in ((np.asarray(x_mm), shot.x_mm), (np.asarray(y_mm), shot.y_mm))]
+    return np.where(inside[0] & inside[1], load.bilinear(shot.x_mm, shot.y_mm, shot.u_um, x_mm, y_mm), math.nan)
 
 
 def last_shot(case: Case) -> fig_surface.Snapshot | None:
