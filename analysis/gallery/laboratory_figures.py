@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from shearwake import wake
 from shearwake.report import style
 from shearwake.report.load import load, surface
 
@@ -39,8 +40,7 @@ def surface_of(folder: Path, case: int = 0, time: int = -1) -> tuple[np.ndarray,
     if found is None:
         raise ValueError(f"{folder} contains no snapshot")
     _, x, y, u = found
-    half = 0.5 * (x[1] - x[0])
-    return 1e3 * np.array([x[0] - half, x[-1] + half, y[0] - half, y[-1] + half]), 1e6 * u.T, (1e3 * x, 1e3 * y)
+    return 1e3 * np.array(wake.extent(x, y)), 1e6 * u.T, (1e3 * x, 1e3 * y)
 
 
 def panel(figure: Figure, axes: Axes, picture: Picture, title: str, label: str, **options: Any) -> None:

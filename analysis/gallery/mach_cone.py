@@ -48,12 +48,10 @@ def scale_bar(axes: Axes, length_mm: float = 20.0) -> None:
 def draw(shot: Snapshot) -> Figure:
     figure = plt.figure(figsize=np.array(SIZE_px) / DPI)
     axes = figure.add_axes([0.078, 0.115, 0.792, 0.865])
-    half = 0.5 * (shot.x_mm[1] - shot.x_mm[0])
     smooth = matplotlib.colormaps[style.DIVERGING].resampled(320)
     image = axes.imshow(shot.u_um.T, origin="lower", cmap=smooth, vmin=-SCALE_end_um,
                         vmax=SCALE_end_um, interpolation="bicubic", interpolation_stage="data",
-                        extent=(shot.x_mm[0] - half, shot.x_mm[-1] + half, shot.y_mm[0] - half,
-                                shot.y_mm[-1] + half))
+                        extent=wake.extent(shot.x_mm, shot.y_mm))
     wake.draw_theory(axes, shot.case, shot.t_s)
     axes.set(xlim=SHOWN_mm[:2], ylim=SHOWN_mm[2:], xlabel="x (mm)", ylabel="y (mm)")
     axes.grid(False)

@@ -85,10 +85,8 @@ class Plot:
             _, axes = plt.subplots(layout="constrained")
         peak = float(np.abs(u).max())
         end = end_um or peak or 1.0
-        dx, dy = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
         image = axes.imshow(u.T, origin="lower", cmap=COLOURS, vmin=-end, vmax=end, interpolation="bicubic",
-                            interpolation_stage="data",
-                            extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy))
+                            interpolation_stage="data", extent=wake.extent(x, y))
         axes.figure.colorbar(image, ax=axes, label=LABEL, shrink=0.8, extend="both" if peak > 1.001 * end else "neither")
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
         axes.set_title(title(t_s) + ("" if self.case.is_valid else " (not valid)"), loc="left")

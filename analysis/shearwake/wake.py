@@ -43,6 +43,12 @@ def halo(width: float = 2.5, colour: str = "white") -> list[Any]:
     return [patheffects.withStroke(linewidth=width, foreground=colour)]
 
 
+def extent(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float, float]:
+    """The edges of a picture of values at equidistant points: left, right, bottom, top."""
+    half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
+    return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
+
+
 def offsets_mm(case: CaseInterface) -> np.ndarray:
     """Offsets of simultaneous foci from the moving point; zero for a single focus."""
     x = case.setting("load", "modulation", "foci_x_m", default=[0.0])

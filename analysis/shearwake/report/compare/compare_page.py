@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ... import wake
 from ...case import Case
 from .. import layout, load, style
 from ..words import number
@@ -45,9 +46,7 @@ def visible(x: np.ndarray, y: np.ndarray, u: np.ndarray, v: np.ndarray, at_mm: l
 
 
 def panel(axes: Axes, x: np.ndarray, y: np.ndarray, u: np.ndarray, end: float, title: str) -> Any:
-    half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
-    image = axes.imshow(u.T, origin="lower", cmap=style.DIVERGING, vmin=-end, vmax=end,
-                        extent=(x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y))
+    image = axes.imshow(u.T, origin="lower", cmap=style.DIVERGING, vmin=-end, vmax=end, extent=wake.extent(x, y))
     axes.set_title(title, loc="left", fontsize=9)
     axes.set_xlabel("x (mm)")
     axes.xaxis.set_major_locator(MaxNLocator(4))

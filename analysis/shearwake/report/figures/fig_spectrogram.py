@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ... import wake
 from ...case import Case
 from .. import layout, references, style, warnings_of
 from ..figure import Figure
@@ -68,12 +69,6 @@ def window_words(cases: list[Case]) -> str:
             f"{number(2.0 / lengths_s[0], 2)} Hz apart")
 
 
-def extent(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float, float]:
-    """The edges of a picture of equidistant values."""
-    half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
-    return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
-
-
 def figures(selection: Selection, folder: Path) -> list[Figure]:
     cases = chosen(selection)
     if not cases:
@@ -96,11 +91,11 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
                                 figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
         level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
-        image = axes.imshow(level, extent=extent(1e3 * times, frequency), origin="lower", aspect="auto", vmin=LOWEST_dB,
+        edges = wake.extent(1e3 * times, frequency)
+        image = axes.imshow(level, extent=edges, origin="lower", aspect="auto", vmin=LOWEST_dB,
                             vmax=0.0, cmap=style.sequential_map(), interpolation="bilinear")
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
-        left, right, low, high = extent(1e3 * times, frequency)
-        hover.attach(axes, level, (left, right), (low, high), "amplitude", "t (ms)", "f (Hz)", "dB")
+        hover.attach(axes, level, edges[:2], edges[2:], "amplitude", "t (ms)", "f (Hz)", "dB")
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({millimetres(1e3 * at[0])}, {millimetres(1e3 * at[1])}) mm")

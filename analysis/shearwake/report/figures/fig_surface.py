@@ -86,8 +86,7 @@ def window(shots: list[Snapshot], end: float) -> tuple[float, float, float, floa
 
 
 def extent(shot: Snapshot) -> tuple[float, float, float, float]:
-    dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
-    return shot.x_mm[0] - dx, shot.x_mm[-1] + dx, shot.y_mm[0] - dy, shot.y_mm[-1] + dy
+    return wake.extent(shot.x_mm, shot.y_mm)
 
 
 def frame(axes: Axes, limits: tuple[float, float, float, float]) -> None:
