@@ -15,7 +15,7 @@ from PIL import Image
 from synthetic import AM, FWHM, Folder, InFolder, Page, case_id, draw
 
 from shearwake.report import labels, layout, load, warnings_of, words
-from shearwake.report.figures import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
+from shearwake.report.figures import (fig_curves, fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
                                       fig_spectra, fig_spectrogram, fig_surface)
 from shearwake.report.page import hover, player, table
 
@@ -289,8 +289,8 @@ class BandTest(InFolder):
         shares = fig_frequency.bands(sweep)
         self.assertEqual([band.column for band in shares], ["share_100_500_1", "share_500_1000_1"])
         self.assertEqual(shares[0].velocity, "velocity_share_100_500_1")
-        self.assertTrue(fig_frequency.has_values(sweep, shares[0].column))
-        self.assertFalse(fig_frequency.has_values(sweep, shares[1].column))
+        self.assertTrue(fig_curves.has_any(sweep, shares[0].column))
+        self.assertFalse(fig_curves.has_any(sweep, shares[1].column))
 
     def test_the_perceptible_band_is_drawn_if_the_job_has_no_bands(self):
         self.assertEqual([band.column for band in fig_frequency.bands(self.loaded)],

@@ -167,19 +167,17 @@ def evenly(items: Sequence, most: int) -> list:
 def only(selection: Selection, ids: Sequence[str]) -> Selection:
     """The selection with the cases of these ids and their references."""
     remaining = {*ids, *(selection.by_id[i].reference_id for i in ids)}
-    return replace(selection, cases=[c for c in selection.cases if c.id in remaining], label_keys=group_keys(selection))
+    return replace(selection, cases=[c for c in selection.cases if c.id in remaining],
+                   label_keys=group_keys(selection))  # keys that no longer vary remain in the labels
 
 
-def few(selection: Selection, most: int = 40) -> Selection:
-    """The selection; if it has more than `most` cases, reduced to a few that are spread evenly over it."""
-    if len(ordinary(selection)) <= most:
+def few(selection: Selection) -> Selection:
+    """The selection; if it has more than 40 cases, reduced to a few that are spread evenly over it."""
+    if len(ordinary(selection)) <= 40:
         return selection
     chosen = evenly(groups(selection), 3)
     values = set(evenly(x_values(selection), 24 // len(chosen)))
-    remaining = {c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values}
-    remaining |= {selection.by_id[i].reference_id for i in remaining}
-    return replace(selection, cases=[c for c in selection.cases if c.id in remaining],
-                   label_keys=group_keys(selection))  # keys that no longer vary remain in the labels
+    return only(selection, [c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values])
 
 
 def fewer_lines(selection: Selection, most: int = 8, shown: int = 6) -> Selection:
@@ -193,9 +191,7 @@ def fewer_lines(selection: Selection, most: int = 8, shown: int = 6) -> Selectio
 
 def with_some(selection: Selection, some: set) -> Selection:
     """The selection with those cases whose x is one of some values, and their references."""
-    ids = {c.id for c in ordinary(selection) if c.settings.get(selection.x) in some}
-    ids |= {selection.by_id[i].reference_id for i in ids}
-    return replace(selection, cases=[c for c in selection.cases if c.id in ids], label_keys=group_keys(selection))
+    return only(selection, [c.id for c in ordinary(selection) if c.settings.get(selection.x) in some])
 
 
 def lines_of_one_panel(selection: Selection, most: int = 7) -> Selection:

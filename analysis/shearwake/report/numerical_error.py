@@ -12,11 +12,6 @@ from .load import Selection
 from .words import key_name, listed
 
 
-def known(selection: Selection, column: str) -> list[Case]:
-    """The complete cases with a value in this column, without references."""
-    return [c for c in layout.ordinary(selection) if not math.isnan(c.value(column, math.nan))]
-
-
 def is_numerical(key: str) -> bool:
     """Whether the key is a choice of the simulation, not of a display or of a user of one."""
     return key.startswith(("solver.", "domain.", "time.", "measure.", "record."))
@@ -35,7 +30,8 @@ def choices(selection: Selection) -> Selection:
 
 def valid(selection: Selection, column: str) -> list[Case]:
     """The complete cases with a valid value in this column, without references."""
-    return [c for c in known(selection, column) if warnings_of.is_valid_value(selection, c, column, warnings_of.figure_of(column))]
+    return [c for c in layout.ordinary(selection) if not math.isnan(c.value(column, math.nan))
+            and warnings_of.is_valid_value(selection, c, column, warnings_of.figure_of(column))]
 
 
 def relative_error(selection: Selection, case: Case, column: str) -> tuple[Any, ...]:

@@ -11,7 +11,8 @@ from ..case import Case
 from . import contrast, layout
 from .answer import NOTICEABLE_dB, Quantity, is_at_rest, quantity
 from .load import Selection, remembered
-from .numerical_error import choices, is_numerical, numerical_variants, relative_error, settings_that_differ, spread_of, valid
+from .numerical_error import is_numerical, numerical_variants, relative_error, settings_that_differ, spread_of, valid
+from .places import keys_of
 from .warnings_of import RATE, is_valid
 
 SHAPES = {"hold": "a point", "swing": "a line", "line": "a line", "arc": "a circle", "polyline": "a polygon", "lissajous": "a Lissajous curve"}
@@ -113,7 +114,7 @@ def reference_for(selection: Selection, case: Case, column: str = "eta_period_1"
     return None if math.isnan(found.value(column, math.nan)) else found
 
 
-def representatives(selection: Selection, cases: list[Case], column: str) -> list[Case]:
+def representatives(cases: list[Case], column: str) -> list[Case]:
     """The case with the largest value among those that differ only in numerical parameters."""
     found: dict[str, Case] = {}
     for case in sorted(cases, key=lambda c: -c.value(column)):
@@ -154,7 +155,7 @@ def rank(selection: Selection, column: str) -> Ranking:
     if found.pairs:
         found.equal = [max(found.pairs, key=lambda pair: abs(change(of, found.value(pair[0]), found.value(pair[1]))))[0]]
         return found
-    found.cases = representatives(selection, cases, of.column)
+    found.cases = representatives(cases, of.column)
     found.seeks_least = any(axis["goal"] == "minimum" and axis["column"] == of.column for axis in selection.sweep.adaptive_axes)
     sign = -1.0 if found.seeks_least else 1.0
     best = max(found.cases, key=lambda c: sign * found.value(c))
@@ -178,8 +179,7 @@ def change(of: Quantity, value: float, reference: float) -> float:
 def edges(selection: Selection, ranking: Ranking) -> list[str]:
     """The numeric keys at an end of whose swept range the best case lies, among the cases with the same other settings. Phases have no
     end, and depths of a modulation none beyond 0 and 1."""
-    chosen = choices(selection)
-    keys = [k for k in [chosen.x, *layout.group_keys(chosen)] if k]
+    keys = keys_of(selection)
     found = []
     for key in keys:
         values = {c.settings.get(key) for c in ranking.cases}

@@ -160,13 +160,9 @@ def legend_columns(curves: list[tuple[layout.Group, str, str]]) -> int:
     return max(1, min(4, len(curves), 100 // longest))
 
 
-def legend_rows(curves: list[tuple[layout.Group, str, str]]) -> int:
-    return 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
-
-
 def panels(count: int, curves: list[tuple[layout.Group, str, str]], height_in: float = 2.35) -> tuple[Any, list[Axes]]:
     """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
-    rows = legend_rows(curves)
+    rows = 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
     top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
     figure = plt.figure(figsize=(style.WIDTH_in, total))

@@ -33,10 +33,6 @@ def chosen(selection: Selection) -> list[Case]:
     return [c for c in references.with_references(selection, picks, CASES) if "force" in c.over_time]
 
 
-def is_moving(case: Case) -> bool:
-    return max(np.ptp(case.over_time["focus_x"]), np.ptp(case.over_time["focus_y"])) > 0
-
-
 def lead_mm(selection: Selection, case: Case) -> np.ndarray | None:
     """Lead of the focus over that of its reference along the path of the reference, over time; None if both
     have the same path or there is no reference."""
@@ -87,7 +83,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         return []
     name = layout.reference_name(layout.all_references(selection))
     columns = []
-    if any(map(is_moving, cases)):
+    if any(np.ptp(c.over_time[name]) > 0 for c in cases for name in ("focus_x", "focus_y")):
         columns.append(("place", draw_place))
     if any(lead_mm(selection, c) is not None for c in cases):
         columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, selection, c)))

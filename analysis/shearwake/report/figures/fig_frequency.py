@@ -47,10 +47,6 @@ def bands(selection: Selection) -> list[Band]:
     return [PERCEIVED]
 
 
-def has_values(selection: Selection, column: str) -> bool:
-    return any(not math.isnan(case.value(column, math.nan)) for case in layout.ordinary(selection))
-
-
 def peaks(selection: Selection) -> list[tuple[str, str]]:
     """The dominant frequencies that most cases have, as (column, quantity)."""
     cases = layout.ordinary(selection)
@@ -99,7 +95,7 @@ def caption(selection: Selection, found: list[tuple[str, str]], shown: list[Band
         text.append("The share in a band is that of the energy above one period per run."
                     if shown[0].is_share else
                     f"The motion is the root mean square of u {where} in the band of perceptible vibration.")
-        if any(has_values(selection, b.velocity) for b in shown):
+        if any(fig_curves.has_any(selection, b.velocity) for b in shown):
             text.append("Filled markers: u. Open markers with dashed lines: du/dt.")
     if "u" not in [of for _, of in found] and found:
         text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
@@ -115,7 +111,7 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
     found = peaks(selection)
-    shown = [b for b in bands(selection) if has_values(selection, b.column)]
+    shown = [b for b in bands(selection) if fig_curves.has_any(selection, b.column)]
     if not found and not shown:
         return []
     curves = fig_curves.curves_of(selection)

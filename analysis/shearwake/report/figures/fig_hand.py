@@ -96,18 +96,13 @@ def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: 
                   " Red crosses: pins that move the skin."), title)
 
 
-def evenly(indices: np.ndarray, most: int) -> np.ndarray:
-    return indices if len(indices) <= most else indices[
-        np.linspace(0, len(indices) - 1, most).round().astype(int)]
-
-
-def raster_rows(afferents: Afferents, kind: str) -> np.ndarray:
+def raster_rows(afferents: Afferents, kind: str) -> list[int]:
     """The firing afferents, sorted by their distance from the nearest pin, nearest first."""
     rows = afferents.of(kind)
     rows = rows[afferents.count[rows] > 0]
     between = np.hypot(afferents.x[rows, None] - afferents.pins[None, :, 0],
                        afferents.y[rows, None] - afferents.pins[None, :, 1])
-    return evenly(rows[np.argsort(between.min(axis=1), kind="stable")], MOST_TICKS)
+    return layout.evenly(rows[np.argsort(between.min(axis=1), kind="stable")].tolist(), MOST_TICKS)
 
 
 def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure | None:
@@ -139,10 +134,6 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder
                   (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
 
 
-def chosen_pins(afferents: Afferents) -> np.ndarray:
-    return evenly(np.arange(len(afferents.pins)), PLACES)
-
-
 def tick_at(top: float) -> float:
     """The largest number of the form 1 or 5 times a power of ten that is at most `top`."""
     power = 10.0 ** math.floor(math.log10(top))
@@ -153,7 +144,7 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
     """The motion of a few pins and, below each curve, the spikes of nearby afferents."""
     if afferents.u_um is None:
         return None
-    pins = chosen_pins(afferents)
+    pins = layout.evenly(range(len(afferents.pins)), PLACES)
     figure, made = plt.subplots(len(pins), 1, sharex=True, sharey=True, squeeze=False,
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, max(2.6, 0.7 + 1.25 * len(pins))))  # room for the vertical label

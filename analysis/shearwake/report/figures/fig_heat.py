@@ -2,6 +2,7 @@
 """Heat maps of a measure over two swept keys, with one panel per value of the other keys."""
 from __future__ import annotations
 
+import copy
 import math
 import textwrap
 from dataclasses import replace
@@ -14,7 +15,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ... import wake
-from ...case import Case
 from .. import labels, layout, style, warnings_of
 from ..figure import Figure
 from ..load import Selection, traces
@@ -109,23 +109,14 @@ def independent(selection: Selection, keys: list[str]) -> str | None:
     return None
 
 
-class Combined:
-    """A case with one further setting, the other swept values in words."""
-
-    def __init__(self, case: Case, words: str) -> None:
-        self._case, self.settings = case, {**case.settings, COMBINATION: words}
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._case, name)
-
-
 def combined(selection: Selection, x: str) -> Selection:
     """The selection whose cases have the setting "combination", their swept values without x."""
     keys = [k for k in layout.axes(selection) if k != x]
-    cases: list[Any] = []
-    for case in selection.cases:
+    cases = [case if case.is_reference else copy.copy(case) for case in selection.cases]
+    for case in cases:
         words = ", ".join(layout.setting_text(selection, k, case.settings[k]) for k in keys if k in case.settings)
-        cases.append(case if case.is_reference else Combined(case, words))
+        if not case.is_reference:
+            case.settings = {**case.settings, COMBINATION: words}
         layout.labels(selection)[COMBINATION, words] = words
     return replace(selection, cases=cases)
 
