@@ -12,7 +12,6 @@ import argparse
 import functools
 import gc
 import json
-import os
 import sys
 import tempfile
 import traceback
@@ -32,7 +31,7 @@ from .page import topics
 from .page.chart import chart_data
 from .page.page import page
 from .page.player import player
-from .progress import Progress, parallel_map
+from .progress import Progress, parallel_map, print_result
 from .ranking import caution
 from .summary import summary
 from .words import OTHERS, counted, some_of
@@ -204,16 +203,9 @@ def main(arguments: list[str]) -> int:
     damaged = [case.id for case in selection.cases if case.status == "damaged"]
     if damaged:
         print(f"report: {counted(len(damaged), 'damaged case file')}: {', '.join(damaged)}", file=sys.stderr)
-    try:
-        if not given.json:
-            print(f"result: {result}\nreport: {path}", flush=True)
-        elif not problems:
-            print(document(path, result, selection, damaged), flush=True)
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
-        if not isinstance(error, BrokenPipeError):  # a reader that closes the pipe, such as head, has read enough
-            print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
-            return ENVIRONMENT
+    text = document(path, result, selection, damaged) if given.json else f"result: {result}\nreport: {path}"
+    if not (given.json and problems) and not print_result(text, "report"):
+        return ENVIRONMENT
     return 1 if problems else DAMAGED if damaged else 0
 
 

@@ -123,13 +123,12 @@ class Picture:
 
     def draw(self, index: Any) -> Any:
         """RGB rows of frame `index`, with an even number of rows and columns."""
-        t_s, x, y, u = self.case.snapshot(index)
-        shot = fig_surface.Snapshot(self.case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
+        shot = fig_surface.shot_of(self.case, index)
         self.axes.clear()
         image, _ = fig_surface.draw(self.axes, shot, plt.Normalize(-self.end, self.end), self.limits)
         if self.levels is not None:  # the limit of what can be felt
             fig_surface.draw_threshold(self.axes, self.levels)
-        self.axes.set_title(f"t = {number(1e3 * t_s)} ms, {number(self.slow_down)} times slower; {self.part}", loc="left",
+        self.axes.set_title(f"t = {number(1e3 * shot.t_s)} ms, {number(self.slow_down)} times slower; {self.part}", loc="left",
                             fontsize=8.5)
         self.axes.set_xlabel("x (mm)")
         self.axes.set_ylabel("y (mm)")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reports the progress of a report or a movie: a line that is replaced on a terminal, one line per minute elsewhere."""
+"""Prints the progress of a report or a movie, a line that is replaced on a terminal, one line per minute elsewhere, and results."""
 import multiprocessing
 import os
 import sys
@@ -30,6 +30,19 @@ class Progress:
         """Removes the line from a terminal."""
         if self.live:
             print(CLEAR, end="", file=self.stream, flush=True)
+
+
+def print_result(text: str, prefix: str) -> bool:
+    """Prints a text; if that fails, prints an error with this prefix and returns False. A reader that closes the pipe, such as head,
+    has read enough."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
+        if not isinstance(error, BrokenPipeError):
+            print(f"{prefix}: the output cannot be written: {error.strerror}", file=sys.stderr)
+            return False
+    return True
 
 
 def parallel_map(tasks: Sequence[Callable[[], Any]], report: Callable[[int], None]) -> list[Any]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import sys
 import traceback
 from pathlib import Path
@@ -23,6 +22,7 @@ from ...checksum import Damaged
 from ...errors import NotAnOutputFolder
 from ...plan import first_line
 from ..load import load, single_case
+from ..progress import print_result
 from .compare_fields import compare_surfaces, compare_traces
 from .compare_tables import (Comparison, Matched, NotATable, compare_tables, match_rows, read_table, row_name,
                              table_of_case)
@@ -173,18 +173,6 @@ def options(arguments: list[str]) -> Any:
     return parser.parse_args(arguments)
 
 
-def write(text: str, code: int) -> int:
-    """Prints the text and returns the exit code. A reader that closes the pipe, such as head, has read enough."""
-    try:
-        print(text, flush=True)
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
-        if not isinstance(error, BrokenPipeError):
-            print(f"error: the output cannot be written: {error.strerror}", file=sys.stderr)
-            return ENVIRONMENT
-    return code
-
-
 def main(arguments: list[str]) -> int:
     given = options(arguments)
     try:
@@ -206,7 +194,7 @@ def main(arguments: list[str]) -> int:
         traceback.print_exc()
         return ENVIRONMENT
     text = json.dumps(without_nan(result), indent=1) if given.json else result["text"]
-    return write(text, 0 if result["equal"] else DIFFERS)
+    return ENVIRONMENT if not print_result(text, "error") else 0 if result["equal"] else DIFFERS
 
 
 def command() -> None:

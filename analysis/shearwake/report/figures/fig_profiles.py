@@ -31,9 +31,8 @@ def last_shot(case: Case) -> fig_surface.Snapshot | None:
     if not len(times):
         return None
     acting = [n for n, t in enumerate(times) if not wake.is_over(case, t)]
-    t, x, y, u = case.snapshot(acting[-1] if acting else -1)
-    shot = fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
-    return shot if np.isfinite(u).any() and min(u.shape) > 1 else None
+    shot = fig_surface.shot_of(case, acting[-1] if acting else -1)
+    return shot if np.isfinite(shot.u_um).any() and min(shot.u_um.shape) > 1 else None
 
 
 def focus_mm(shot: fig_surface.Snapshot) -> np.ndarray:

@@ -33,6 +33,11 @@ class Snapshot:
     u_um: np.ndarray  # (x, y)
 
 
+def shot_of(case: Case, index: int) -> Snapshot:
+    t_s, x, y, u = case.snapshot(index)
+    return Snapshot(case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
+
+
 def snapshot(case: Case) -> Snapshot | None:
     found = load.surface(case)
     if found is None or not np.any(np.isfinite(found[3])):

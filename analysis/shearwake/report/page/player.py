@@ -66,11 +66,6 @@ def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
     return [cases.index(selection.by_id[i]) for i in dict.fromkeys([other.id, best.id])]
 
 
-def shot_of(case: Case, index: int) -> fig_surface.Snapshot:
-    t, x, y, u = case.snapshot(index)
-    return fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
-
-
 def cut(shot: fig_surface.Snapshot, limits: tuple[float, float, float, float], widest_px: int) -> tuple[list[float],
         np.ndarray]:
     """The part of a snapshot within the limits, at a resolution for the page: extent and u(x, y)."""
@@ -97,7 +92,7 @@ def case_data(selection: load.Selection, case: Case, limits: tuple[float, float,
               modulation: str) -> dict[str, Any]:
     """The pictures of a case, its path and the positions of its focus, in mm, ms and um. `modulation` names that of the cases that
     are no references."""
-    shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
+    shots = [fig_surface.shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
     parts = [cut(s, limits, detail.widest_px) for s in shots]
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
     path = wake.focus_at(case, case.focus["time"][-1])[2]
@@ -166,7 +161,7 @@ def common_view(cases: list[Case]) -> tuple[float, float, tuple[float, float, fl
     shots = []
     for case in layout.evenly(cases, 40):
         count = len(load.surface_times(case))
-        shots += [shot_of(case, n) for n in sorted({0, count // 2, count - 1})]
+        shots += [fig_surface.shot_of(case, n) for n in sorted({0, count // 2, count - 1})]
     shots = [s for s in shots if np.isfinite(s.u_um).any()]
     end = fig_surface.scale(shots)
     return end, max(float(np.nanmax(np.abs(s.u_um))) for s in shots), fig_surface.window(shots, end)
@@ -181,7 +176,7 @@ def detail_that_fits(selection: load.Selection, cases: list[Case], limits: tuple
     for detail in choices:
         sample = []
         for case in layout.evenly(cases, 3):
-            u = [cut(shot_of(case, n), limits, detail.widest_px)[1] for n in (-1, 0)]
+            u = [cut(fig_surface.shot_of(case, n), limits, detail.widest_px)[1] for n in (-1, 0)]
             sample += [len(picture(v, float(np.nanmax(np.abs(v))), detail.lossless)) for v in u]
         if max(sample) * sum(min(n, detail.moments) for n in counts) <= BUDGET_bytes:
             return detail
