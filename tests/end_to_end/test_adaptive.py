@@ -7,7 +7,6 @@ import json
 import os
 import random
 import signal
-import unittest
 
 import pytest
 
@@ -220,7 +219,3 @@ class Adaptive(ProgramTest):
         # The grid with a spacing of 1 Hz has its maximum of 1.046408 at 147 Hz.
         self.assertLessEqual(abs(float(row["location"]) - 147.0), 1.0)
         self.assertAlmostEqual(float(row["value"]), 1.0464, delta=1e-4)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Responses of afferents: [afferents] of a job, and the command respond."""
-import unittest
 
 import h5py
 import numpy as np
@@ -156,7 +155,3 @@ class Respond(ProgramTest):
         said = self.shearwake("respond", "m.csv", "--out", "none/a.h5", ranks=2, expect=6).said
         self.says(said, "the folder none does not exist")
         self.says(self.shearwake("respond", expect=2).said, "needs a MOTION")
-
-
-if __name__ == "__main__":
-    unittest.main()

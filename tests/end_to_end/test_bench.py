@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import unittest
 from unittest import mock
 
 import pytest
@@ -119,7 +118,3 @@ class Bench(ProgramTest):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         said = self.shearwake("plan", "job.toml", "-n", 4096).said
         self.assertRegex(said, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import unittest
 
 import h5py
 import numpy
@@ -282,7 +281,3 @@ class CheckpointWithLevels(SavedCase):
         self.assert_resumed(300)
         for row in table(self.out):
             self.assertTrue(row["felt_peak_dB"] and row["felt_path_dB"] and row["felt_area_mm2"], row["note"])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,7 +2,6 @@
 """shearwake compare: tables, cases and sweeps of different ranks, grids, engines and pressures, and its exit codes."""
 import json
 import subprocess
-import unittest
 
 import h5py
 import pytest
@@ -169,7 +168,3 @@ class Tables(ProgramTest):
                 (["good.csv", "good.csv", "--tolerance", "none.toml"], 6, "none.toml does not exist")):
             with self.subTest(words):
                 self.says(self.shearwake("compare", *words, expect=code).said, said)
-
-
-if __name__ == "__main__":
-    unittest.main()

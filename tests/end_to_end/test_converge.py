@@ -2,7 +2,6 @@
 """shearwake converge: estimated errors compared with much finer runs, resuming, error columns."""
 import csv
 import json
-import unittest
 
 import pytest
 
@@ -186,7 +185,3 @@ class Converge(ProgramTest):
     def test_unknown_cases_are_rejected(self):
         self.write_job(COARSE)
         self.says(self.shearwake("converge", "job.toml", "--only", "abc", expect=2).said, "--only abc: no such case")
-
-
-if __name__ == "__main__":
-    unittest.main()

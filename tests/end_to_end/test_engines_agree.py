@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """jobs/quickstart.toml gives the same table with the engines layered and spectral, and levels of sensation agree."""
 import re
-import unittest
 
 import pytest
 
@@ -104,7 +103,3 @@ class EnginesAgree(ProgramTest):
     def test_the_level_of_sensation_of_pstd_differs_by_the_error_of_its_surface(self):
         # docs/explanation/engine-pstd.md: 0.44 dB at 3 points per FWHM
         self.assertLess(self.largest_difference_dB("half-space", ["layered", "pstd"]), 0.5)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,7 +2,6 @@
 """The loop on the page of exit codes resumes a run until it is complete."""
 import re
 import subprocess
-import unittest
 
 from program import PATIENCE_s, ROOT, ProgramTest
 
@@ -26,7 +25,3 @@ class ExitCodesPage(ProgramTest):
                 subprocess.run(["sh", "-c", script], cwd=self.folder, env={"PATH": f"{self.folder}:/usr/bin:/bin"}, check=False,
                                timeout=PATIENCE_s)
                 self.assertEqual((self.folder / "runs").read_text().count("run"), runs)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import unittest
 from unittest import mock
 
 import h5py
@@ -313,7 +312,3 @@ class FullDisk(ProgramTest):
         self.shearwake("reduce", out)
         self.assertEqual({row["status"] for row in table(out)}, {"complete"})
         self.assertEqual(len(plan(out)["cases"]), 4)
-
-
-if __name__ == "__main__":
-    unittest.main()

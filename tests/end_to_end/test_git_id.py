@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The version of the program identifies the state of its source."""
 import subprocess
-import unittest
 
 from program import ROOT, ProgramTest
 
@@ -42,7 +41,3 @@ class GitId(ProgramTest):
         self.git("add", ".")
         self.git("commit", "--quiet", "-m", "one")
         self.assertEqual(self.version("unpacked"), "v1.2")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -4,7 +4,6 @@ import os
 import shlex
 import subprocess
 import types
-import unittest
 
 import h5py
 import numpy
@@ -245,7 +244,3 @@ class Errors(ImportTest):
                               capture_output=True, encoding="utf-8", check=False)
         self.assertEqual(done.returncode, 3)
         self.says(done.stderr, "is neither an HDF5 file nor a .mat file", "-v7.3")
-
-
-if __name__ == "__main__":
-    unittest.main()

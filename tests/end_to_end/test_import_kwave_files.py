@@ -2,7 +2,6 @@
 """import-kwave reads the same study from files of MATLAB, Octave, SciPy and h5py, and explains other files."""
 import shutil
 import subprocess
-import unittest
 
 import h5py
 import numpy
@@ -257,7 +256,3 @@ class Errors(FilesTest):
                 file[place] = numpy.zeros((1, 6), dtype="u4")
                 file[place].attrs["MATLAB_class"] = numpy.bytes_(kind)
             self.refused("study.mat", *words)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,7 +2,6 @@
 """import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
 import re
 import types
-import unittest
 
 import h5py
 import numpy
@@ -158,7 +157,3 @@ class Notes(FilesTest):
         before = (self.folder / "study.h5").read_bytes()
         self.refused("study.h5", "study.h5 would replace the input file")
         self.assertEqual((self.folder / "study.h5").read_bytes(), before)
-
-
-if __name__ == "__main__":
-    unittest.main()

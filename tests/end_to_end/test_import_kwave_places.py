@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import-kwave places sources, sensors, layers and times as k-Wave does."""
-import unittest
 
 import h5py
 import numpy
@@ -124,7 +123,3 @@ class Places(FilesTest):
         said = self.imported("study.mat")
         self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999
         self.assertNotIn("k-Wave itself", said)
-
-
-if __name__ == "__main__":
-    unittest.main()

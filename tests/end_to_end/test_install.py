@@ -133,7 +133,3 @@ class Installed(ProgramTest):
             offered = self.completed(command, "")
             for name in ("a.toml", "b.txt", "c.h5", "d"):
                 self.assertEqual(name in offered, name in (*files, "d"), (command, name))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -77,7 +77,3 @@ class Objects(unittest.TestCase):
             # Sanitizers add the names of types, which are no instructions.
             shared = [line for line in said.stdout.splitlines() if re.search(r" [WVuw] (?!typeinfo |vtable )", line)]
             self.assertEqual(shared, [], f"{path} defines what others may define as well")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The jobs of this repository are valid and state their purpose."""
 import re
-import unittest
 
 from program import ROOT, ProgramTest
 
@@ -21,7 +20,3 @@ class JobsTest(ProgramTest):
     def test_the_map_of_modulations_has_500_cases(self):
         plan = self.shearwake("plan", str(ROOT / "jobs" / "speed-fwhm-modulation.toml")).stdout
         self.assertGreaterEqual(int(re.search(r"^(\d+) cases on 1 rank", plan, re.MULTILINE)[1]), 500)
-
-
-if __name__ == "__main__":
-    unittest.main()

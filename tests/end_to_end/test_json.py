@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Documents that commands print with --json match the published schema and the text output."""
 import json
-import unittest
 
 import jsonschema
 import pytest
@@ -156,7 +155,3 @@ class Json(ProgramTest):
         for properties in (*documents, SCHEMA["$defs"]["compare"]["properties"]["pairs"]["items"]["properties"]):
             for member in properties.keys() - {"schema", "command"}:
                 self.assertTrue(properties[member].get("description"), member)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-import unittest
 
 import h5py
 import numpy as np
@@ -298,7 +297,3 @@ class Dispersion(LaboratoryTest):
                 self.assertLess(min(abs(c - root) / root for root in roots), 0.02)
             compared += 1
         self.assertGreater(compared, 70)
-
-
-if __name__ == "__main__":
-    unittest.main()

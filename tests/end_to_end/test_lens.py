@@ -3,7 +3,6 @@
 import csv
 import io
 import re
-import unittest
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -174,7 +173,3 @@ class Skin(LensTest):
             near = strength[i - 3:i + 4, j - 3:j + 4]
             self.assertTrue(np.all(abs(np.array(np.unravel_index(np.argmax(near), near.shape)) - 3) <= 2))
             self.assertGreater(np.max(near), 0.8 * np.max(strength))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Paths of the focus that are read from files."""
-import unittest
 
 from program import ProgramTest, changed, without_reference
 
@@ -31,7 +30,3 @@ class Loads(ProgramTest):
         first = ids("x_mm,y_mm\n-14,0\n0,0\n0,8\n")
         self.assertEqual(first, ids("# the same in m\nx_m,y_m\n-0.014,0\n0,0\n0,0.008\n"))
         self.assertNotEqual(first, ids("x_mm,y_mm\n-14,0\n0,0\n0,9\n"))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -85,7 +85,3 @@ class Movie(ProgramTest):
                 shown += part
         self.assertEqual(done.wait(), 0)
         self.says(shown.decode(), "movie: [#####...............] frame 1 of 4", "[####################] frame 4 of 4", "encoding")
-
-
-if __name__ == "__main__":
-    unittest.main()

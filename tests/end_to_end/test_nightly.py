@@ -8,7 +8,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import unittest
 
 import pytest
 
@@ -251,7 +250,3 @@ class Nightly(ProgramTest):
             history.finish(number, "equal", [], [], [("layered", ratio)])
             slower.append(nightly.slower_than_before(history, number, history.nights(60)))
         self.assertEqual(slower, [[]] * 7 + [["layered"]])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,7 +5,6 @@ import json
 import re
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 import numpy as np
@@ -373,7 +372,3 @@ class Optimise(ProgramTest):
         self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
         self.job((knots, "knots_us = 500.0"))
         self.says(self.shearwake("check", "job.toml", expect=3).said, "knot_us")
-
-
-if __name__ == "__main__":
-    unittest.main()

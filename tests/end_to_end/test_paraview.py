@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """ParaView's XDMF reader, which is a part of VTK, finds the values of case files at their positions and times."""
-import unittest
 
 import h5py
 import numpy
@@ -103,7 +102,3 @@ class ParaView(ProgramTest):
         for suffix in (".xdmf", ".volume.xdmf"):
             text = self.path.with_suffix(suffix).read_text(encoding="utf-8")
             self.says(text, "(x, y, z in m, time in s)", '<Information Name="unit of time" Value="s"/>')
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Engine pstd in the program: comparison with layered, invalid jobs, interrupted and resumed runs."""
-import unittest
 
 import h5py
 import numpy
@@ -87,7 +86,3 @@ class PstdGoesOn(SavedCase):
         self.resume(ranks=3)
         self.assert_resumed(100)
         self.assertLess(self.largest_difference(), 1e-12)  # sums over the ranks
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """measure.region_mm with every engine and in both regimes, and what the table says about the steady state."""
 import csv
-import unittest
 
 import h5py
 import numpy as np
@@ -96,7 +95,3 @@ class RegionTest(ProgramTest):
         self.assertGreater(frames, 20)
         self.assertEqual(shape[0], 1)
         self.assertEqual(max(largest), np.prod(shape))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`shearwake report` on a folder that contains only case files."""
 import shutil
-import unittest
 
 import pytest
 
@@ -33,7 +32,3 @@ class ReportAlone(ProgramTest):
                 said = self.shearwake(*command, expect=6).said
                 self.says(said, "out/x", "output folder", "run the job first")
                 self.assertNotIn("cannot read", said)
-
-
-if __name__ == "__main__":
-    unittest.main()

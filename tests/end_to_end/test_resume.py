@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Interrupted runs and their resumption."""
 import signal
-import unittest
 
 import h5py
 
@@ -94,7 +93,3 @@ class Resume(ProgramTest):
         self.says(self.shearwake("run", "job.toml", "--only", ids[2]).said, "1 computed now")
         self.assertFalse(part.exists())
         self.says(self.shearwake("run", "job.toml", "--only", ids[0]).said, "1 already complete")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import json
 import random
 import tomllib
-import unittest
 
 import jsonschema
 
@@ -107,7 +106,3 @@ class Schema(ProgramTest):
         self.assertEqual(depth["type"], "array")
         degree = self.validator.schema["properties"]["solver"]["properties"]["spectral"]["properties"]["degree"]
         self.assertEqual((degree["default"], degree["minimum"], degree["maximum"]), (8, 2, 16))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parts of a sweep: --only, -S, --out."""
 import json
-import unittest
 
 import jsonschema
 
@@ -112,7 +111,3 @@ class Selection(ProgramTest):
         self.assertTrue(all("complete" in row for row in rows[1:]))
         self.write_job(changed(('name = "small"', 'name = "other"')))
         self.says(self.shearwake("run", "job.toml", "--extend", "--out", "out/small", expect=2).said, "another plan")
-
-
-if __name__ == "__main__":
-    unittest.main()

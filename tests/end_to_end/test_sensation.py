@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Levels of sensation of short runs, and their search with adaptive axes."""
-import unittest
 
 from program import ProgramTest, table
 
@@ -77,7 +76,3 @@ class Levels(ProgramTest):
         # The spacing of the fine scan, and the tolerance of the search.
         self.assertAlmostEqual(float(found[key]), float(best[key]), delta=2.0 + 1.0)
         self.assertGreaterEqual(float(found["felt_peak_dB"]), float(best["felt_peak_dB"]) - 0.01)
-
-
-if __name__ == "__main__":
-    unittest.main()

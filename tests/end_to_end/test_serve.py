@@ -2,7 +2,6 @@
 """`shearwake serve` gives the results of `run`, cancels, and survives hostile requests."""
 import json
 import threading
-import unittest
 
 import h5py
 import numpy
@@ -164,7 +163,3 @@ class Serve(ProgramTest):
             server.process.stdout.close()
             server.send(one())
             server.process.wait(60)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of modulations."""
-import unittest
 
 from program import ROOT, ProgramTest
 
@@ -37,7 +36,3 @@ class ShowModulation(ProgramTest):
                               expect=6).said
         self.says(said, "cannot write", "use --picture to choose another folder")
         self.says(self.shearwake("show", expect=2).said, "--modulation")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The choices of an engine and their reasons, before and after the run."""
-import unittest
 
 import pytest
 import xarray
@@ -149,7 +148,3 @@ class SolverNotes(ProgramTest):
                                   "--out", f"{edge_us}").said
             self.says(said, "estimated error below 2e-05 of the maximum of the field")
             self.assertNotIn("time_step_us", said)
-
-
-if __name__ == "__main__":
-    unittest.main()

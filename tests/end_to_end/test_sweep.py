@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import tomllib
-import unittest
 
 import h5py
 import numpy
@@ -277,7 +276,3 @@ class Sweep(ProgramTest):
         self.assertEqual((events[0], events[-1]), ("run_started", "run_ended"))
         self.assertEqual(events.count("started"), 4)
         self.assertEqual(events.count("finished"), 4)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The trends in the figures of the thesis, computed with coarse versions of their jobs."""
 import re
-import unittest
 
 from program import ROOT, ProgramTest, table
 
@@ -88,7 +87,3 @@ class ThesisTrends(ProgramTest):
                     for share, name in ((velocity[n], f"velocity_share_{band}_1"),
                                         (displacement[n], f"share_{band}_1")):
                         self.assertAlmostEqual(float(row[name]), share, delta=0.02, msg=name)
-
-
-if __name__ == "__main__":
-    unittest.main()

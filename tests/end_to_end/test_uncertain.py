@@ -2,7 +2,6 @@
 """Samples of uncertain keys, lists of cases, and single evaluations, as users run them."""
 import csv
 import json
-import unittest
 
 import pytest
 
@@ -132,7 +131,3 @@ class Drivers(ProgramTest):
     def test_the_population_job_is_sampled_from_published_values(self):
         said = self.shearwake("plan", ROOT / "jobs" / "uncertain-skin.toml", "-S", "uncertain.samples=4").said
         self.says(said, "12 cases")
-
-
-if __name__ == "__main__":
-    unittest.main()

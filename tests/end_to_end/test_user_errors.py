@@ -2,7 +2,6 @@
 """Errors of users: messages state the location, the error and a suggestion; exit codes state the category."""
 import concurrent.futures
 import random
-import unittest
 
 import pytest
 
@@ -214,7 +213,3 @@ class CommandLine(ProgramTest):
                 self.assertNotEqual(said, "")
                 self.assertFalse(self.out.exists())
         self.assertEqual(self.shearwake("fly", ranks=2, expect=2).said.count("fly"), 1)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bodies and maps in job files, with maps that scripts/make-map writes."""
 import subprocess
-import unittest
 
 from program import PATIENCE_s, ROOT, ProgramTest, changed, environment, without_reference
 
@@ -61,7 +60,3 @@ class Variation(ProgramTest):
         text = text.replace("[sweep]\n", '[sweep]\n"medium.body[1].depth_mm" = [10, 12, 14]\n')
         self.write_job(text)
         self.says(self.shearwake("plan", "job.toml").said, "depth_mm = 14, am_frequency_Hz = 1000", "9 cases")
-
-
-if __name__ == "__main__":
-    unittest.main()

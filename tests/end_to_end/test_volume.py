@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Volume snapshots for xarray and ParaView."""
 import shutil
-import unittest
 import xml.etree.ElementTree as ElementTree
 
 import h5py
@@ -121,7 +120,3 @@ class Volume(ProgramTest):
         self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))
         said = self.shearwake("check", "job.toml", expect=3).said
         self.says(said, "record.volumes_ms", 'solver.engine = "spectral"')
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-import unittest
 
 import h5py
 import pytest
@@ -130,7 +129,3 @@ class Warnings(ProgramTest):
                 self.assertIn(note, planned)
                 stated = float(re.search(r"([0-9.]+) us", note)[1])
                 self.assertAlmostEqual(stated / step_us, 1.0, delta=1e-3)  # four digits are printed
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -319,7 +319,3 @@ class Folders(FaultTest):
         self.shearwake("reduce", self.out)
         for path in (self.out, *self.out.rglob("*")):
             self.assertEqual(path.stat().st_mode & 0o077, 0, path)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Kills (of all processes, one rank, the launcher, or a rank during a write) during small sweeps of both engines."""
-import unittest
 
 import pytest
 
@@ -25,7 +24,3 @@ class Kills(FaultTest):
             kills += len(self.survive(seed=1 + sweeps, ranks_per_case=ranks, kills=min(30, 100 - kills),
                                       reference=references[ranks], longest_s=2.0))
             sweeps += 1
-
-
-if __name__ == "__main__":
-    unittest.main()

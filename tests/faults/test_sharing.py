@@ -5,7 +5,6 @@ import re
 import shutil
 import signal
 import time
-import unittest
 
 from faults import FaultTest, both_engines, table_bytes
 from program import LONG, PATIENCE_s, SECOND_CASE, case_files, journal, started
@@ -101,7 +100,3 @@ class EqualCommands(FaultTest):
                 self.signal_and_continue(still)
                 self.assert_shared([still], 4, reference, most_twice=1)
                 shutil.rmtree(self.out)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 repairs the damage."""
 import json
 import random
-import unittest
 
 import h5py
 import pytest
@@ -162,7 +161,3 @@ class TextFiles(ProgramTest):
         self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -5,7 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 import h5py
@@ -259,7 +258,3 @@ class Texts(ProgramTest):
         self.assertNotIn("<b>&amp; |", page)
         heading = (self.out / "tables" / "small.md").read_text(encoding="utf-8").splitlines()[0]
         self.says(heading, "&lt;b>", r"\|", r"\`x\`")
-
-
-if __name__ == "__main__":
-    unittest.main()

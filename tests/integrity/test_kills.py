@@ -3,7 +3,6 @@
 import random
 import signal
 import subprocess
-import unittest
 
 import h5py
 import pytest
@@ -131,7 +130,3 @@ class PartialFiles(ProgramTest):
         self.assertEqual(len(resumed), 1)
         self.assertIn(resumed[0]["step"], steps)
         self.assertEqual(numbers(self.out), reference)
-
-
-if __name__ == "__main__":
-    unittest.main()

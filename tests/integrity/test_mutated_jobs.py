@@ -4,7 +4,6 @@ import json
 import random
 import re
 import shutil
-import unittest
 import zlib
 
 from limits import accepted_or_refused, grey_header, png, times
@@ -209,7 +208,3 @@ class MutatedJobs(ProgramTest):
                 with self.subTest(name=name, verb=verb):
                     said, code = accepted_or_refused(self, command(verb, "job.toml"), (3,), f"{verb} {name}")
                     self.says(said, words)
-
-
-if __name__ == "__main__":
-    unittest.main()

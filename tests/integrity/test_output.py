@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 
 import h5py
 import pytest
@@ -263,7 +262,3 @@ class Clocks(ProgramTest):
             self.says(self.shearwake("run", "job.toml", "--out", out).said, "0 computed now")
             self.shearwake("reduce", out)
             self.assertEqual(table(out), table(self.folder / "straight"))
-
-
-if __name__ == "__main__":
-    unittest.main()

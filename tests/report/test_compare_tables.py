@@ -135,7 +135,3 @@ class ReadTolerances(unittest.TestCase):
             self.assertIn(words, str(raised.exception))
         with self.assertRaisesRegex(BadTolerance, "eta_2; did you mean eta_1"):
             read_tolerances(["eta_2=1"]).require_columns(["id", "eta_1"])
-
-
-if __name__ == "__main__":
-    unittest.main()

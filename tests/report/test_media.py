@@ -87,5 +87,3 @@ class Maps(MediaTest):
         self.assertEqual(medium_files.file_of(self.root, "", case, "medium.map"), path)
         case.settings, case.attributes["overrides"] = {}, 'medium.map = "soft.h5"\nload.peak_Pa = 3'
         self.assertEqual(medium_files.file_of(self.root, "", case, "medium.map"), path)
-
-

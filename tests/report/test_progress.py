@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the progress of a report and the processes that draw it.
-
-Run: python3 -m pytest tests/report/test_progress.py    (unittest; seconds)
-"""
+"""Tests the progress of a report and the processes that draw it."""
 import functools
 import io
 import os
@@ -51,7 +48,3 @@ class ParallelMapTest(unittest.TestCase):
     def test_a_killed_process_is_an_error(self):
         with self.assertRaises(BrokenProcessPool):
             parallel_map([lambda: os.kill(os.getpid(), signal.SIGKILL)], lambda n: None)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -167,4 +167,3 @@ class ValidityTest(InFolder):
         labels = fig_curves.reference_lines(axes, sweep, fig_curves.curves_of(sweep), "eta_period_1", "eta")
         self.assertEqual([x for x, _ in self.marked(axes, "x")], [75.0])
         self.assertEqual([text for _, text, _ in labels], ["plain STM"])
-

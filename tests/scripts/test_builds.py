@@ -47,7 +47,3 @@ class Builds(unittest.TestCase):
 
     def test_debian_13_builds_it_and_passes_all_tests(self):
         self.on_release("trixie")
-
-
-if __name__ == "__main__":
-    unittest.main()

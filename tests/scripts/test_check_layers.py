@@ -165,7 +165,3 @@ class LayerCheck(unittest.TestCase):
         self.assertEqual(self.check(package)[0], 0)
         self.assert_rejected({**package, "analysis/shearwake/sub/plot.py": "from ..case import plot\n"},
                              "case.py -> sub/plot.py -> case.py")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import textwrap
-import unittest
 
 from count_tests import count
 from program import PATIENCE_s, ProgramTest, alive
@@ -78,7 +77,3 @@ class Groups(ProgramTest):
         self.assertIn("rank 0: second", text)
         # CTest kills the child and does not wait for its end.
         self.wait_for(lambda: not alive(int(child)), "the end of the child")
-
-
-if __name__ == "__main__":
-    unittest.main()

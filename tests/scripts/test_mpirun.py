@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import unittest
 from unittest import mock
 
 from program import PATIENCE_s, ROOT, ProgramTest, descendants, environment
@@ -61,7 +60,3 @@ class Mpirun(ProgramTest):
                 with self.subTest(start.__name__, variables=variables):
                     process = self.start_for_user(start, ("true",), PATH=path, **variables)
                     self.says(process.communicate(timeout=PATIENCE_s)[0], f"components: {expected}\n")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -131,7 +131,3 @@ class NewEngine(unittest.TestCase):
         row = dict(zip(*(line.split(",") for line in table.splitlines()[-2:])))
         # 200 Pa * 5 mm / 200 kPa = 5 um; the peak lies within half a spacing of a point.
         self.assertAlmostEqual(float(row["peak_um"]), 5.0, delta=0.01)
-
-
-if __name__ == "__main__":
-    unittest.main()

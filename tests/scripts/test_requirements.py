@@ -58,7 +58,3 @@ class Requirements(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         for line in ("Ceres Solver (Ceres_ROOT): no command `fit`", "Catch2 (Catch2_ROOT): no tests"):
             self.assertIn(line, done.stdout)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -150,7 +150,3 @@ class Springs(unittest.TestCase):
         alpha, beta = np.sqrt(k**2 - 1000.0 * omega**2 / (1000.0 * 1500.0**2 + 2j * omega * viscosity)), np.sqrt(k**2 - k_s2)
         rayleigh = (2 * k**2 - k_s2)**2 - 4 * k**2 * alpha * beta
         np.testing.assert_allclose(w, -alpha * k_s2 / (mu * rayleigh), rtol=1e-6)  # rounding where alpha is close to beta
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -162,7 +162,3 @@ class Slurm(unittest.TestCase):
             self.assertIn(words, log)
         self.assertIn("stopped", [line.get("how") for line in journal(limited)])
         self.assert_same(limited)
-
-
-if __name__ == "__main__":
-    unittest.main()

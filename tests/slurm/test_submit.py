@@ -5,7 +5,6 @@ import os
 import shlex
 import shutil
 import subprocess
-import unittest
 from pathlib import Path
 from unittest import mock
 
@@ -99,7 +98,3 @@ class Submit(ProgramTest):
             script = (self.folder / out / "slurm" / "single.sh").read_text(encoding="utf-8")
             subprocess.run(["sh", "-n"], input=script, encoding="utf-8", check=True)
             self.says(script, shlex.quote(str((self.folder / out).resolve())))
-
-
-if __name__ == "__main__":
-    unittest.main()
