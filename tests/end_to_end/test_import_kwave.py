@@ -108,29 +108,6 @@ class Records(ImportTest):
             x = numpy.sum(file["sensor_mask_weights"][0] * nodes_of(file, "sensor_mask_index")[:, 0].reshape(3, 8), axis=1)
             numpy.testing.assert_allclose(x, at_m[0] / 1e-3 + 15, atol=1e-12)
 
-    def test_axes_may_be_permuted(self):
-        """Different spacings along x and y, and the same study with y and z exchanged."""
-        points, steps = (10, 12, 14), 30
-        mask = numpy.zeros(points)
-        mask[5, 4:8, 6] = 1.0
-        signal = numpy.sin(0.3 * numpy.arange(steps))[None, :]
-
-        def pressure(order, field):
-            spacings = numpy.array([1e-3, 1.5e-3, 1e-3])[list(order)]
-            said = self.imported({
-                "kgrid": {**dict(zip(("Nx", "Ny", "Nz"), numpy.array(points)[list(order)])), "dt": 1e-5, "Nt": steps,
-                          **dict(zip(("dx", "dy", "dz"), spacings))},
-                "medium": {"sound_speed_compression": 20.0, "sound_speed_shear": 5.0, "density": 1000.0},
-                "source": {"u_mask": mask.transpose(order), field: signal},
-                "sensor": {"mask": numpy.ones(points).transpose(order), "record": ["p"]}, "options": {"PMLSize": 3}})
-            with h5py.File(self.run_printed(said)) as file:
-                return file["p"][0].reshape(steps, *numpy.array(points)[list(order[::-1])]).transpose(0, 3, 2, 1)  # x is fastest
-
-        expected = pressure((0, 1, 2), "uy")
-        self.assertGreater(numpy.abs(expected).max(), 0.0)
-        numpy.testing.assert_allclose(pressure((0, 2, 1), "uz").transpose(0, 1, 3, 2), expected, rtol=0.0,
-                                      atol=1e-12 * numpy.abs(expected).max())  # rounding errors
-
     def test_mean_intensity_is_not_that_of_other_records(self):
         """The intensity needs series of p and u that the output does not contain."""
         _, expected = self.results(record=["I_avg", "p_max"])
