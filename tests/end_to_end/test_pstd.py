@@ -63,12 +63,6 @@ class Pstd(ProgramTest):
         for name in ("check", "run"):
             self.says(self.shearwake(name, "job.toml", expect=3).said,
                       "solver.pstd.time_step_us = 50 is unstable on this grid: steps above", "reduce the step or omit the key")
-        fractional = 'loss = { law = "fractional", tau_us = 260.0, exponent = 0.27 }'
-        for change, message in ((("viscosity_Pa_s = 1.0", fractional), '"pstd" supports only lossless or Kelvin-Voigt'),
-                             (("frames = true", 'volumes_ms = [4.0]\nvolume_fields = ["u", "stress"]'),
-                              "requests more than the displacement")):
-            self.write_job(without_reference(PSTD, change))
-            self.says(self.shearwake("check", "job.toml", expect=3).said, message)
 
 
 class PstdGoesOn(SavedCase):

@@ -42,13 +42,6 @@ class Variation(ProgramTest):
         self.says(said, "elsewhere/job.toml:9:7: error: medium.map cannot be used",
                   "elsewhere/maps/soft.h5 does not exist")
 
-    def test_an_invalid_map_is_an_error_in_the_job(self):
-        (self.folder / "maps").mkdir()
-        (self.folder / "maps" / "soft.h5").write_text("x_m,y_m,z_m\n", encoding="utf-8")
-        self.write_job(changed(SPECTRAL, MAP))
-        self.says(self.shearwake("check", "job.toml", expect=3).said, "job.toml:9:7: error: medium.map",
-                  "soft.h5")
-
     def test_the_error_of_engine_layered_names_a_suitable_engine(self):
         make_map(self)
         self.write_job(without_reference(MAP, BONE))
