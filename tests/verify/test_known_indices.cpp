@@ -2,7 +2,6 @@
 // Sobol indices of functions with known indices, computed by an engine like any other: the job is
 // planned, its cases are computed into files, and the files are reduced to tables.
 #include "base/csv.hpp"
-#include "config/job.hpp"
 #include "pipeline/run_case.hpp"
 #include "reduce/reduce.hpp"
 #include "storage/files.hpp"
@@ -10,13 +9,10 @@
 #include "storage/journal/plan_file.hpp"
 #include "support/known_models.hpp"
 #include "support/temporary_folder.hpp"
+#include "unit/config/jobs.hpp"
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace test_known_indices {
 
@@ -33,32 +29,17 @@ std::size_t sample_size() {
 }
 
 /// Four keys, each over a narrow range in which no check of a case objects.
-constexpr const char* job_text = R"(schema = 1
-[job]
-name = "known"
-[medium]
-base = "rigid"
-[[medium.layer]]
-name = "tissue"
-thickness_mm = 20.0
-density_kg_m3 = 1000.0
-c_p_m_s = 1500.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 1.0
-[load]
-peak_Pa = 100.0
-footprint = { shape = "gaussian", fwhm_mm = 4.5 }
-[load.modulation]
-kind = "STM"
-path = { shape = "line", from_mm = [-1.0, 0.0], to_mm = [1.0, 0.0] }
-speed_m_s = 7.0
-[domain]
-extent_mm = [24.0, 24.0]
-spacing_mm = 1.5
-[time]
-duration_ms = 0.2
-output_interval_us = 50.0
-[measure]
+std::string job_text() {
+    std::string job(test::plain_job);
+    for (const auto& [old, by] : {std::pair{"fwhm_mm = 3.0", "fwhm_mm = 4.5"},
+                                  {"AM-STM", "STM"},
+                                  {"am_frequency_Hz = 500.0\n", ""},
+                                  {"[-14.0, 0.0], to_mm = [14.0", "[-1.0, 0.0], to_mm = [1.0"},
+                                  {"[96.0, 64.0]", "[24.0, 24.0]"},
+                                  {"spacing_mm = 0.75", "spacing_mm = 1.5"},
+                                  {"duration_ms = 4.0", "duration_ms = 0.2"}})
+        job = test::replaced(job, old, by);
+    return job + R"([measure]
 at_ms = 0.2
 depths_mm = [0.0, 1.0]
 [uncertain]
@@ -70,6 +51,7 @@ analysis = "sobol-indices"
 "medium.layer[1].density_kg_m3" = { distribution = "uniform", min = 1000.0, max = 1001.0 }
 exceedance = { peak_um = 21.0, "peak_um_z1mm" = 1.0 }
 )";
+}
 
 /// The displacement of the central node in um is the Ishigami function plus 20 at the surface,
 /// since displacements have no sign in peak_um, and the g-function at the second depth. All other
@@ -119,7 +101,7 @@ void compute(const Plan& plan, const std::filesystem::path& folder) {
 TEST_CASE("an engine with known Sobol indices shows them after plan, run and reduce",
           "[long][sensitivity]") {
     const test::TemporaryFolder folder;
-    std::string job = job_text;
+    std::string job = job_text();
     job.replace(job.find("{samples}"), std::string_view("{samples}").size(),
                 std::to_string(sample_size()));
     const Plan plan = config::read_job(job, "known.toml").plan;
