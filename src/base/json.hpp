@@ -52,7 +52,7 @@ private:
 
 /// Version of the documents that commands print with --json. A change that removes or renames a
 /// member, or changes its meaning, increases it. docs/reference/json-output.md describes them.
-inline constexpr int json_schema_version = 1;
+inline constexpr int json_schema_version = 2;
 
 /// The text of such a document: an object with `schema`, `command`, and then `members`. Numbers
 /// that are not finite become null, and invalid UTF-8 is replaced.

@@ -24,7 +24,7 @@ class Compare(ProgramTest):
     def test_a_stronger_load_scales_fields_traces_and_columns(self):
         self.shearwake("run", "job.toml", "-S", "load.peak_Pa=101", "--out", "other", "--quiet")
         found = self.compare("other", self.out)
-        self.assertEqual(found["schema"], 1)
+        self.assertEqual(found["schema"], 2)
         self.assertEqual(len(found["pairs"]), 2)  # matched by the swept key
         for pair in found["pairs"]:
             self.assertEqual([f["time_ms"] for f in pair["fields"]], [2.0, 4.0])

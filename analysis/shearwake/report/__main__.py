@@ -38,7 +38,7 @@ from .words import OTHERS, counted, some_of
 
 USAGE = 2        # exit code of the program for wrong arguments
 ENVIRONMENT = 6  # exit code of the program for missing files
-SCHEMA = 1       # version of the JSON document
+SCHEMA = 2       # version of the JSON document
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 

@@ -71,7 +71,7 @@ void Progress::log(const SweepCounts& counts) {
 std::string Progress::json() const {
     const double elapsed_s = seconds_since(began_);
     JsonLine line;
-    line.add("schema", 1).add("command", "run").add("folder", log_.folder);
+    line.add("schema", json_schema_version).add("command", "run").add("folder", log_.folder);
     line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
     line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
     line.add("running", counts_.running).add("partial", counts_.partial);

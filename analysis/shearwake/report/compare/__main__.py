@@ -31,7 +31,7 @@ from .records import compare_records
 from .tolerances import BadTolerance, Tolerances, read_tolerances
 
 DIFFERS, USAGE, ENVIRONMENT = 1, 2, 6
-SCHEMA = 1
+SCHEMA = 2
 DIRECTION = "first minus second, relative to the second"
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
