@@ -113,9 +113,9 @@ class ReadTolerances(unittest.TestCase):
     def test_a_file_and_the_command_line_give_tolerances_by_column(self):
         found = self.read('ignore = ["mach_angle_deg"]\n[tolerance]\neta_at_1 = 1e-5\n"*" = 1e-6\n'
                           "peak_um = { relative = 1e-3, absolute = 2 }\n", "peak_um=0.5")
-        self.assertEqual(found.of_column("eta_at_1"), Tolerance(1e-5))
-        self.assertEqual(found.of_column("peak_um"), Tolerance(0.5, 2.0))  # the command line precedes the file
-        self.assertEqual(found.of_column("ipr_at_1"), Tolerance(1e-6))
+        self.assertEqual(found.for_column("eta_at_1"), Tolerance(1e-5))
+        self.assertEqual(found.for_column("peak_um"), Tolerance(0.5, 2.0))  # the command line precedes the file
+        self.assertEqual(found.for_column("ipr_at_1"), Tolerance(1e-6))
         self.assertEqual([found.ignores(name) for name in ("mach_angle_deg", "wall_s", "note", "status")], [True, True, True, False])
 
     def test_only_sums_that_cancel_have_a_larger_default(self):

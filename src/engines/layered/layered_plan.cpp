@@ -262,14 +262,14 @@ engines::Resources LayeredEngine::resources(const Case& given, int ranks) const 
     using Stage = CaseProgress::Stage;
     const LayeredPlan plan(given, ranks);
     const Domain& domain = plan.c.domain;
-    CaseProgress of_rank(nullptr);
-    expect_frames(of_rank, plan, plan.ky_count);
+    CaseProgress rank_progress(nullptr);
+    expect_frames(rank_progress, plan, plan.ky_count);
     for (const TransferKey& key : plan.keys)
-        expect_table(of_rank, key, plan.ky_count, ranks);
+        expect_table(rank_progress, key, plan.ky_count, ranks);
     const auto work = [&](std::initializer_list<Stage> stages) {
         double sum = 0.0;
         for (const Stage stage : stages)
-            sum += ranks * of_rank.work_ns(stage);
+            sum += ranks * rank_progress.work_ns(stage);
         return sum;
     };
     return {.arrays = plan.arrays(),

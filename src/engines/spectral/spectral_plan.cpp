@@ -182,7 +182,7 @@ SampledVariation SpectralPlan::sampled_variation() const {
 VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks) const {
     VariationPlan plan = sampled.sizes;
     if (sampled.cells_before.empty()) return plan;
-    const double of_rank = up(static_cast<double>(rigid.c.domain.nx), ranks) / sampled.stride;
+    const double rank_rows = up(static_cast<double>(rigid.c.domain.nx), ranks) / sampled.stride;
     const auto cells_before = [&](double row) {
         const auto last = static_cast<double>(sampled.cells_before.size() - 1);
         const auto full_rows = static_cast<std::size_t>(std::min(row, last));
@@ -191,8 +191,8 @@ VariationPlan SpectralPlan::variation(const SampledVariation& sampled, int ranks
         return part > 0.0 ? first + part * (sampled.cells_before[full_rows + 1] - first) : first;
     };
     for (int rank = 0; rank < ranks; ++rank)
-        plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * of_rank) -
-                                                              cells_before(rank * of_rank));
+        plan.fullest_cells = std::max(plan.fullest_cells, cells_before((rank + 1) * rank_rows) -
+                                                              cells_before(rank * rank_rows));
     if (plan.iterates) plan.box = box_grid(rigid.c, mesh, plan.extent, time.step_s);
     return plan;
 }

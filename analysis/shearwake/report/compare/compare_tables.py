@@ -205,7 +205,7 @@ def compare_tables(first: Table, second: Table, matched: Matched, tolerances: To
     for name in both:
         if name in ignored:
             continue
-        tolerance = tolerances.of_column(name)
+        tolerance = tolerances.for_column(name)
         units = first.units.get(name), second.units.get(name)
         if None not in units and units[0] != units[1]:
             found.add(name, tolerance, "every case", {**text_cell(*map(str, units)), "words": "other unit"})

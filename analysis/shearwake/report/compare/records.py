@@ -59,7 +59,7 @@ def compare_records(a: Case, b: Case, pair: dict[str, Any], case: str, tolerance
         found.add("measured depths", Tolerance(0.0), case, text_cell(first, second))
     for name, (entries, keys, reason) in reasons_of(a, b, pair).items():
         if not tolerances.ignores(name):
-            tolerance = tolerances.of_column(name, SINGLE_PRECISION)
+            tolerance = tolerances.for_column(name, SINGLE_PRECISION)
             found.add(name, tolerance, case, record_cell(entries, keys, tolerance, reason))
         elif name not in found.not_compared:
             found.not_compared.append(name)

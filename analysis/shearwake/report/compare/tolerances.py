@@ -44,7 +44,7 @@ class Tolerances:
     named: dict[str, Tolerance] = field(default_factory=dict)
     ignored: list[str] = field(default_factory=list)
 
-    def of_column(self, column: str, default: Tolerance | None = None) -> Tolerance:
+    def for_column(self, column: str, default: Tolerance | None = None) -> Tolerance:
         return self.named.get(column) or self.named.get("*") or default or default_tolerance(column)
 
     def ignores(self, column: str) -> bool:
@@ -69,7 +69,7 @@ def read_entry(tolerances: Tolerances, column: str, value: Any) -> None:
     if not isinstance(value, dict):
         tolerances.named[column] = Tolerance(amount(column, value))
         return
-    tolerance = tolerances.of_column(column)
+    tolerance = tolerances.for_column(column)
     for key, part in value.items():
         if key not in ("relative", "absolute"):
             raise BadTolerance(f"{column}.{key} is unknown; the keys are relative and absolute")
@@ -122,5 +122,5 @@ def read_tolerances(arguments: Iterable[str]) -> Tolerances:
         if not (column and equals) or math.isnan(value):
             raise BadTolerance("--tolerance requires COLUMN=RELATIVE, as in --tolerance eta_at_1=1e-5, or a file that ends in "
                                f".toml, but got \"{text}\"")
-        tolerances.named[column] = replace(tolerances.of_column(column), relative=value)
+        tolerances.named[column] = replace(tolerances.for_column(column), relative=value)
     return tolerances

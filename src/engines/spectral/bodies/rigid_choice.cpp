@@ -29,12 +29,13 @@ constexpr double most_squares = 1e5;
 /// Largest error of the stress within near_spacings of a body, in % of the largest stress around
 /// it: docs/explanation/engine-spectral.md, "Stress around rigid bodies".
 double stress_error_percent(const Body& body) {
-    constexpr double of_curved = 26.0, with_edges = 47.0;
-    return std::visit(
-        overloaded{[](const Ellipsoid&) { return of_curved; },
-                   [](const Cylinder& c) { return c.is_endless() ? of_curved : with_edges; },
-                   [](const Box&) { return with_edges; }},
-        body.shape);
+    constexpr double curved_percent = 26.0, edged_percent = 47.0;
+    return std::visit(overloaded{[](const Ellipsoid&) { return curved_percent; },
+                                 [](const Cylinder& c) {
+                                     return c.is_endless() ? curved_percent : edged_percent;
+                                 },
+                                 [](const Box&) { return edged_percent; }},
+                      body.shape);
 }
 
 bool spans(double centre_m, double size_m, double extent_m) {
