@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <map>
 
 namespace shearwake::config {
 
@@ -167,6 +168,16 @@ const std::string* preset_named_in(const NodePtr& node) {
     return entry ? std::get_if<std::string>(&entry->value->value) : nullptr;
 }
 
+/// The table of a preset at `place`. The text is parsed once, since every case of a sweep asks for
+/// it.
+NodePtr table_of(const Preset& preset, const Place& place) {
+    thread_local std::map<std::string_view, NodePtr> parsed; // by text
+    NodePtr& table = parsed[preset.toml];
+    DiagnosticList none;
+    if (!table) table = parse_toml(preset.toml, "preset", none);
+    return moved_to(table, place);
+}
+
 } // namespace
 
 std::string layer_and_body_presets() {
@@ -199,11 +210,8 @@ std::vector<std::string> layer_preset_names() {
 }
 
 NodePtr medium_preset(std::string_view name, const Place& place) {
-    for (const Preset& preset : presets) {
-        if (preset.name != name) continue;
-        DiagnosticList none;
-        return moved_to(parse_toml(preset.toml, "preset", none), place);
-    }
+    for (const Preset& preset : presets)
+        if (preset.name == name) return table_of(preset, place);
     return nullptr;
 }
 
@@ -238,9 +246,7 @@ NodePtr with_body_preset(const NodePtr& body) {
     if (!name) return body;
     for (const Preset& preset : body_presets) {
         if (preset.name != *name) continue;
-        DiagnosticList none;
-        const NodePtr given =
-            moved_to(parse_toml(preset.toml, "preset", none), find(body, {{"preset"}})->at);
+        const NodePtr given = table_of(preset, find(body, {{"preset"}})->at);
         TableNode filled = std::get<TableNode>(body->value);
         for (const Entry& entry : std::get<TableNode>(given->value).entries)
             add_if_absent(filled, entry);

@@ -260,9 +260,11 @@ constexpr double least_jump = 1e-4;
 /// change at one instant, which is computed in different ways.
 constexpr double one_instant = 1e-5;
 
-/// Numbers that do not change while the load is smooth. `off_s`: off_time_s() of the trajectory.
-std::vector<double> smooth_pieces(const Load& load, double t_s, double off_s) {
-    std::vector<double> numbers = {t_s < 0.0 ? 0.0 : 1.0};
+/// Assigns numbers that do not change while the load is smooth. `off_s`: off_time_s() of the
+/// trajectory.
+void assign_smooth_pieces(const Load& load, double t_s, double off_s,
+                          std::vector<double>& numbers) {
+    numbers.assign(1, t_s < 0.0 ? 0.0 : 1.0);
     const Modulation& modulation = load.modulation;
     numbers.push_back(t_s > off_s ? 1.0 : 0.0);
     add_smooth_pieces(modulation.envelope, t_s, numbers);
@@ -271,7 +273,6 @@ std::vector<double> smooth_pieces(const Load& load, double t_s, double off_s) {
         add_smooth_pieces(modulation.trajectory, t_s, numbers);
     else
         numbers.push_back(updated);
-    return numbers;
 }
 
 /// The load and its first two derivatives on one side of a time, each multiplied by `cell_s`.
@@ -316,21 +317,23 @@ std::vector<double> changes_of_pieces_s(const Load& load, double from_s, double 
     const auto count = static_cast<std::ptrdiff_t>(std::ceil(4.0 * (to_s - from_s) / cell_s));
     double before_s = from_s;
     const double off_s = off_time_s(load.modulation.trajectory);
-    const auto pieces = [&](double t_s) { return smooth_pieces(load, t_s, off_s); };
-    std::vector<double> before = pieces(before_s);
+    std::vector<double> before, next, middle; // the pieces; reused, since there are many times
+    assign_smooth_pieces(load, before_s, off_s, before);
     for (std::ptrdiff_t n = 1; n <= count; ++n) {
         const double next_s =
             from_s + (to_s - from_s) * static_cast<double>(n) / static_cast<double>(count);
-        const std::vector<double> next = pieces(next_s);
+        assign_smooth_pieces(load, next_s, off_s, next);
         while (before != next) {
             double low_s = before_s, high_s = next_s;
             for (double middle_s = 0.5 * (low_s + high_s); low_s < middle_s && middle_s < high_s;
-                 middle_s = 0.5 * (low_s + high_s))
-                (pieces(middle_s) == before ? low_s : high_s) = middle_s;
+                 middle_s = 0.5 * (low_s + high_s)) {
+                assign_smooth_pieces(load, middle_s, off_s, middle);
+                (middle == before ? low_s : high_s) = middle_s;
+            }
             if (times_s.empty() || high_s - times_s.back() > one_instant * cell_s)
                 times_s.push_back(high_s);
             before_s = high_s;
-            before = pieces(before_s);
+            assign_smooth_pieces(load, before_s, off_s, before);
         }
         before_s = next_s;
     }

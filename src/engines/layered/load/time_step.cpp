@@ -26,6 +26,27 @@
 namespace shearwake::layered {
 namespace {
 
+using Complex = std::complex<double>;
+
+constexpr int wavenumbers = 12;
+constexpr std::size_t orders = 3; // jump, kink, bend
+constexpr int instants = 33;      // a quarter of a step apart, around the break
+
+/// The response at the focus: the sum over some wavenumbers of the footprint.
+struct FocusResponse {
+    Medium medium;
+    std::vector<double> depths_m;
+    std::array<double, wavenumbers> k_rad_m{}, weight{};
+    bool operator==(const FocusResponse&) const = default;
+
+    /// By depth.
+    Eigen::VectorXcd at(Complex omega_rad_s) const;
+};
+
+/// What the powers of TailFit leave out, as signals at instants after a jump, a kink and a bend:
+/// [depth][instant].
+using Remainders = std::array<Eigen::MatrixXd, orders>;
+
 /// Estimated error of the field after jumps and kinks of the load, relative to the maximum of the
 /// field, at the measured depth where it is largest. It is computed at the focus for a few
 /// wavenumbers of the footprint, from the difference between H and the sum of powers of TailFit
@@ -38,48 +59,40 @@ public:
     double relative(double step_s) const;
 
 private:
-    static constexpr int wavenumbers = 12;
-    static constexpr std::size_t orders = 3; // jump, kink, bend
-    /// By depth: the sum over all wave vectors of the footprint.
-    Eigen::VectorXcd at_focus(std::complex<double> omega_rad_s) const;
-    void choose_wavenumbers();
+    void choose_wavenumbers(const Footprint& footprint);
 
-    const Case& case_;
     double cell_s_;
     std::array<double, orders> sizes_{}; // of the largest jump, kink and bend, over a cell
     Eigen::VectorXd typical_m_Pa_;       // magnitude of the field, by depth
-    std::array<double, wavenumbers> k_rad_m_{}, weight_{};
+    FocusResponse response_;
     double sigma_m_ = 0.0;
 };
 
 /// The spectrum of a footprint falls to this fraction at the end of its band.
 constexpr double band_fraction = 1e-6;
 
-using Complex = std::complex<double>;
-
 /// Any even length: only the frequencies of the fit relative to the highest one matter.
 constexpr std::ptrdiff_t probe_samples = 1024;
 
 BreakError::BreakError(const Case& c, std::span<const Break> breaks, double cell_s)
-    : case_(c), cell_s_(cell_s) {
+    : cell_s_(cell_s), response_{.medium = c.scene.medium, .depths_m = c.measure.depths_m} {
     for (const Break& each : breaks) {
         sizes_[0] = std::max(sizes_[0], each.jump);
         sizes_[1] = std::max(sizes_[1], each.kink);
         sizes_[2] = std::max(sizes_[2], each.bend);
     }
     if (breaks.empty()) return;
-    choose_wavenumbers();
+    choose_wavenumbers(c.scene.load.footprint);
     // A frequency at which H has about the magnitude of the field.
     const double omega_rad_s =
         std::max(0.5 * std::numbers::pi / c.time.duration_s(),
                  0.5 * greatest_speed_m_s(c.scene.load.modulation.trajectory) / sigma_m_);
-    typical_m_Pa_ = at_focus({omega_rad_s, -0.1 * omega_rad_s}).cwiseAbs();
+    typical_m_Pa_ = response_.at({omega_rad_s, -0.1 * omega_rad_s}).cwiseAbs();
 }
 
 /// Gauss-Laguerre quadrature in (k sigma)^2 / 2 for a Gaussian of the same band, as if the spectrum
 /// of the footprint were that along x in all directions.
-void BreakError::choose_wavenumbers() {
-    const Footprint& footprint = case_.scene.load.footprint;
+void BreakError::choose_wavenumbers(const Footprint& footprint) {
     sigma_m_ =
         std::sqrt(-2.0 * std::log(band_fraction)) / bandwidth_rad_m(footprint, band_fraction);
     Eigen::Matrix<double, wavenumbers, wavenumbers> jacobi;
@@ -92,30 +105,28 @@ void BreakError::choose_wavenumbers() {
     for (int i = 0; i < wavenumbers; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const double u = solver.eigenvalues()(i);
-        k_rad_m_[at] = std::sqrt(2.0 * u) / sigma_m_;
+        response_.k_rad_m[at] = std::sqrt(2.0 * u) / sigma_m_;
         const double gaussian_m2 = two_pi * sigma_m_ * sigma_m_ * std::exp(-u);
-        weight_[at] = std::pow(solver.eigenvectors()(0, i), 2) *
-                      spectrum(footprint, k_rad_m_[at], 0.0) / gaussian_m2;
+        response_.weight[at] = std::pow(solver.eigenvectors()(0, i), 2) *
+                               spectrum(footprint, response_.k_rad_m[at], 0.0) / gaussian_m2;
     }
 }
 
-Eigen::VectorXcd BreakError::at_focus(Complex omega_rad_s) const {
-    const std::vector<double>& depths_m = case_.measure.depths_m;
-    const StackResponse response(case_.scene.medium, omega_rad_s, depths_m);
+Eigen::VectorXcd FocusResponse::at(Complex omega_rad_s) const {
+    const StackResponse response(medium, omega_rad_s, depths_m);
     Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(std::ssize(depths_m)), h(std::ssize(depths_m));
-    for (std::size_t i = 0; i < k_rad_m_.size(); ++i) {
-        response.evaluate(k_rad_m_[i], {h.data(), depths_m.size()});
-        sum += weight_[i] * h;
+    for (std::size_t i = 0; i < k_rad_m.size(); ++i) {
+        response.evaluate(k_rad_m[i], {h.data(), depths_m.size()});
+        sum += weight[i] * h;
     }
     return sum;
 }
 
-double BreakError::relative(double step_s) const {
-    if (typical_m_Pa_.size() == 0) return 0.0;
+Remainders compute_remainders(const FocusResponse& focus, double step_s) {
     // Damped by 0.2 per step, which smooths the resonances between the few wavenumbers.
-    const auto response = [&](double x) { return at_focus(Complex(x, -0.2) / step_s); };
+    const auto response = [&](double x) { return focus.at(Complex(x, -0.2) / step_s); };
     const TailFit fit(probe_samples, StackQuantity::displacement);
-    const Eigen::Index depths = typical_m_Pa_.size();
+    const Eigen::Index depths = std::ssize(focus.depths_m);
     Eigen::MatrixXd fitted(fit.matrix().cols(), depths);
     for (std::size_t v = 0; v < fit.frequencies().size(); ++v) {
         const Eigen::VectorXcd h =
@@ -124,10 +135,7 @@ double BreakError::relative(double step_s) const {
         fitted.row(static_cast<Eigen::Index>(2 * v + 1)) = h.imag();
     }
     const Eigen::MatrixXd powers = fit.matrix() * fitted; // [power][depth]
-
-    // What the powers leave out, as signals at s steps after a jump, a kink and a bend.
-    constexpr int instants = 33;
-    std::array<Eigen::MatrixXd, orders> left; // [depth][instant]
+    Remainders left;
     left.fill(Eigen::MatrixXd::Zero(depths, instants));
     for (const auto& [from, to, nodes] : {std::tuple(0.8, 1.6, 12), std::tuple(1.6, 4.8, 28)})
         for (const auto& [node, weight] : gauss_nodes(nodes)) {
@@ -144,7 +152,33 @@ double BreakError::relative(double step_s) const {
                     signal.col(n) += (h * std::polar(1.0, 0.25 * x * (n - instants / 2))).real();
             }
         }
-    Eigen::MatrixXd error = Eigen::MatrixXd::Zero(depths, instants);
+    return left;
+}
+
+/// The same, remembered for the last few steps and media: the cases of a sweep that differ in
+/// their motion and envelope have them in common, and they take milliseconds.
+const Remainders& remainders(const FocusResponse& focus, double step_s) {
+    struct Known {
+        double step_s;
+        FocusResponse focus;
+        Remainders left;
+    };
+    constexpr std::size_t most_known = 64;
+    thread_local std::vector<Known> known;
+    thread_local std::size_t oldest = 0;
+    for (const Known& each : known)
+        if (each.step_s == step_s && each.focus == focus) return each.left;
+    Known added{step_s, focus, compute_remainders(focus, step_s)};
+    if (known.size() < most_known) return known.emplace_back(std::move(added)).left;
+    Known& replaced = known[oldest++ % most_known];
+    replaced = std::move(added);
+    return replaced.left;
+}
+
+double BreakError::relative(double step_s) const {
+    if (typical_m_Pa_.size() == 0) return 0.0;
+    const Remainders& left = remainders(response_, step_s);
+    Eigen::MatrixXd error = Eigen::MatrixXd::Zero(typical_m_Pa_.size(), instants);
     for (std::size_t b = 0; b < orders; ++b)
         error += sizes_[b] * std::pow(step_s / cell_s_, b) * left[b].cwiseAbs();
     return error.rowwise().maxCoeff().cwiseQuotient(typical_m_Pa_).maxCoeff();
