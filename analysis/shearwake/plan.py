@@ -109,6 +109,9 @@ def read_table(folder: Path, name: str) -> Table | None:
     if not path.exists():
         return None
     table = json.loads(text_of(path))
-    for row in table["cases"]:
+    for row in table["cases"]: # texts that cases have in common are stored once, and numbered from 1
+        row["note"] = "; ".join(table["notes"][int(n) - 1] for n in row["note"].split(", ") if n)
+        row["notes"] = {column: table["reasons"][n - 1] for column, n in row["notes"].items()}
+        row["warnings"] = [table["warnings"][n - 1] for n in row["warnings"]]
         row["values"] = {name: math.nan if value is None else value for name, value in row["values"].items()}
     return Table([Column(**column) for column in table["columns"]], {row["id"]: row for row in table["cases"]})

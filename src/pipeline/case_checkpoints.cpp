@@ -43,6 +43,8 @@ CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
 }
 
 void CaseCheckpoints::find_newest() {
+    may_have_files_ = team_.broadcast(team_.is_root() && fs::exists(stem_.parent_path()));
+    if (!may_have_files_) return;
     const auto paths = paths_of(stem_);
     for (std::size_t i = 0; i < paths.size(); ++i) {
         bool is_usable = false; // according to rank 0, which checks the files
@@ -103,6 +105,7 @@ void CaseCheckpoints::progressed(double share) {
 
 void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
     const Comm::Unwatched writing;
+    may_have_files_ = true;
     const auto paths = paths_of(stem_);
     const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];
     storage::CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
@@ -158,13 +161,14 @@ bool CaseCheckpoints::restore(const std::function<void(const StateReader&)>& rea
 }
 
 void CaseCheckpoints::discard() {
-    on_root(team_, [&] { remove_checkpoints(stem_); });
+    if (may_have_files_) on_root(team_, [&] { remove_checkpoints(stem_); });
     newest_.reset();
     earlier_seconds_ = 0.0;
 }
 
 bool has_checkpoint(const fs::path& stem) {
-    return std::ranges::any_of(paths_of(stem),
+    return fs::exists(stem.parent_path()) &&
+           std::ranges::any_of(paths_of(stem),
                                [](const fs::path& path) { return fs::exists(path); });
 }
 

@@ -81,6 +81,7 @@ private:
     std::function<std::string()> part_;
     std::optional<State> newest_;
     double earlier_seconds_ = 0.0;
+    bool may_have_files_ = false;
     Clock::time_point began_, saved_, looked_, progressed_;
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;

@@ -133,9 +133,15 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
         if (c.record.frames) storage::write_xdmf(path, layout);
         if (!c.record.volumes_s.empty()) storage::write_volume_xdmf(path, writer.volume());
     });
-    writer.commit(results.groups, case_attributes(planned, facts));
+    const std::vector<Attribute> attributes = case_attributes(planned, facts);
+    CaseOutcome outcome{.seconds = facts.wall_s,
+                        .needs = plan.needs,
+                        .is_resumed = checkpoints.earlier_seconds() > 0.0,
+                        .checksum = writer.commit(results.groups, attributes)};
+    if (team.is_root()) outcome.digest = storage::digest_of(results.groups, attributes);
+    outcome.solver = std::move(facts.solver);
     checkpoints.discard();
-    return CaseOutcome{facts.wall_s, facts.solver, plan.needs, checkpoints.earlier_seconds() > 0.0};
+    return outcome;
 }
 
 } // namespace

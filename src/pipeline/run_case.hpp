@@ -6,6 +6,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "problem/case/plan.hpp"
+#include "storage/case_file/case_index.hpp"
 #include "storage/hdf5/guard.hpp"
 
 #include <filesystem>
@@ -41,6 +42,9 @@ struct CaseOutcome {
     engines::SolverReport solver;
     engines::Resources needs;
     bool is_resumed = false; // from a checkpoint, so that this run has computed a part of it
+    // Of the case file, on the root of the team.
+    std::string checksum;        // its last line
+    storage::CaseDigest digest;
 };
 
 /// Computes one case on a team, from its newest checkpoint if it has one, and writes its file.

@@ -20,6 +20,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <unordered_set>
 
 namespace shearwake::reduce {
 namespace {
@@ -29,11 +30,12 @@ struct CaseRow {
     std::string status, valid;
     std::vector<std::string> remarks; // of its note
     double wall_s = not_a_number;
-    std::vector<storage::IndexedScalar> scalars;
+    const storage::CaseDigest* digest = nullptr; // owned by the index
 
     double value(const std::string& name) const {
-        for (const storage::IndexedScalar& v : scalars)
-            if (v.name == name) return v.value;
+        if (digest)
+            for (const storage::IndexedScalar& v : digest->scalars)
+                if (v.name == name) return v.value;
         return not_a_number;
     }
 };
@@ -65,12 +67,13 @@ nlohmann::ordered_json json_of_column(const std::string& name, const std::string
             {"counts_samples", measures::counts_samples(name)}};
 }
 
-/// The table as JSON: every column with its unit and description, every case with its values (null:
-/// none) and the reasons for empty cells.
+/// The table as JSON: every column with its unit and description; every case with its values (null:
+/// none); and the sentences of `note`, the reasons for empty cells, and the warnings, to which the
+/// cases refer by numbers from 1.
 std::string json_text(const storage::PlanIndex& plan, const Table& table, storage::CaseIndex& index,
                       const std::string& meaning_of_errors) {
     using nlohmann::ordered_json;
-    ordered_json columns = ordered_json::array(), cases = ordered_json::array();
+    ordered_json columns = ordered_json::array();
     const std::size_t first = 2 + plan.swept_keys.size(),
                       end = table.columns.size() - closing_columns;
     std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
@@ -84,27 +87,36 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
     std::ranges::stable_sort(names, {}, place);
     for (const std::string& name : names)
         columns.push_back(json_of_column(name, meaning_of_errors));
+    // A case is one line, and texts that cases have in common are stored once.
+    Numbering reasons, warnings;
+    std::string lines = fmt::format("{{\"columns\": {},\n\"cases\": [\n", columns.dump());
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto& cells = table.rows[row];
-        ordered_json values = ordered_json::object(), notes = ordered_json::object();
+        ordered_json values = ordered_json::object(), notes = ordered_json::object(),
+                     warned = ordered_json::array();
         for (std::size_t i = first; i < end; ++i)
             values[table.columns[i]] = std::get<double>(cells[i]);
-        ordered_json warnings = ordered_json::array();
         if (const storage::CaseDigest* digest = index.find(plan.cases[row].id)) {
-            warnings = ordered_json::parse(storage::warnings_text(digest->warnings));
+            for (const Remark& warning : digest->warnings)
+                warned.push_back(warnings[storage::warning_text(warning)]);
             for (const storage::IndexedScalar& scalar : digest->scalars)
-                if (!scalar.note.empty()) notes[scalar.name] = scalar.note;
+                if (!scalar.note.empty()) notes[scalar.name.text()] = reasons[scalar.note.text()];
         }
-        cases.push_back({{"id", plan.cases[row].id},
-                         {"status", std::get<std::string>(cells[end + 2])},
-                         {"valid", std::get<std::string>(cells[end])},
-                         {"note", std::get<std::string>(cells[end + 3])},
-                         {"wall_s", std::get<double>(cells[end + 1])},
-                         {"values", values},
-                         {"notes", notes},
-                         {"warnings", warnings}});
+        lines += (row > 0 ? ",\n" : "") +
+                 ordered_json({{"id", plan.cases[row].id},
+                               {"status", std::get<std::string>(cells[end + 2])},
+                               {"valid", std::get<std::string>(cells[end])},
+                               {"note", std::get<std::string>(cells[end + 3])},
+                               {"wall_s", std::get<double>(cells[end + 1])},
+                               {"values", values},
+                               {"notes", notes},
+                               {"warnings", warned}})
+                     .dump();
     }
-    return ordered_json({{"columns", columns}, {"cases", cases}}).dump(1) + "\n";
+    lines += fmt::format("\n],\n\"notes\": {},\n\"reasons\": {},\n\"warnings\": [{}]}}\n",
+                         ordered_json(table.notes).dump(), ordered_json(reasons.texts()).dump(),
+                         fmt::join(warnings.texts(), ", "));
+    return lines;
 }
 
 /// The warnings of a case, with their severity and key, and the reasons for empty cells and limits
@@ -119,11 +131,11 @@ std::vector<std::string> remarks_of(const storage::CaseDigest& digest) {
     for (const storage::IndexedScalar& v : digest.scalars) {
         if (v.note.empty()) continue;
         const auto same = std::find_if(by_reason.begin(), by_reason.end(),
-                                       [&](const auto& entry) { return entry.first == v.note; });
+                                       [&](const auto& entry) { return v.note == entry.first; });
         if (same == by_reason.end())
-            by_reason.emplace_back(v.note, v.name);
+            by_reason.emplace_back(v.note.text(), v.name.text());
         else
-            same->second += ", " + v.name;
+            same->second += ", " + v.name.text();
     }
     for (const auto& [reason, columns] : by_reason)
         remarks.push_back(columns + ": " + reason);
@@ -135,7 +147,7 @@ CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& 
     CaseRow row;
     if (const storage::CaseDigest* digest = index.find(c.id)) {
         row.status = digest->status;
-        row.scalars = digest->scalars;
+        row.digest = digest;
         row.remarks =
             digest->is_complete() ? remarks_of(*digest) : std::vector<std::string>{digest->damage};
         row.wall_s = digest->wall_s;
@@ -176,14 +188,16 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     const storage::JournalContents journal = storage::read_journals(input.folder);
     std::vector<CaseRow> rows;
     std::map<std::string, std::size_t> by_id;
-    std::vector<std::string>
-        measures; // names of the measures of all cases, in the order of the files
+    std::vector<std::string> measures; // of all cases, in the order of the files
+    std::unordered_set<std::string> known;
+    Numbering notes;
     for (const storage::IndexedCase& c : plan.cases) {
         by_id[c.id] = rows.size();
         rows.push_back(read_row(c, journal, index));
-        for (const storage::IndexedScalar& v : rows.back().scalars)
-            if (std::find(measures.begin(), measures.end(), v.name) == measures.end())
-                measures.push_back(v.name);
+        if (!rows.back().digest) continue;
+        for (const storage::IndexedScalar& v : rows.back().digest->scalars)
+            if (known.insert(v.name.text()).second)
+                measures.push_back(v.name.text());
     }
     index.save();
 
@@ -197,7 +211,10 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
 
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const storage::IndexedCase& c = plan.cases[i];
-        std::vector<Cell> cells = {c.id, c.is_reference ? std::string("yes") : std::string()};
+        std::vector<Cell> cells;
+        cells.reserve(table.columns.size());
+        cells.emplace_back(c.id);
+        cells.emplace_back(c.is_reference ? "yes" : "");
         for (const std::string& key : plan.swept_keys)
             cells.push_back(cell_of(c, key));
         for (const std::string& name : measures)
@@ -217,10 +234,13 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         cells.emplace_back(rows[i].valid);
         cells.emplace_back(rows[i].wall_s);
         cells.emplace_back(rows[i].status);
-        cells.emplace_back(fmt::format("{}", fmt::join(rows[i].remarks, "; ")));
+        std::vector<std::size_t> numbers;
+        for (const std::string& remark : rows[i].remarks)
+            numbers.push_back(notes[remark]);
+        cells.emplace_back(fmt::format("{}", fmt::join(numbers, ", ")));
         table.rows.push_back(std::move(cells));
-        table.remarks.push_back(std::move(rows[i].remarks));
     }
+    table.notes = notes.texts();
     return table;
 }
 
@@ -294,7 +314,9 @@ ReducedTables reduce(const ReduceInput& input) {
     storage::CaseIndex index(input.folder, storage::CaseIndex::Trust::checksum);
     const Table plain = build_table(input, plan, index);
     const Errors errors = input.errors.empty() ? Errors{} : read_errors(input.errors);
-    const Table extended = with_errors(plain, measure_columns(plan, plain), errors);
+    std::optional<Table> with_all_errors; // a copy only if there are any
+    if (!errors.empty()) with_all_errors = with_errors(plain, measure_columns(plan, plain), errors);
+    const Table& extended = with_all_errors ? *with_all_errors : plain;
     ReducedTables written;
     written.csv = input.tables / (plan.name + ".csv");
     written.markdown = input.tables / (plan.name + ".md");

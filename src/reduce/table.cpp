@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace shearwake::reduce {
 
@@ -69,6 +70,15 @@ std::optional<std::size_t> Table::find(std::string_view column) const {
     return find_in(columns, column);
 }
 
+std::vector<std::string> Table::note(std::size_t row) const {
+    std::vector<std::string> sentences;
+    if (notes.empty()) return sentences;
+    std::istringstream numbers(std::get<std::string>(rows[row][find("note").value()]));
+    for (std::string number; next_line(numbers, number, ',');)
+        sentences.push_back(notes.at(std::stoul(number) - 1));
+    return sentences;
+}
+
 std::string markdown_text(const std::string& text) {
     return one_line(text);
 }
@@ -107,36 +117,6 @@ std::string csv(const Table& table) {
     return text;
 }
 
-namespace {
-
-/// The numbers of remarks in the order of their first appearance, from 1: "1, 3".
-class Numbers {
-public:
-    std::string of(const std::vector<std::string>& remarks) {
-        std::string text;
-        for (const std::string& remark : remarks) {
-            const auto found = std::find(remarks_.begin(), remarks_.end(), remark);
-            const auto number = found - remarks_.begin() + 1;
-            if (found == remarks_.end()) remarks_.push_back(remark);
-            text += (text.empty() ? "" : ", ") + std::to_string(number);
-        }
-        return text;
-    }
-
-    /// A numbered list of all remarks; empty without remarks.
-    std::string list() const {
-        std::string text;
-        for (std::size_t i = 0; i < remarks_.size(); ++i)
-            text += (i ? "" : "\n") + std::to_string(i + 1) + ". " + one_line(remarks_[i]) + "\n";
-        return text;
-    }
-
-private:
-    std::vector<std::string> remarks_;
-};
-
-} // namespace
-
 std::string markdown(const Table& table, const std::vector<std::string>& columns) {
     std::vector<std::size_t> chosen;
     for (const std::string& name : columns)
@@ -147,18 +127,15 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
         rule += " --- |";
     }
     text += "\n" + rule + "\n";
-    Numbers notes;
-    for (std::size_t n = 0; n < table.rows.size(); ++n) {
+    for (const std::vector<Cell>& row : table.rows) {
         text += "|";
         for (const std::size_t i : chosen)
-            text += " " +
-                    (table.columns[i] == "note" && !table.remarks.empty()
-                         ? notes.of(table.remarks[n])
-                         : one_line(text_of(table.rows[n][i], 4))) +
-                    " |";
+            text += " " + one_line(text_of(row[i], 4)) + " |";
         text += "\n";
     }
-    return text + notes.list();
+    for (std::size_t n = 0; n < table.notes.size(); ++n)
+        text += fmt::format("{}{}. {}\n", n > 0 ? "" : "\n", n + 1, one_line(table.notes[n]));
+    return text;
 }
 
 std::string first_rows(const Table& table, const std::vector<std::string>& columns,
@@ -218,7 +195,7 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
                std::ranges::any_of(errors, [&](const auto& c) { return c.second.contains(name); });
     };
     Table extended;
-    extended.remarks = table.remarks;
+    extended.notes = table.notes;
     extended.rows.resize(table.rows.size());
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
         const std::string& name = table.columns[i];

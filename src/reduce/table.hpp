@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -20,10 +21,27 @@ using Cell = std::variant<double, std::string>;
 struct Table {
     std::vector<std::string> columns;
     std::vector<std::vector<Cell>> rows;
-    /// Per row, the sentences of its cell "note"; empty without notes.
-    std::vector<std::vector<std::string>> remarks = {};
+    /// The sentences to which the numbers in the column "note" refer, "1, 3".
+    std::vector<std::string> notes = {};
 
     std::optional<std::size_t> find(std::string_view column) const;
+    /// The sentences of the note of a row; none in a table without notes.
+    std::vector<std::string> note(std::size_t row) const;
+};
+
+/// Distinct values, numbered from 1 in the order of their first appearance.
+class Numbering {
+public:
+    std::size_t operator[](const std::string& text) {
+        const auto [entry, is_new] = numbers_.try_emplace(text, texts_.size() + 1);
+        if (is_new) texts_.push_back(text);
+        return entry->second;
+    }
+    const std::vector<std::string>& texts() const { return texts_; }
+
+private:
+    std::vector<std::string> texts_;
+    std::unordered_map<std::string, std::size_t> numbers_;
 };
 
 /// A number of the table of a plan, whose rows are its cases in order. NaN: empty, no such column,
@@ -38,8 +56,7 @@ std::string csv(const Table& table);
 std::string markdown_text(const std::string& text);
 
 /// A pipe table of the named columns, in that order, numbers with four digits; names that the table
-/// does not have are ignored. The column "note" has numbers of remarks, which follow the table once
-/// each.
+/// does not have are ignored. The sentences to which the column "note" refers follow the table.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
 
 /// The first `most` rows of the named columns as aligned text, with short names of swept keys.

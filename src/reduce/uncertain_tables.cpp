@@ -102,12 +102,11 @@ private:
         const auto row = group.rows.find(design_row);
         if (row == group.rows.end()) return {"missing"};
         std::vector<std::string> keys;
-        if (row->second < table_.remarks.size())
-            for (const std::string& remark : table_.remarks[row->second]) {
-                if (!remark.starts_with(not_valid)) continue;
-                const std::string of = remark.substr(not_valid.size());
-                keys.push_back(of.substr(0, of.find(": ")));
-            }
+        for (const std::string& sentence : table_.note(row->second)) {
+            if (!sentence.starts_with(not_valid)) continue;
+            const std::string reason = sentence.substr(not_valid.size());
+            keys.push_back(reason.substr(0, reason.find(": ")));
+        }
         if (const auto status = table_.find("status"); keys.empty() && status)
             keys.push_back(std::get<std::string>(table_.rows[row->second][*status]));
         return keys;

@@ -2,7 +2,6 @@
 #include "storage/files.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -11,7 +10,6 @@
 #include <fstream>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -23,21 +21,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse(std::string_view what, const fs::path& path, int error) {
     throw UsageError(fmt::format("{} {}: {}", what, path.string(), std::strerror(error)),
                      ExitCode::environment, persistence_of(error));
-}
-
-/// Network file systems fail occasionally and recover. All of `work` is repeated, since data lost
-/// by a failed fsync are not written by the next one.
-template <class Work>
-void with_patience(const Work& work) {
-    for (const int pause_ms : {20, 200, 1000}) {
-        try {
-            return work();
-        } catch (const UsageError& error) {
-            if (error.persistence() == Persistence::lasting) throw;
-            std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
-        }
-    }
-    work();
 }
 
 /// An open file descriptor.
@@ -82,6 +65,16 @@ private:
 void flush_directory(const fs::path& path) {
     const fs::path parent = path.parent_path();
     Descriptor(parent.empty() ? fs::path(".") : parent, O_RDONLY | O_DIRECTORY).flush();
+}
+
+/// Gives a flushed file its final name.
+void give_name(const fs::path& part, const fs::path& path) {
+    std::error_code error;
+    if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+        refuse("cannot replace, because it is not a regular file,", path, EINVAL);
+    fs::rename(part, path, error);
+    if (error) refuse("cannot rename to", path, error.value());
+    flush_directory(path);
 }
 
 } // namespace
@@ -168,7 +161,7 @@ void write_file(const fs::path& path, std::string_view text) {
             file.write(text);
             file.flush();
             file.commit();
-            publish(part, path);
+            give_name(part, path);
         });
     } catch (...) {
         std::error_code ignored;
@@ -198,12 +191,7 @@ void flush_to_disk(const fs::path& path) {
 
 void publish(const fs::path& part, const fs::path& path) {
     flush_to_disk(part);
-    std::error_code error;
-    if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-        refuse("cannot replace, because it is not a regular file,", path, EINVAL);
-    fs::rename(part, path, error);
-    if (error) refuse("cannot rename to", path, error.value());
-    flush_directory(path);
+    give_name(part, path);
 }
 
 double free_bytes(const fs::path& path) {

@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <thread>
 
 namespace shearwake::storage {
 
@@ -65,6 +67,21 @@ void make_directory(const std::filesystem::path& path);
 
 /// Flushes the file to the disk.
 void flush_to_disk(const std::filesystem::path& path);
+
+/// Does `work`, and repeats all of it after temporary errors, since network file systems fail
+/// occasionally and recover. Data that a failed fsync has lost are not written by the next one.
+template <class Work>
+void with_patience(const Work& work) {
+    for (const int pause_ms : {20, 200, 1000}) {
+        try {
+            return work();
+        } catch (const UsageError& error) {
+            if (error.persistence() == Persistence::lasting) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+        }
+    }
+    work();
+}
 
 /// Flushes `part` to the disk and gives it its final name.
 void publish(const std::filesystem::path& part, const std::filesystem::path& path);

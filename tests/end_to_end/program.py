@@ -301,12 +301,14 @@ def started(out):
 
 
 def table(out):
-    """The rows of the CSV table without the column that depends on the machine."""
+    """The rows of the CSV table with the sentences of notes, without the column that depends on the machine."""
     path = out / "tables" / f"{plan(out)['name']}.csv"
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
+    notes = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))["notes"]
     for row in rows:
         del row["wall_s"]
+        row["note"] = "; ".join(notes[int(number) - 1] for number in row["note"].split(", ") if number)
     return rows
 
 

@@ -7,7 +7,7 @@ import re
 import h5py
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, without_reference
+from program import SWEEP, ProgramTest, case_files, table, without_reference
 from test_solver_notes import BONE, ELASTIC, SHORT
 from test_variation import MAP, make_map
 
@@ -43,8 +43,7 @@ class Warnings(ProgramTest):
         return found
 
     def notes(self):
-        with open(self.out / "tables" / "small.csv", encoding="utf-8") as file:
-            return [row["note"] for row in csv.DictReader(file)]
+        return [row["note"] for row in table(self.out)]
 
     @pytest.mark.long
     def test_returning_waves_make_a_reading_invalid_everywhere(self):

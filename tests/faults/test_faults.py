@@ -147,9 +147,9 @@ class Failing(FaultTest):
     def test_temporary_file_errors_are_retried(self):
         reference = self.reference()
         again = 0
-        for at in (20, 50):
+        for path, at, count in (("/out/small/", 20, 1), ("/out/small/", 50, 1), ("/out/small/cases/", 3, 5)):
             shutil.rmtree(self.out, ignore_errors=True)
-            done = self.run_with(PATH="/out/small/", EIO_AT=at)
+            done = self.run_with(PATH=path, EIO_AT=at, EIO_COUNT=count)
             self.assertEqual(done.returncode, 0, done.said)
             again += "is tried again in 1 s" in done.said
             self.shearwake("reduce", self.out)

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::app {
@@ -35,13 +36,14 @@ std::string cell(const reduce::Table& table, const std::string& column) {
 void print_result(const EvaluateArguments& arguments, const schedule::OutputFolder& folder) {
     const reduce::Table table = studies::table_of(folder);
     const nlohmann::ordered_json values = values_of(table, 0);
-    const std::string id = cell(table, "id");
+    const std::string id = cell(table, "id"),
+                      note = fmt::format("{}", fmt::join(table.note(0), "; "));
     if (arguments.json) {
         fmt::print("{}", json_document("evaluate", {{"job", arguments.job.string()},
                                                     {"id", id},
                                                     {"status", cell(table, "status")},
                                                     {"valid", cell(table, "valid") == "yes"},
-                                                    {"note", cell(table, "note")},
+                                                    {"note", note},
                                                     {"folder", folder.root.string()},
                                                     {"values", values}}));
         return;
@@ -51,7 +53,7 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
         if (!std::isnan(value.get<double>()))
             fmt::print("{} = {:.9g}\n", column, value.get<double>());
     fmt::print("results: {}\n", folder.root.string());
-    if (const std::string note = cell(table, "note"); !note.empty())
+    if (!note.empty())
         fmt::print(stderr, "{}\n", coloured(note, stderr));
 }
 

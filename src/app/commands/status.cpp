@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
-    double seconds = 0.0; // of the complete cases
+    double seconds = 0.0; // of the complete cases, with the time to write their files
     std::vector<std::string> damaged;
     std::vector<std::string> not_valid; // complete cases whose readings are not valid
     std::size_t active_runs = 0;
@@ -74,7 +74,9 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         const storage::CaseDigest* digest = index.find(c.id);
         if (digest && digest->is_complete()) {
             ++tally.done;
-            if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
+            const double journal_s = known ? entry->second.seconds : 0.0;
+            const double seconds = journal_s > 0.0 ? journal_s : digest->wall_s;
+            if (seconds > 0.0) tally.seconds += seconds;
             if (!digest->is_valid()) tally.not_valid.push_back(c.id);
             continue;
         }

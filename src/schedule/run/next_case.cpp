@@ -76,9 +76,8 @@ std::optional<std::size_t> Worker::next_in_portions() {
 /// computed it since this run began. On the root of the team.
 Worker::Claim Worker::claim(std::size_t place) {
     const PlannedCase& planned = *list_.work.cases[place];
-    if (has_ended_elsewhere(planned)) return Claim::ended;
     if (!in_time(place)) {
-        counters_.fetch_add(put_off, 1);
+        if (!has_ended_elsewhere(planned)) counters_.fetch_add(put_off, 1);
         return Claim::ended;
     }
     const storage::CaseClaims::Answer answer = claims_->claim(planned.id);
@@ -98,7 +97,9 @@ Worker::Claim Worker::claim(std::size_t place) {
 bool Worker::has_ended_elsewhere(const PlannedCase& planned) {
     // A file that has got its name since is complete; others are verified.
     const std::filesystem::path file = list_.folder.case_file(planned.id);
-    if (is_newer(file, list_.began) || storage::is_complete(file, planned.id)) {
+    std::error_code missing;
+    const auto written = std::filesystem::last_write_time(file, missing);
+    if (!missing && (written >= list_.began || storage::is_complete(file, planned.id))) {
         counters_.fetch_add(elsewhere, 1);
         return true;
     }

@@ -5,7 +5,6 @@
 #include "pipeline/provenance.hpp"
 #include "schedule/cost/rates.hpp"
 #include "storage/case_file/case_index.hpp"
-#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 
@@ -72,6 +71,8 @@ Worker::Worker(const WorkList& list, const Comm& world, const Comm& team, Progre
 
 void Worker::work() {
     began_ = Clock::now();
+    const TeamLayout& layout = list_.work.layout;
+    if (layout.team_of(world_.rank()) == layout.teams) return; // an idle rank
     while (true) {
         long index = -1;
         if (team_.is_root()) index = next();
@@ -166,6 +167,7 @@ bool Worker::compute(const PlannedCase& planned) {
          }});
     if (team_.is_root() && !checkpoints.has_state()) count_work(0.0);
     const auto began = Clock::now();
+    const double earlier_s = checkpoints.earlier_seconds();
     auto outcome =
         pipeline::run_case(planned, list_.facts, list_.costs.engine_of(planned.physics), team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
@@ -174,10 +176,10 @@ bool Worker::compute(const PlannedCase& planned) {
         return false;
     }
     on_root(team_, [&] {
-        journal_.finished(planned.id, outcome->seconds, engine_name(planned.physics.solver),
-                          storage::checksum_in(list_.folder.case_file(planned.id)));
+        journal_.finished(planned.id, earlier_s + seconds_since(began), engine_name(planned.physics.solver),
+                          outcome->checksum);
         storage::add_to_index(list_.folder.index(list_.run, host_),
-                              list_.folder.case_file(planned.id));
+                              list_.folder.case_file(planned.id), outcome->digest);
         std::error_code none;
         std::filesystem::remove(list_.folder.failure(planned.id), none);
     });

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <functional>
 #include <hdf5.h>
-#include <variant>
 
 namespace shearwake::storage {
 namespace {
@@ -20,6 +19,14 @@ namespace {
 std::vector<hsize_t> shape_of(const SurfaceLayout& layout) {
     return {layout.times_s.size(), layout.depths_m.size(), static_cast<hsize_t>(layout.domain.nx),
             static_cast<hsize_t>(layout.domain.ny)};
+}
+
+double bytes_of(const std::vector<VariableGroup>& groups) {
+    double bytes = 0.0;
+    for (const VariableGroup& group : groups)
+        for (const Variable& variable : group.variables)
+            bytes += static_cast<double>(variable.values.size() * sizeof(double));
+    return bytes;
 }
 
 } // namespace
@@ -35,6 +42,8 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
     : path_(path), part_(team.broadcast(part_path(path).string())), team_(team),
       surface_(std::move(surface)) {
     if (beginning == Beginning::resume) resumed_ = fields_of(team_.broadcast(record));
+    in_memory_ = is_alone() && beginning == Beginning::fresh &&
+                 surface_.bytes() <= largest_in_memory_B;
     on_root(team_, [&] {
         if (beginning == Beginning::resume) return;
         refuse_if_full(surface_.bytes());
@@ -47,7 +56,7 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
         }
     });
     if (surface_.empty()) return;
-    open_shared();
+    open_fields();
     resume_counts(0, 1, surface_.domain);
 }
 
@@ -60,21 +69,42 @@ void CaseFileWriter::resume_counts(std::size_t first, std::size_t end, const Dom
     }
 }
 
-void CaseFileWriter::open_shared() {
-    shared_file_ = h5::open_shared(part_, team_);
-    is_shared_ = true;
-    if (!surface_.empty())
-        shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z").shared();
+void CaseFileWriter::open_fields() {
+    if (is_alone() && file_.raw() < 0)
+        file_ = h5::open_file(part_, h5::Access::read_write);
+    else if (!is_alone())
+        shared_file_ = h5::open_shared(part_, team_);
+    has_fields_ = true;
+    if (!surface_.empty()) surface_field_ = open_field("surface/u_z");
 }
 
-void CaseFileWriter::close_shared() {
-    if (!is_shared_) return;
-    is_shared_ = false;
-    for (h5::Id& field : shared_volumes_)
+h5::Id CaseFileWriter::open_field(const std::string& name) const {
+    if (is_alone()) return h5::open_dataset(file_.raw(), name);
+    return h5::open_dataset(shared_file_.raw(), name).shared();
+}
+
+void CaseFileWriter::close_fields() {
+    if (!has_fields_) return;
+    has_fields_ = false;
+    if (is_alone()) {
+        volume_fields_.clear();
+        surface_field_ = {};
+        return;
+    }
+    for (h5::Id& field : volume_fields_)
         field.close_shared("close a volume field", team_);
-    shared_volumes_.clear();
-    if (!surface_.empty()) shared_field_.close_shared("close a surface field", team_);
+    volume_fields_.clear();
+    if (!surface_.empty()) surface_field_.close_shared("close a surface field", team_);
     shared_file_.close_shared("close " + part_.string(), team_);
+}
+
+/// Continues a file in memory on the disk.
+void CaseFileWriter::store_image() {
+    if (!in_memory_) return;
+    close_fields();
+    write_file(part_, h5::image_of(file_));
+    file_ = h5::open_file(part_, h5::Access::read_write);
+    in_memory_ = false;
 }
 
 void CaseFileWriter::refuse_if_full(double needed_B) const {
@@ -95,8 +125,8 @@ CaseFileWriter::~CaseFileWriter() {
     std::filesystem::remove(part_, ignored);
 }
 
-void CaseFileWriter::create_surface() const {
-    h5::Id file = h5::open_file(part_, h5::Access::create);
+void CaseFileWriter::create_surface() {
+    h5::Id file = h5::open_file(part_, in_memory_ ? h5::Access::in_memory : h5::Access::create);
     if (!surface_.empty()) {
         const h5::Id group = h5::create_group(file.raw(), "surface");
         const std::vector<Variable> axes = {
@@ -112,7 +142,10 @@ void CaseFileWriter::create_surface() const {
                       .long_name = "normal displacement, positive into the tissue"},
                      shape_of(surface_));
     }
-    file.close("close " + part_.string());
+    if (is_alone())
+        file_ = std::move(file);
+    else
+        file.close("close " + part_.string());
 }
 
 void CaseFileWriter::count_plane(std::size_t field, std::uint64_t plane) {
@@ -121,7 +154,7 @@ void CaseFileWriter::count_plane(std::size_t field, std::uint64_t plane) {
 }
 
 std::string CaseFileWriter::part_record() {
-    if (!is_shared_) return "";
+    if (!has_fields_) return "";
     std::string record;
     on_root(team_, [&] {
         std::vector<FieldBytes> fields;
@@ -134,9 +167,9 @@ std::string CaseFileWriter::part_record() {
             fields.push_back({offset, H5Dget_storage_size(dataset.raw()), planes * plane_B});
         };
         if (!surface_.empty())
-            add(shared_field_, static_cast<std::uint64_t>(surface_.domain.nx * surface_.domain.ny) *
+            add(surface_field_, static_cast<std::uint64_t>(surface_.domain.nx * surface_.domain.ny) *
                                    sizeof(double));
-        for (const h5::Id& volume : shared_volumes_)
+        for (const h5::Id& volume : volume_fields_)
             add(volume,
                 static_cast<std::uint64_t>(volume_.domain.nx * volume_.domain.ny) * sizeof(double));
         record = checksums_.record(part_, fields);
@@ -149,7 +182,7 @@ void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<co
     const h5::Block block{
         {time, depth, static_cast<hsize_t>(x_start), 0},
         {1, 1, static_cast<hsize_t>(u_z_m.rows()), static_cast<hsize_t>(u_z_m.columns())}};
-    h5::write_block(shared_field_, block, u_z_m, "write a surface field to " + part_.string(),
+    h5::write_block(surface_field_, block, u_z_m, "write a surface field to " + part_.string(),
                     team_);
     count_plane(0, time * surface_.depths_m.size() + depth);
 }
@@ -158,20 +191,22 @@ void CaseFileWriter::begin_volume(VolumeLayout volume, std::ptrdiff_t x_count) {
     volume_ = std::move(volume);
     together(team_,
              [&] { turned_.reserve(static_cast<std::size_t>(x_count * volume_.domain.ny)); });
-    close_shared(); // only rank 0 changes the structure of the file
+    close_fields(); // only rank 0 changes the structure of the file
     on_root(team_, [&] {
-        h5::Id file = h5::open_file(part_, h5::Access::read_write);
-        if (!has_volume_group(file.raw(), volume_)) {
+        if (volume_.bytes() > largest_in_memory_B) store_image();
+        h5::Id file;
+        if (file_.raw() < 0) file = h5::open_file(part_, h5::Access::read_write);
+        h5::Id& used = file_.raw() < 0 ? file : file_;
+        if (!has_volume_group(used.raw(), volume_)) {
             // Space for the surface fields is allocated, but nothing is written yet.
             refuse_if_full(surface_.bytes() + volume_.bytes());
-            create_volume_group(file.raw(), volume_);
+            create_volume_group(used.raw(), volume_);
         }
-        file.close("close " + part_.string());
+        if (file.raw() >= 0) file.close("close " + part_.string());
     });
-    open_shared();
+    open_fields();
     for (const Variable& variable : volume_.variables())
-        shared_volumes_.push_back(
-            h5::open_dataset(shared_file_.raw(), "volume/" + variable.name).shared());
+        volume_fields_.push_back(open_field("volume/" + variable.name));
     resume_counts(surface_.empty() ? 0 : 1, resumed_.size(), volume_.domain);
 }
 
@@ -184,15 +219,16 @@ void CaseFileWriter::write_volume(std::size_t variable, std::size_t time, std::s
             turned_[static_cast<std::size_t>(j * rows + i)] = values(i, j);
     const h5::Block block{{time, level, 0, static_cast<hsize_t>(x_start)},
                           {1, 1, static_cast<hsize_t>(ny), static_cast<hsize_t>(rows)}};
-    h5::write_block(shared_volumes_.at(variable), block,
+    h5::write_block(volume_fields_.at(variable), block,
                     View2<const double>(turned_.data(), ny, rows),
                     "write a volume field to " + part_.string(), team_);
     count_plane((surface_.empty() ? 0 : 1) + variable, time * volume_.z_m.size() + level);
 }
 
 void CaseFileWriter::flush() {
-    if (!is_shared_) return;
-    h5::flush_shared(shared_file_, "flush " + part_.string(), team_);
+    if (!has_fields_) return;
+    if (in_memory_) return write_file(part_, h5::image_of(file_));
+    h5::flush_shared(is_alone() ? file_ : shared_file_, "flush " + part_.string(), team_);
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 
@@ -238,31 +274,32 @@ std::string part_error(const std::filesystem::path& path, const std::string& rec
 
 void CaseFileWriter::leave_for_later() {
     left_ = true;
-    close_shared();
+    close_fields();
+    if (is_alone() && file_.raw() >= 0) file_.close("close " + part_.string());
 }
 
-void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,
-                            const std::vector<Attribute>& attributes) {
-    close_shared();
+std::string CaseFileWriter::commit(const std::vector<VariableGroup>& groups,
+                                   const std::vector<Attribute>& attributes) {
+    close_fields();
+    std::string line;
     on_root(team_, [&] {
-        h5::Id file = h5::open_file(part_, h5::Access::read_write);
-        for (const VariableGroup& group : groups) {
-            if (group.name.empty())
-                write_group(file.raw(), group.variables);
-            else
-                write_group(h5::create_group(file.raw(), group.name).raw(), group.variables);
+        if (bytes_of(groups) > largest_in_memory_B) store_image();
+        h5::Id file = std::move(file_);
+        if (file.raw() < 0) file = h5::open_file(part_, h5::Access::read_write);
+        write_groups(file.raw(), groups, attributes);
+        if (in_memory_) {
+            std::string bytes = h5::image_of(file);
+            line = append_checksum(bytes);
+            write_file(path_, bytes);
+        } else {
+            h5::check(H5Fflush(file.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string());
+            file.close("close " + part_.string());
+            line = append_checksum(part_);
+            publish(part_, path_);
         }
-        for (const Attribute& attribute : attributes)
-            std::visit(
-                [&](const auto& value) { h5::put_attribute(file.raw(), attribute.name, value); },
-                attribute.value);
-        h5::put_attribute(file.raw(), checksum_attribute, std::string(checksum_promise));
-        h5::check(H5Fflush(file.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string());
-        file.close("close " + part_.string());
-        append_checksum(part_);
-        publish(part_, path_);
         committed_ = true;
     });
+    return line;
 }
 
 } // namespace shearwake::storage

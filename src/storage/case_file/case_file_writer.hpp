@@ -27,13 +27,16 @@ struct SurfaceLayout {
 /// Whether a case file is created from scratch or that of an earlier run is continued.
 enum class Beginning { fresh, resume };
 
+inline constexpr double largest_in_memory_B = 1e6;
+
 /// Writes a case file: part_path() of rank 0 until it is committed, then complete and renamed. It
 /// is removed if it is not committed, unless it is left for a later run. xarray can open the
 /// result: every variable has dimension scales, a unit and a long name.
 class CaseFileWriter {
 public:
     /// Collective. Rank 0 creates the file, then all ranks open it through MPI if surface fields
-    /// will be written. Throws CaseFailure on all ranks (no space, no permission). `record`: that
+    /// will be written. A team of one rank uses no MPI, and keeps a file of up to
+    /// `largest_in_memory_B` in memory until it is flushed or committed. Throws CaseFailure on all ranks (no space, no permission). `record`: that
     /// of the file that is continued, see part_record().
     CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
                    Beginning beginning = Beginning::fresh, const std::string& record = "");
@@ -68,16 +71,20 @@ public:
     /// Closes the uncommitted file, which remains for a later run. Collective.
     void leave_for_later();
     /// Closes the uncommitted file, which the destructor removes. Collective.
-    void discard() { close_shared(); }
+    void discard() { close_fields(); }
 
-    /// Writes the rest of the file, flushes and renames it. Collective; only the arguments of rank
-    /// 0 are written.
-    void commit(const std::vector<VariableGroup>& groups, const std::vector<Attribute>& attributes);
+    /// Writes the rest of the file, flushes and renames it. Returns its checksum line on rank 0.
+    /// Collective; only the arguments of rank 0 are written.
+    std::string commit(const std::vector<VariableGroup>& groups,
+                       const std::vector<Attribute>& attributes);
 
 private:
-    void create_surface() const;
-    void open_shared();
-    void close_shared();
+    void create_surface();
+    void open_fields();
+    h5::Id open_field(const std::string& name) const;
+    void close_fields();
+    bool is_alone() const { return team_.size() == 1; }
+    void store_image();
     void resume_counts(std::size_t first, std::size_t end, const Domain& domain);
     void count_plane(std::size_t field, std::uint64_t plane);
     void refuse_if_full(double needed_B) const;
@@ -86,14 +93,17 @@ private:
     Comm team_;
     SurfaceLayout surface_;
     VolumeLayout volume_;
-    h5::Id shared_file_, shared_field_;
-    std::vector<h5::Id> shared_volumes_; // one per variable
+    h5::Id file_;                 // of a team of one rank, until it is committed
+    h5::Id shared_file_;          // of a larger team, while fields are written
+    h5::Id surface_field_;
+    std::vector<h5::Id> volume_fields_; // one per variable
     std::vector<double> turned_;         // a plane of the volume with x contiguous
     // Number of planes of each field that are already written: of the surface, then of the volumes.
     std::vector<std::uint64_t> planes_;
     std::vector<FieldBytes> resumed_; // the fields of the record
     PartChecksum checksums_;          // on rank 0
-    bool is_shared_ = false;          // shared_file_ is open
+    bool has_fields_ = false;         // the fields are open
+    bool in_memory_ = false;
     bool committed_ = false, left_ = false;
 };
 

@@ -87,8 +87,8 @@ std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
         .add("warnings", warnings_text(digest.warnings));
     std::vector<std::string> scalars;
     for (const IndexedScalar& s : digest.scalars) {
-        std::vector<std::string> entry{json_string(s.name), json_number(s.value)};
-        if (!s.note.empty()) entry.push_back(json_string(s.note));
+        std::vector<std::string> entry{json_string(s.name.text()), json_number(s.value)};
+        if (!s.note.empty()) entry.push_back(json_string(s.note.text()));
         scalars.push_back(json_array(entry));
     }
     return seal(line.add_json("scalars", json_array(scalars)).text());
@@ -102,7 +102,8 @@ std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
     digest.wall_s = number_in(line.at("wall_s"));
     digest.warnings = warnings_in(line.at("warnings"));
     for (const Json& s : line.at("scalars"))
-        digest.scalars.push_back({s.at(0), number_in(s.at(1)), s.size() > 2 ? s.at(2) : Json("")});
+        digest.scalars.push_back({s.at(0).get<std::string>(), number_in(s.at(1)),
+                                  s.size() > 2 ? s.at(2).get<std::string>() : ""});
     return {stamp, digest};
 }
 
@@ -219,12 +220,27 @@ void CaseIndex::save() {
     news_.clear();
 }
 
-void add_to_index(const fs::path& index, const fs::path& case_file) {
+CaseDigest digest_of(const std::vector<VariableGroup>& groups,
+                     const std::vector<Attribute>& attributes) {
+    CaseDigest digest{.wall_s = not_a_number};
+    for (const Attribute& attribute : attributes) {
+        if (const auto* number = std::get_if<double>(&attribute.value)) {
+            if (attribute.name == "wall_s") digest.wall_s = *number;
+        } else if (const auto* text = std::get_if<std::string>(&attribute.value)) {
+            if (attribute.name == "case_id") digest.id = *text;
+            if (attribute.name == "status") digest.status = *text;
+            if (attribute.name == "git_id") digest.git_id = *text;
+            if (attribute.name == "warnings") digest.warnings = warnings_in(*text);
+        }
+    }
+    for (const Variable& v : groups.front().variables)
+        if (v.dimensions.empty()) digest.scalars.push_back({v.name, v.values.at(0), v.note});
+    return digest;
+}
+
+void add_to_index(const fs::path& index, const fs::path& case_file, const CaseDigest& digest) {
     const auto stamp = stamp_of(case_file);
-    if (!stamp) return;
-    // The file has just been written: its bytes are verified only when they may have changed.
-    const CaseDigest digest = read_digest(case_file, case_file.stem().string());
-    if (!digest.is_complete() || !is_storable(digest)) return;
+    if (!stamp || !digest.is_complete() || !is_storable(digest)) return;
     try {
         append_line(index, line_of(*stamp, digest), Flush::later);
     } catch (const UsageError&) { // it will be read from the file
@@ -237,21 +253,11 @@ std::string index_name(const std::string& journal_name) {
 
 void write_record(const std::filesystem::path& path, const std::vector<VariableGroup>& groups,
                   const std::vector<Attribute>& attributes) {
-    const std::filesystem::path part = path.string() + ".part";
-    h5::Id file = h5::open_file(part, h5::Access::create);
-    for (const VariableGroup& group : groups) {
-        if (group.name.empty())
-            write_group(file.raw(), group.variables);
-        else
-            write_group(h5::create_group(file.raw(), group.name).raw(), group.variables);
-    }
-    for (const Attribute& attribute : attributes)
-        std::visit([&](const auto& value) { h5::put_attribute(file.raw(), attribute.name, value); },
-                   attribute.value);
-    h5::put_attribute(file.raw(), checksum_attribute, std::string(checksum_promise));
-    file.close("close " + part.string());
-    append_checksum(part);
-    publish(part, path);
+    const h5::Id file = h5::open_file(path, h5::Access::in_memory);
+    write_groups(file.raw(), groups, attributes);
+    std::string bytes = h5::image_of(file);
+    append_checksum(bytes);
+    write_file(path, bytes);
 }
 
 } // namespace shearwake::storage

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/shared_text.hpp"
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 #include "storage/checksum/checksum.hpp"
@@ -16,9 +17,9 @@ namespace shearwake::storage {
 
 /// A scalar of a case file; NaN: no value, `note` gives the reason.
 struct IndexedScalar {
-    std::string name;
+    SharedText name;
     double value = 0.0;
-    std::string note;
+    SharedText note;
 };
 
 /// The data of one case file that tables require.
@@ -102,9 +103,15 @@ private:
     std::string news_; // lines
 };
 
+/// What tables require of a case whose file contains these groups, of which the first is the root,
+/// and attributes.
+CaseDigest digest_of(const std::vector<VariableGroup>& groups,
+                     const std::vector<Attribute>& attributes);
+
 /// Adds a case that was just written to the index file `index`. A failure has no consequences. Not
 /// collective.
-void add_to_index(const std::filesystem::path& index, const std::filesystem::path& case_file);
+void add_to_index(const std::filesystem::path& index, const std::filesystem::path& case_file,
+                  const CaseDigest& digest);
 
 /// The index file that belongs to a journal of that name.
 std::string index_name(const std::string& journal_name);

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "storage/checksum/checksum.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -25,22 +26,21 @@ void put_words(hid_t object, const Variable& variable) {
 } // namespace
 
 void write_group(hid_t group, const std::vector<Variable>& variables) {
-    std::map<std::string, h5::Id> coordinates;
+    std::map<std::string, h5::Scale> coordinates;
     for (const Variable& v : variables) {
         if (v.dimensions != std::vector{v.name}) continue;
         const hsize_t extent = v.values.size();
         h5::Id dataset = h5::create_dataset(group, v.name, std::span(&extent, 1));
         h5::write_all(dataset, v.values);
         put_words(dataset.raw(), v);
-        h5::make_scale(dataset, v.name);
-        coordinates.emplace(v.name, std::move(dataset));
+        coordinates.emplace(v.name, h5::Scale(std::move(dataset), v.name));
     }
     for (const Variable& v : variables) {
         if (v.dimensions == std::vector{v.name}) continue;
         std::vector<hsize_t> shape;
         hsize_t count = 1;
         for (const std::string& dimension : v.dimensions) {
-            shape.push_back(h5::shape(coordinates.at(dimension)).at(0));
+            shape.push_back(h5::shape(coordinates.at(dimension).dataset()).at(0));
             count *= shape.back();
         }
         if (count != v.values.size())
@@ -48,9 +48,27 @@ void write_group(hid_t group, const std::vector<Variable>& variables) {
         const h5::Id dataset = h5::create_dataset(group, v.name, shape);
         h5::write_all(dataset, v.values);
         put_words(dataset.raw(), v);
-        for (std::size_t d = 0; d < v.dimensions.size(); ++d)
-            h5::attach_scale(dataset, coordinates.at(v.dimensions[d]), static_cast<unsigned>(d));
+        std::vector<h5::Scale*> scales;
+        for (const std::string& dimension : v.dimensions)
+            scales.push_back(&coordinates.at(dimension));
+        h5::attach_scales(dataset, scales);
     }
+    for (auto& [name, scale] : coordinates)
+        scale.write_uses();
+}
+
+void write_groups(hid_t file, const std::vector<VariableGroup>& groups,
+                  const std::vector<Attribute>& attributes) {
+    for (const VariableGroup& group : groups) {
+        if (group.name.empty())
+            write_group(file, group.variables);
+        else
+            write_group(h5::create_group(file, group.name).raw(), group.variables);
+    }
+    for (const Attribute& attribute : attributes)
+        std::visit([&](const auto& value) { h5::put_attribute(file, attribute.name, value); },
+                   attribute.value);
+    h5::put_attribute(file, checksum_attribute, std::string(checksum_promise));
 }
 
 void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>& shape) {
@@ -60,14 +78,18 @@ void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>
         h5::attach_scale(field, h5::open_dataset(group, words.dimensions[i]), i);
 }
 
+std::string warning_text(const Remark& warning) {
+    return JsonLine()
+        .add("severity", warning.severity == Severity::error ? "error" : "warning")
+        .add("key", warning.key)
+        .add("message", warning.message)
+        .text();
+}
+
 std::string warnings_text(const std::vector<Remark>& warnings) {
     std::vector<std::string> elements;
-    for (const Remark& w : warnings)
-        elements.push_back(JsonLine()
-                               .add("severity", w.severity == Severity::error ? "error" : "warning")
-                               .add("key", w.key)
-                               .add("message", w.message)
-                               .text());
+    for (const Remark& warning : warnings)
+        elements.push_back(warning_text(warning));
     return json_array(elements);
 }
 

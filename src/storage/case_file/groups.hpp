@@ -15,6 +15,11 @@ namespace shearwake::storage {
 /// them, each with a unit and a long name. Not collective.
 void write_group(hid_t group, const std::vector<Variable>& variables);
 
+/// Writes the groups, of which one without a name is the root, and the attributes of a file that
+/// ends in its checksum. Not collective.
+void write_groups(hid_t file, const std::vector<VariableGroup>& groups,
+                  const std::vector<Attribute>& attributes);
+
 /// Creates an empty field over coordinates of the group; `shape` contains their lengths.
 void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>& shape);
 
@@ -33,6 +38,8 @@ Variable y_coordinate(const Domain& domain);
 /// The attribute `warnings` of a case file: a JSON array of {severity, key, message}. The severity
 /// "error" marks a case whose readings are not valid.
 std::string warnings_text(const std::vector<Remark>& warnings);
+/// One of them.
+std::string warning_text(const Remark& warning);
 
 /// The warnings in such a text; none if it is not valid.
 std::vector<Remark> warnings_in(const std::string& text);

@@ -31,8 +31,12 @@ inline constexpr const char* checksum_attribute = "checksum";
 inline constexpr const char* checksum_promise =
     "XXH3-128 of all bytes before the last line of this file, in that line";
 
-/// Reads the file once and appends the line. Throws UsageError (environment). Not collective.
-void append_checksum(const std::filesystem::path& path);
+/// Appends the line to the bytes of a file, and returns it without its end.
+std::string append_checksum(std::string& bytes);
+
+/// Reads the file once, appends the line, and returns it without its end. Throws UsageError
+/// (environment). Not collective.
+std::string append_checksum(const std::filesystem::path& path);
 
 /// Reads the file once, at the speed of the disk. A case file without its line, which HDF5 removes
 /// when a program opens the file for writing, is compared with the line that the journal of its

@@ -89,6 +89,10 @@ private:
     std::uintmax_t size_ = 0;
 };
 
+std::string hash_text(const XXH128_hash_t& hash) {
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
 /// An incremental hash of bytes of a file.
 class ByteHash {
 public:
@@ -106,10 +110,7 @@ public:
             XXH3_128bits_update(state_.get(), piece.data(), piece.size());
         }
     }
-    std::string text() const {
-        const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
-        return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-    }
+    std::string text() const { return hash_text(XXH3_128bits_digest(state_.get())); }
 
 private:
     std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
@@ -127,6 +128,12 @@ struct ChecksumLine {
     std::uintmax_t bytes = 0;
 };
 
+/// The line without its end.
+std::string line_of(const std::string& hash, std::uintmax_t bytes) {
+    return fmt::format("{}{}{}{:020}{}", line_begin, hash, line_middle, bytes,
+                       line_end.substr(0, line_end.size() - 1));
+}
+
 /// Parses such a line, if the text is one.
 bool parse(std::string_view text, ChecksumLine& line) {
     const std::size_t hash_at = line_begin.size();
@@ -143,7 +150,14 @@ bool parse(std::string_view text, ChecksumLine& line) {
 
 } // namespace
 
-void append_checksum(const fs::path& path) {
+std::string append_checksum(std::string& bytes) {
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    std::string line = line_of(hash_text(hash), bytes.size());
+    bytes += (bytes.ends_with('\n') ? "" : "\n") + line + "\n"; // as append_line() does
+    return line;
+}
+
+std::string append_checksum(const fs::path& path) {
     std::string line;
     {
         const Input file(path);
@@ -151,11 +165,10 @@ void append_checksum(const fs::path& path) {
         // Starts writing to the disk while the bytes are hashed.
         ::sync_file_range(file.fd(), 0, 0, SYNC_FILE_RANGE_WRITE);
 #endif
-        line = fmt::format("{}{}{}{:020}{}", line_begin, hash_of(file, file.size()), line_middle,
-                           file.size(), line_end);
+        line = line_of(hash_of(file, file.size()), file.size());
     }
-    line.pop_back(); // append_line adds the end of the line
     append_line(path, line, Flush::later);
+    return line;
 }
 
 namespace {

@@ -32,7 +32,7 @@ Id text_type(std::size_t length) {
 }
 
 void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
-    const Id space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
+    static const Id space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
     const Id attribute(
         H5Acreate2(object, name.c_str(), type, space.raw(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
         "create attribute " + name);
@@ -145,7 +145,13 @@ Id open_file(const std::filesystem::path& path, Access access) {
     check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "disable the sieve buffer");
     // Claims protect the files, also on file systems without locks.
     check(H5Pset_file_locking(unbuffered.raw(), false, true), "disable locks");
-    if (access != Access::create) {
+    // HDF5 would reserve blocks that it returns when the file is closed: its bytes would change after
+    // a checkpoint has recorded them, and an image would be longer than the file.
+    check(H5Pset_meta_block_size(unbuffered.raw(), 0), "reserve no metadata");
+    check(H5Pset_small_data_block_size(unbuffered.raw(), 0), "reserve no data");
+    if (access == Access::in_memory)
+        check(H5Pset_fapl_core(unbuffered.raw(), std::size_t{1} << 16, false), "work in memory");
+    else if (access != Access::create) {
         const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
         Id file(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose, "open " + path.string());
         if (access == Access::read) storage::require_self_contained(file.raw());
@@ -159,6 +165,16 @@ Id open_file(const std::filesystem::path& path, Access access) {
               "create " + path.string());
 }
 
+std::string image_of(const Id& file) {
+    check(H5Fflush(file.raw(), H5F_SCOPE_GLOBAL), "complete a file in memory");
+    const ssize_t size = H5Fget_file_image(file.raw(), nullptr, 0);
+    if (size < 0) check(-1, "find the size of a file in memory");
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    if (H5Fget_file_image(file.raw(), bytes.data(), bytes.size()) < 0)
+        check(-1, "copy a file in memory");
+    return bytes;
+}
+
 Id open_shared(const std::filesystem::path& path, const Comm& comm, Access access) {
     be_quiet();
     const Id properties = property(H5P_FILE_ACCESS);
@@ -166,7 +182,10 @@ Id open_shared(const std::filesystem::path& path, const Comm& comm, Access acces
     const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
     comm.before_collective();
     // The communicator is duplicated, and then the file is opened.
-    const herr_t chosen = H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL);
+    const herr_t chosen =
+        comm.size() == 1
+            ? H5Pset_file_locking(properties.raw(), false, true)
+            : H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL);
     const hid_t raw = chosen < 0 ? -1 : H5Fopen(path.c_str(), flags, properties.raw());
     Id file;
     if (raw >= 0) file = Id(raw, H5Fclose, {}).shared();
@@ -192,9 +211,13 @@ Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t
                        ? H5Screate(H5S_SCALAR)
                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                    H5Sclose, "create a dataspace");
-    const Id creation = property(H5P_DATASET_CREATE);
-    check(H5Pset_alloc_time(creation.raw(), H5D_ALLOC_TIME_EARLY), "allocate early");
-    check(H5Pset_fill_time(creation.raw(), H5D_FILL_TIME_NEVER), "not fill");
+    // Created once: a case has more than a hundred datasets.
+    static const Id creation = [] {
+        Id early = property(H5P_DATASET_CREATE);
+        check(H5Pset_alloc_time(early.raw(), H5D_ALLOC_TIME_EARLY), "allocate early");
+        check(H5Pset_fill_time(early.raw(), H5D_FILL_TIME_NEVER), "not fill");
+        return early;
+    }();
     const std::string what = "create dataset " + name;
     if (just_before) just_before();
     return Id(H5Dcreate2(parent, name.c_str(), H5T_NATIVE_DOUBLE, space.raw(), H5P_DEFAULT,
@@ -288,8 +311,50 @@ double number_attribute(hid_t object, const std::string& name) {
     return value;
 }
 
-void make_scale(const Id& coordinate, const std::string& name) {
-    check(H5DSset_scale(coordinate.raw(), name.c_str()), "create a dimension scale");
+namespace {
+
+hobj_ref_t reference_to(const Id& dataset) {
+    hobj_ref_t reference{};
+    check(H5Rcreate(&reference, dataset.raw(), ".", H5R_OBJECT, -1), "refer to a dataset");
+    return reference;
+}
+
+void write_list(const Id& dataset, const char* name, const Id& type, hsize_t count,
+                const void* values) {
+    const Id space(H5Screate_simple(1, &count, nullptr), H5Sclose, "create a dataspace");
+    const Id list(
+        H5Acreate2(dataset.raw(), name, type.raw(), space.raw(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose, "create a list of scales");
+    check(H5Awrite(list.raw(), type.raw(), values), "write a list of scales");
+}
+
+} // namespace
+
+Scale::Scale(Id coordinate, const std::string& name) : coordinate_(std::move(coordinate)) {
+    check(H5DSset_scale(coordinate_.raw(), name.c_str()), "create a dimension scale");
+}
+
+void Scale::write_uses() const {
+    if (uses_.empty()) return;
+    const Id type(H5Tcreate(H5T_COMPOUND, sizeof(Use)), H5Tclose, "create a type");
+    check(H5Tinsert(type.raw(), "dataset", HOFFSET(Use, dataset), H5T_STD_REF_OBJ), "add a member");
+    check(H5Tinsert(type.raw(), "dimension", HOFFSET(Use, dimension), H5T_NATIVE_INT),
+          "add a member");
+    write_list(coordinate_, "REFERENCE_LIST", type, uses_.size(), uses_.data());
+}
+
+void attach_scales(const Id& dataset, const std::vector<Scale*>& scales) {
+    if (scales.empty()) return;
+    std::vector<hobj_ref_t> references;
+    std::vector<hvl_t> lists; // one scale per dimension
+    references.reserve(scales.size());
+    for (Scale* scale : scales) {
+        scale->uses_.push_back({reference_to(dataset), static_cast<int>(lists.size())});
+        references.push_back(reference_to(scale->coordinate_));
+        lists.push_back({1, &references.back()});
+    }
+    const Id type(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose, "create a type");
+    write_list(dataset, "DIMENSION_LIST", type, lists.size(), lists.data());
 }
 
 void attach_scale(const Id& dataset, const Id& coordinate, unsigned dimension) {

@@ -19,7 +19,8 @@ struct Transfer {
     Id file, memory, properties;
 };
 
-Transfer transfer_of(const Id& dataset, const Block& block, View2<const double> values) {
+Transfer transfer_of(const Id& dataset, const Block& block, View2<const double> values,
+                     const Comm& comm) {
     const bool empty = values.rows() == 0 || values.columns() == 0;
     const hsize_t in_memory[2] = {std::max<hsize_t>(static_cast<hsize_t>(values.rows()), 1),
                                   std::max<hsize_t>(static_cast<hsize_t>(values.stride()), 1)};
@@ -39,7 +40,8 @@ Transfer transfer_of(const Id& dataset, const Block& block, View2<const double> 
         check(H5Sselect_hyperslab(t.memory.raw(), H5S_SELECT_SET, origin, nullptr, taken, nullptr),
               "select a block");
     }
-    check(H5Pset_dxpl_mpio(t.properties.raw(), H5FD_MPIO_COLLECTIVE), "transfer collectively");
+    if (comm.size() > 1)
+        check(H5Pset_dxpl_mpio(t.properties.raw(), H5FD_MPIO_COLLECTIVE), "transfer collectively");
     return t;
 }
 
@@ -47,7 +49,7 @@ Transfer transfer_of(const Id& dataset, const Block& block, View2<const double> 
 
 void write_block(const Id& dataset, const Block& block, View2<const double> values,
                  const std::string& what, const Comm& comm) {
-    const Transfer t = transfer_of(dataset, block, values);
+    const Transfer t = transfer_of(dataset, block, values, comm);
     const double nothing = 0.0; // HDF5 rejects the null address of an empty vector
     comm.before_collective();
     check_together(H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
@@ -57,7 +59,7 @@ void write_block(const Id& dataset, const Block& block, View2<const double> valu
 
 void read_block(const Id& dataset, const Block& block, View2<double> values,
                 const std::string& what, const Comm& comm) {
-    const Transfer t = transfer_of(dataset, block, values);
+    const Transfer t = transfer_of(dataset, block, values, comm);
     double nothing = 0.0;
     comm.before_collective();
     check_together(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),

@@ -176,7 +176,9 @@ void require_no_run(const fs::path& locks) {
 
 CaseClaims::Answer CaseClaims::claim(const std::string& id) {
     const fs::path file = file_of_case(locks_, id);
-    if (has_created(file, run_)) return Answer::granted;
+    bool is_created = false;
+    with_patience([&] { is_created = has_created(file, run_); });
+    if (is_created) return Answer::granted;
     std::optional<std::string> owner = text_of(file);
     // Its name follows at once, unless the run was killed before.
     for (int attempt = 0; owner == "" && attempt < 10; ++attempt, owner = text_of(file))

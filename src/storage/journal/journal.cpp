@@ -55,6 +55,7 @@ void add_line(const Json& line, JournalContents& contents) {
         history.state = CaseHistory::State::started;
     } else if (name == "finished") {
         history.state = CaseHistory::State::finished;
+        history.seconds = line.value("seconds", 0.0);
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
         history.reason = line.at("reason");
@@ -114,7 +115,7 @@ void Journal::finished(const std::string& id, double seconds, const std::string&
     line.add("seconds", seconds);
     line.add("engine", engine);
     if (!checksum.empty()) line.add(recorded_checksum, checksum);
-    append_line(path_, seal(line.text()));
+    append_line(path_, seal(line.text()), Flush::later);
 }
 
 void Journal::failed(const std::string& id, const std::string& reason, Cause cause) const {

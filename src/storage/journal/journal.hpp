@@ -38,7 +38,7 @@ public:
     void started(const std::string& id, int ranks) const;
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
-    /// `seconds`: over all runs. `checksum`: the last line of the case file.
+    /// `seconds`: of the case over all runs, with the time to write its file. `checksum`: the last line of the case file.
     void finished(const std::string& id, double seconds, const std::string& engine,
                   const std::string& checksum = "") const;
     void failed(const std::string& id, const std::string& reason, Cause cause) const;
@@ -56,6 +56,7 @@ struct CaseHistory {
     Cause cause = Cause::case_itself;
     std::string host;
     double unix_time_s = 0.0;
+    double seconds = 0.0; // of a finished case, with the time to write its file
 };
 
 struct JournalContents {

@@ -244,7 +244,7 @@ void write_case(const PlannedCase& planned, const config::Job& job,
     on_root(world, [&] {
         journal.started(planned.id, world.size());
         journal.finished(planned.id, outcome ? outcome->seconds : 0.0, "measurement",
-                         storage::checksum_in(folder.case_file(planned.id)));
+                         outcome ? outcome->checksum : "");
     });
 }
 

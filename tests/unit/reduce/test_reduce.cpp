@@ -76,11 +76,12 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(std::get<double>(cell(0, "eta_period_1")) == 0.2);
     CHECK(std::get<double>(cell(0, "eta_period_over_reference_1")) == 2.0);
     CHECK(std::isnan(std::get<double>(cell(0, "focal_rms_um"))));
-    CHECK(std::get<std::string>(cell(0, "note")) ==
-          "focal_rms_um: no disc; felt_peak_dB: from a window");
+    CHECK(std::get<std::string>(cell(0, "note")) == "1, 2");
+    CHECK(table.note(0) ==
+          std::vector<std::string>{"focal_rms_um: no disc", "felt_peak_dB: from a window"});
     CHECK(std::get<double>(cell(0, "wall_s")) == 0.25);
     CHECK(std::get<std::string>(cell(1, "status")) == "failed");
-    CHECK(std::get<std::string>(cell(1, "note")) == "out of memory");
+    CHECK(table.note(1) == std::vector<std::string>{"out of memory"});
     CHECK(std::get<std::string>(cell(2, "status")) == "damaged");
     CHECK(std::get<std::string>(cell(3, "status")) == "missing");
     CHECK(std::get<std::string>(cell(4, "reference")) == "yes");

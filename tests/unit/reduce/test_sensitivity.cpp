@@ -141,16 +141,12 @@ TEST_CASE("the interval of a probability has a width at 0 and 1", "[reduce][sens
 
 TEST_CASE("a sample without valid readings states why", "[reduce][sensitivity]") {
     ModelRun run("sobol-indices", 16, 3, test::ishigami);
-    const std::string invalid = "not valid: domain.extent_mm: waves return";
-    const std::vector<std::string> others = {"warning: load: weak",
-                                             "not valid: solver.engine: not converged"};
-    run.table.columns.insert(run.table.columns.end(), {"valid", "status"});
-    for (std::size_t r = 0; r < run.table.rows.size(); ++r) {
-        run.table.rows[r].insert(run.table.rows[r].end(),
-                                 {std::string("no"), std::string("complete")});
-        run.table.remarks.push_back({invalid});
-    }
-    run.table.remarks[0].insert(run.table.remarks[0].end(), others.begin(), others.end());
+    run.table.notes = {"not valid: domain.extent_mm: waves return", "warning: load: weak",
+                       "not valid: solver.engine: not converged", "out of memory"};
+    run.table.columns.insert(run.table.columns.end(), {"valid", "status", "note"});
+    for (auto& row : run.table.rows)
+        row.insert(row.end(), {std::string("no"), std::string("complete"), std::string("1")});
+    run.table.rows[0].back() = std::string("1, 2, 3");
     const auto notes = [&](double scale) {
         const auto tables = reduce::uncertain_tables(run.plan, run.table, {"eta"});
         return std::pair{ModelRun::line(tables.statistics, scale, {"eta", "mean"}).note,
@@ -161,11 +157,11 @@ TEST_CASE("a sample without valid readings states why", "[reduce][sensitivity]")
           "all 32 samples are invalid (domain.extent_mm: 32, solver.engine: 1)");
     CHECK(notes(10.0).second == "all 80 samples are invalid (domain.extent_mm: 80)");
     // One of the first two cases has failed.
-    const std::size_t at = run.table.columns.size() - 2;
+    const std::size_t at = run.table.columns.size() - 3;
     run.table.rows[0][at] = std::string();
     run.table.rows[0][at + 1] = std::string("failed");
     run.table.rows[0][2] = std::nan("");
-    run.table.remarks[0] = {"out of memory"};
+    run.table.rows[0][at + 2] = std::string("4");
     CHECK(notes(1.0).first == "none of 32 samples has a value (domain.extent_mm: 31, failed: 1)");
     // One that is valid: too few.
     run.table.rows[1][at] = std::string("yes");

@@ -16,17 +16,20 @@ using namespace shearwake;
 
 namespace {
 
-void write_case(const std::filesystem::path& folder, const std::string& id, double value) {
+storage::CaseDigest write_case(const std::filesystem::path& folder, const std::string& id,
+                               double value) {
     const Comm alone = Comm::world().split(Comm::world().rank());
-    storage::CaseFileWriter(folder / "cases" / (id + ".h5"), alone, {})
-        .commit({{"",
-                  {{"a", {}, {value}, "1", "a", ""},
-                   {"b", {}, {std::numeric_limits<double>::quiet_NaN()}, "1", "b", "why not"}}}},
-                {{"title", std::string("t")},
-                 {"case_id", id},
-                 {"git_id", std::string("0abc")},
-                 {"wall_s", 0.25},
-                 {"status", std::string("complete")}});
+    const std::vector<VariableGroup> groups = {
+        {"",
+         {{"a", {}, {value}, "1", "a", ""},
+          {"b", {}, {std::numeric_limits<double>::quiet_NaN()}, "1", "b", "why not"}}}};
+    const std::vector<Attribute> attributes = {{"title", std::string("t")},
+                                               {"case_id", id},
+                                               {"git_id", std::string("0abc")},
+                                               {"wall_s", 0.25},
+                                               {"status", std::string("complete")}};
+    storage::CaseFileWriter(folder / "cases" / (id + ".h5"), alone, {}).commit(groups, attributes);
+    return storage::digest_of(groups, attributes);
 }
 
 } // namespace
@@ -35,9 +38,9 @@ TEST_CASE("an index gives the content of the case files without opening them aga
     const test::TemporaryFolder folder;
     storage::make_directory(folder / "cases");
     write_case(folder / "", "1", 1.0 / 3.0);
-    write_case(folder / "", "2", 2.0);
+    const storage::CaseDigest second = write_case(folder / "", "2", 2.0);
     storage::write_file(folder / "cases/3.h5", "no HDF5");
-    storage::add_to_index(folder / "index.2-of-8.jsonl", folder / "cases/2.h5");
+    storage::add_to_index(folder / "index.2-of-8.jsonl", folder / "cases/2.h5", second);
     storage::CaseIndex(folder / "").find("1");
     for (const bool saved : {false, true}) {
         storage::CaseIndex index(folder / "");

@@ -24,18 +24,20 @@ using namespace shearwake::storage;
 
 namespace {
 
-void write_case(const std::filesystem::path& path) {
+CaseDigest write_case(const std::filesystem::path& path) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     CaseFileWriter writer(path, alone, {Domain{4, 4, 1e-3, 0.0}, {0.1, 0.2}, {0.0}});
     const std::vector<double> field(16, 1.0);
     for (std::size_t t = 0; t < 2; ++t)
         writer.write_surface(t, 0, View2<const double>(field.data(), 4, 4), 0);
-    writer.commit({{"",
-                    {{"time", {"time"}, {0.1, 0.2}, "s", "time", ""},
-                     {"eta_period_1", {}, {0.503}, "1", "eta", ""}}}},
-                  {{"title", std::string("t")},
-                   {"case_id", std::string("00ff")},
-                   {"status", std::string("complete")}});
+    const std::vector<VariableGroup> groups = {{"",
+                                                {{"time", {"time"}, {0.1, 0.2}, "s", "time", ""},
+                                                 {"eta_period_1", {}, {0.503}, "1", "eta", ""}}}};
+    const std::vector<Attribute> attributes = {{"title", std::string("t")},
+                                               {"case_id", std::string("00ff")},
+                                               {"status", std::string("complete")}};
+    writer.commit(groups, attributes);
+    return digest_of(groups, attributes);
 }
 
 void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
@@ -131,8 +133,8 @@ TEST_CASE("the checksum line is the published hash of the bytes", "[checksum]") 
 TEST_CASE("a changed line of the index is ignored", "[checksum]") {
     const test::TemporaryFolder folder;
     make_directory(folder / "cases");
-    write_case(folder / "cases/00ff.h5");
-    add_to_index(folder / "index.jsonl", folder / "cases/00ff.h5");
+    const CaseDigest digest = write_case(folder / "cases/00ff.h5");
+    add_to_index(folder / "index.jsonl", folder / "cases/00ff.h5", digest);
     std::string line = read_file(folder / "index.jsonl");
     const auto at = line.find("0.503");
     REQUIRE(at != std::string::npos);
