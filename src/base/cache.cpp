@@ -18,7 +18,14 @@ std::string variable(const char* name) {
     return value ? value : "";
 }
 
+/// That of fall_back_to_cache(), or empty.
+fs::path& fallback() {
+    static fs::path folder;
+    return folder;
+}
+
 std::optional<fs::path> cache_folder() {
+    if (!fallback().empty()) return fallback();
     const std::string own = variable("SHEARWAKE_CACHE");
     if (own == "off") return std::nullopt;
     if (!own.empty()) return own;
@@ -46,6 +53,20 @@ std::optional<fs::path> cache_file(const std::string& name) {
     const auto folder = cache_folder();
     if (!folder) return std::nullopt;
     return *folder / name;
+}
+
+std::string fall_back_to_cache(const fs::path& folder) {
+    if (variable("SHEARWAKE_CACHE") == "off") return "";
+    const std::optional<fs::path> usual = cache_folder();
+    if (usual) {
+        const fs::path trial = new_file_beside(*usual / "trial");
+        std::error_code ignored;
+        if (!trial.empty() && fs::remove(trial, ignored)) return "";
+    }
+    fallback() = folder;
+    return (usual ? "the cache " + usual->string() + " cannot be written: "
+                  : std::string("there is no folder for the cache (HOME is not set): ")) +
+           folder.string() + " is used instead";
 }
 
 bool replace_cached(const fs::path& path, const std::string& text) {

@@ -22,6 +22,8 @@ constexpr double preferred_ratio = 1.25;
 constexpr std::size_t most_samples = 256;
 /// Cases that share data form one portion up to this share of the work of a team.
 constexpr double largest_portion = 0.5;
+/// CPU time for the resources of all cases; those that remain have the ones of a neighbour.
+constexpr double most_estimating_s = 1.5;
 
 /// Whether a case shares data with the case before it in the order of work.
 bool shares_with(const engines::Resources& before, const engines::Resources& needs) {
@@ -118,9 +120,9 @@ std::string excessive_team(int wanted, int ranks) {
 }
 
 std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases) {
-    // Excess ranks join the last team, so that only teams without a case are idle.
-    if (cases >= static_cast<std::size_t>(layout.teams)) return "";
-    const int idle = ranks - static_cast<int>(cases) * layout.ranks_per_case;
+    const auto busy = static_cast<int>(std::min(cases, static_cast<std::size_t>(layout.teams)));
+    const int idle = ranks - busy * layout.ranks_per_case;
+    if (idle == 0) return "";
     return fmt::format(", {} rank{} idle", idle, idle == 1 ? " stays" : "s stay");
 }
 
@@ -158,6 +160,7 @@ Arrangement arrange(const Plan& plan, const std::vector<std::size_t>& work, int 
     std::vector<long> numbers, portions;
     on_root(world, [&] {
         const std::vector<const PlannedCase*> cases = cases_of(plan, work);
+        costs.limit_resources(cases, most_estimating_s);
         for (const std::size_t place : order_of_work(cases, costs))
             all.numbers.push_back(work[place]);
         all.cases = cases_of(plan, all.numbers);

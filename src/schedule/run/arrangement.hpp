@@ -17,7 +17,8 @@ struct TeamLayout {
     int ranks_per_case = 1;
     int teams = 1;
 
-    int team_of(int rank) const { return std::min(rank / ranks_per_case, teams - 1); }
+    /// The number of the team of a rank; `teams` for ranks that remain, which are idle.
+    int team_of(int rank) const { return std::min(rank / ranks_per_case, teams); }
 };
 
 /// Positions in `cases`, most work first, so that no long case remains at the end. Cases that share

@@ -31,6 +31,8 @@ struct OutputFolder {
     std::filesystem::path locks() const { return root / "locks"; }
     /// Runs stop if the user creates this file, and can be resumed after it has been removed.
     std::filesystem::path stop_file() const { return root / "STOP"; }
+    /// Used if the usual cache cannot be written, see fall_back_to_cache().
+    std::filesystem::path cache() const { return root / "cache"; }
     /// Whether the folder has been removed: from the first run on it contains a plan. Returns false
     /// if the file system reports an error. Not collective.
     bool has_lost_plan() const;

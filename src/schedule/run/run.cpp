@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/run.hpp"
 
+#include "base/cache.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
@@ -26,6 +27,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <unistd.h>
 #include <vector>
 
 namespace shearwake::schedule {
@@ -212,10 +214,16 @@ storage::RunStart start_of(const RunArguments& arguments, const std::string& run
 
 /// Prints what is doubtful about the job and the arguments, on rank 0.
 void print_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
-                    Progress& progress) {
+                    int ranks_here, Progress& progress) {
     if (!job.diagnostics.empty()) fmt::print(stderr, "{}", coloured(warnings_of(job), stderr));
     const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
     if (!excess.empty()) progress.report("warning: " + excess);
+    const long cores = ::sysconf(_SC_NPROCESSORS_ONLN);
+    if (ranks_here > cores)
+        progress.report(fmt::format("warning: {} on the {} of {}: ranks wait for each other, so "
+                                    "start at most {}",
+                                    counted(ranks_here, "rank"), counted(cores, "core"),
+                                    storage::host_name(), cores));
 }
 
 /// The cases to compute with their number of teams, and those that resume from checkpoints.
@@ -248,12 +256,15 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!arguments.force)
         on_root(world, [&] { require_resources(job, folder, arguments, world.size(), memory_B); });
-    if (world.is_root() && !arguments.quiet) print_warnings(job, arguments, world.size(), progress);
+    const int ranks_here = world.split_by_machine().size();
+    if (world.is_root() && !arguments.quiet)
+        print_warnings(job, arguments, world.size(), ranks_here, progress);
     Beginning beginning;
     std::optional<storage::ActiveRun> active;
     storage::RunStart start = start_of(arguments, run, world.size());
     on_root(world, [&] { beginning = begin_run(job, folder, arguments, active, start); });
     print_beginning(beginning, arguments, progress);
+    if (const std::string text = fall_back_to_cache(folder.cache()); !text.empty()) report(text);
     Selection& selection = beginning.selection;
     share(selection, world);
     const storage::Journal journal(folder.journal(run));

@@ -53,14 +53,14 @@ TEST_CASE("many small cases run in parallel, and a single case gets all ranks", 
     CHECK(one.teams == 1);
 }
 
-TEST_CASE("a wanted team size is kept, and ranks left over join the last team", "[teams]") {
+TEST_CASE("a wanted team size is kept, and ranks left over are idle", "[teams]") {
     const schedule::TeamLayout layout = laid_out(alike(10), 5, 2, plenty_B);
     CHECK(layout.ranks_per_case == 2);
     CHECK(layout.teams == 2);
-    std::vector<int> sizes(2, 0);
+    std::vector<int> sizes(3, 0); // the last one: of idle ranks
     for (int rank = 0; rank < 5; ++rank)
         ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
-    CHECK(sizes == std::vector<int>{2, 3});
+    CHECK(sizes == std::vector<int>{2, 2, 1});
     CHECK(laid_out(alike(3), 2, 64, plenty_B).ranks_per_case == 2); // no more than there are
     CHECK(laid_out({}, 3, 0, plenty_B).teams == 3);                 // nothing to do
 }
@@ -137,8 +137,9 @@ TEST_CASE("too large teams and idle ranks are named", "[teams]") {
           ", 1 rank stays idle");
     CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 7, 1) ==
           ", 5 ranks stay idle");
-    // Excess ranks join the last team.
-    CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 7, 3).empty());
+    CHECK(schedule::idle_ranks_text({.ranks_per_case = 3, .teams = 2}, 8, 9) ==
+          ", 2 ranks stay idle");
+    CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 6, 3).empty());
 }
 
 } // namespace test_teams
