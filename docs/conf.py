@@ -113,7 +113,7 @@ def _linked(text):
 
 def _add_generated(app, page, source):
     """Adds the keys of a job, the columns of tables, the help of each command below its heading, the exit codes, the members of the
-    JSON documents, thumbnails to the gallery, the demonstration to the first page, and links to executed notebooks."""
+    JSON documents, thumbnails to the gallery, and links to executed notebooks."""
     source[0] = _linked(source[0])
     if page.removeprefix("reference/") in ("keys", "presets", "table-columns", "commands", "exit-codes", "json-output"):
         app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
@@ -133,9 +133,6 @@ def _add_generated(app, page, source):
     elif page == "gallery":
         block = "```{container} thumbnails\n" + "\n".join(_thumbnails(source[0])) + "```\n\n"
         source[0] = source[0].replace("## First steps", block + "## First steps", 1)
-    elif page == "index":
-        picture = re.search(r"^!\[.*\]\(gallery/mach-cone.png\)$", source[0], flags=re.MULTILINE)[0]
-        source[0] = source[0].replace(picture, f'<iframe class="demo" src="demo.html" title="Demonstration"></iframe>\n\n{picture}')
 
 
 def setup(app):

@@ -27,10 +27,6 @@ class Site(ProgramTest):
         for page in pages():
             made = self.folder / "site" / page.relative_to(DOCS).with_suffix(".html")
             self.assertTrue(made.is_file(), made)
-        demonstration = self.folder / "site" / "demo.html"
-        self.assertTrue(demonstration.is_file())
-        self.assertLess(demonstration.stat().st_size, 5_000_000)
-        self.assert_plays(demonstration)
         self.assert_pages_have_a_theme()
 
     def test_there_are_notebooks_without_stored_output(self):
@@ -56,17 +52,6 @@ sys.exit(main(["-W", "-q", "-b", "html", {str(DOCS)!r}, {str(self.folder / "plai
         for path in NOTEBOOKS:
             link, = re.findall(f'href="([^"]*/{path.name})"', page)
             self.assertTrue((self.folder / "plain" / link).is_file(), link)
-
-    def assert_plays(self, path):
-        """The page plays in a browser without a server: its result has values, and other frames follow."""
-        need_chromium()
-        with browser.Browser(browser.SOFTWARE_WEBGL) as chromium:
-            page = chromium.open(path, 1280, 900)
-            self.assertEqual(page.run("location.protocol"), "file:")
-            self.assertTrue(page.wait("typeof explorer === 'object' && explorer.result"))
-            self.assertRegex(page.run("document.querySelector('[data-column^=eta]').textContent"), r"^\d+\.\d+ %")
-            self.assertTrue(page.wait("explorer.frame > 3"))
-            self.assertEqual(page.errors(), [])
 
     def assert_pages_have_a_theme(self):
         """Script and style sheet of the theme are loaded, lines of code are not cut, and the gallery shows thumbnails."""
@@ -104,4 +89,3 @@ sys.exit(main(["-W", "-q", "-b", "html", {str(DOCS)!r}, {str(self.folder / "plai
             start = chromium.open(self.folder / "site" / "index.html", 1280, 900)
             for path in NOTEBOOKS:
                 self.assertTrue(start.run(f"!!document.querySelector('a[href=\"notebooks/{path.stem}.html\"]')"), path)
-            self.assertTrue(start.wait("document.querySelector('iframe.demo').contentWindow.length === 0"))

@@ -22,12 +22,10 @@ class Explorer {
     this.pins = new Pins(get("pins"), settings => this.use(settings), () => { if (this.result) { this.showNumbers(); this.draw(); } });
     this.tour = new Tour();
     const receive = (message, result) => this.receive(message, result);
-    this.source = CONFIGURATION.stored ? new StoredSource(receive) : new EngineSource(receive);
+    this.source = new EngineSource(receive);
     this.sweeps = new SweepDialog(this.source, () => ({settings: this.shown ?? this.settings, job: this.job}),
       settings => this.use(settings));
-    this.controls = CONFIGURATION.stored ? this.choices(get("controls"))
-      : new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
-    if (CONFIGURATION.stored) this.parts.style.options[2].remove();  // it has no levels
+    this.controls = new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
     drawScale(get("scale-map"));
     for (const {name, label, colour_on_map} of VIBRATION) {
       const dot = element("span", {textContent: "\u25cf"});
@@ -49,19 +47,8 @@ class Explorer {
     get("link").addEventListener("click", () => this.copy("Link", location.href.split("#")[0] + linkText(this.settings)));
     get("copy").addEventListener("click", () => this.copy("Job", this.job ?? jobText(this.settings)));
     get("to-sweep").addEventListener("click", () => this.sweeps.open());
-    if (CONFIGURATION.stored) for (const id of ["link", "to-sweep"]) get(id).hidden = true;
     window.addEventListener("hashchange", () => this.use(settingsFrom(location.hash)));
     document.addEventListener("keydown", event => this.key(event));
-  }
-  // The demonstration offers its stored settings instead of the form.
-  choices(form) {
-    const options = Object.fromEntries(CONFIGURATION.stored.map((one, i) => [i, one.title]));
-    form.append(choice("Setting", options, 0, value => {
-      this.settings = {...CONFIGURATION.stored[value].settings, stored: Number(value)};
-      this.change();
-    }), element("p", {textContent: CONFIGURATION.note}));
-    this.settings = {...CONFIGURATION.stored[0].settings, stored: 0};
-    return null;
   }
   key(event) {
     if (event.target.closest("input, select, textarea, button, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -71,7 +58,7 @@ class Explorer {
   use(settings) {
     for (const key of Object.keys(this.settings)) delete this.settings[key];
     Object.assign(this.settings, settings);
-    this.controls?.build();
+    this.controls.build();
     this.change();
   }
   sketch() {
@@ -145,7 +132,7 @@ class Explorer {
   accept(active, result) {
     this.result = result;
     this.shown = active.settings;
-    this.job = CONFIGURATION.stored ? CONFIGURATION.stored[active.settings.stored].job : jobText(active.settings);
+    this.job = jobText(active.settings);
     this.parts.time.max = result.frames - 1;
     this.showNumbers();
     this.plots.show(result, this.overlay.probe);
@@ -249,4 +236,4 @@ class Explorer {
 if (location.search) history.replaceState(null, "", location.pathname + location.hash);  // keeps the token out of copied links
 const explorer = new Explorer();
 explorer.moveProbe();
-if (!CONFIGURATION.stored) explorer.tour.startOnFirstVisit();
+explorer.tour.startOnFirstVisit();

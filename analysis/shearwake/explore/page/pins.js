@@ -44,7 +44,6 @@ class Pins {
     return `pinned: ${title}`;
   }
   title(s) {
-    if (CONFIGURATION.stored) return CONFIGURATION.stored[s.stored].title;
     const parts = [s.layers ? "edited layers" : PRESETS[s.preset].label, s.kind];
     if (MOVES(s)) parts.push(`${s.speed} m/s`, s.path);
     if (s.kind !== "STM") parts.push(`${s.am} Hz`);

@@ -1,5 +1,5 @@
 "use strict";
-// Where results come from: the engine behind the WebSocket, or the stored settings of the demonstration.
+// Where results come from: the engine behind the WebSocket.
 
 // A result: the header of serve (docs/reference/serve.md) and its arrays by name.
 class Result {
@@ -98,29 +98,4 @@ class EngineSource {
   compute(settings) { return this.send({type: "compute", job: jobText(settings)}); }
   sweep(job, key, values) { return this.send({type: "sweep", job, key, values}); }
   stopSweep() { this.socket.send(JSON.stringify({type: "stop_sweep"})); }
-}
-
-// The demonstration holds a few results. The frames of each are steps of its peak.
-class StoredSource {
-  constructor(receive) {
-    this.receive = receive;
-    this.number = 0;
-    setTimeout(() => receive({type: "open"}), 0);
-  }
-  static async unpack(text) {
-    const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).arrayBuffer();
-  }
-  compute(settings) {
-    const id = ++this.number, stored = CONFIGURATION.stored[settings.stored ?? 0];
-    StoredSource.unpack(stored.data).then(bytes => {
-      const header = structuredClone(stored.header), [frames, nx, ny] = header.arrays[0].shape, count = frames * nx * ny;
-      const levels = new Int16Array(bytes, 0, count), whole = new Uint8Array(2 * count + bytes.byteLength);
-      new Float32Array(whole.buffer, 0, count).set(Float32Array.from(levels, level => level * stored.peak_m / 1023));
-      whole.set(new Uint8Array(bytes, 2 * count), 4 * count);
-      if (id === this.number) this.receive({...header, type: "result", id}, new Result(header, whole.buffer));
-    });
-    return id;
-  }
 }
