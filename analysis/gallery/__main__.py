@@ -5,7 +5,6 @@ Usage: scripts/draw-figures [--keep] [NAME...]    all, or those of some jobs: sc
 
 Runs each job into out/JOB unless its cases are complete, draws its report, and stores the figures that
 show its result as PNG below 150 KB. The name `modulations` draws those of docs/explanation/modulations.md.
-`diagrams` draws those of docs/developer/architecture.md as SVG.
 With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib.
 SHEARWAKE names another program than build/shearwake.
 """
@@ -19,7 +18,7 @@ from PIL import Image
 
 from shearwake import program
 
-from . import diagrams, laboratory_figures, mach_cone
+from . import mach_cone
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -47,11 +46,10 @@ GALLERY = {
     "frier-speed": "displacement",
     "gaussian-or-array": "eta",
     "gel-dispersion": "surface",
-    "lens-letter": laboratory_figures.lens_letter,
+    "lens-letter": "surface",
     "mach-cone": mach_cone.draw_folder,
     "pointers": "intensity",
     "quickstart": "eta",
-    "read-back": laboratory_figures.read_back,
     "reardon-square": "displacement",
     "skins": "gain",
     "speed-fwhm-modulation": "heat_eta_period_over_reference_1",
@@ -86,7 +84,7 @@ BEST["motion"] = ("best-motion", "optimise_energy")
 PAGES = {"thesis": THESIS, "best-modulation": BEST}
 # Jobs that shearwake optimise runs, and those that only produce numbers.
 OPTIMISED = ("best-circle", "best-modulation", "best-motion")
-WITHOUT_PICTURE = ("bounds-am", "bounds-sm")
+WITHOUT_PICTURE = ("bounds-am", "bounds-sm", "read-back")
 
 # Jobs that take more than a few minutes are shortened as scripts/quickstart does it.
 OVERRIDES = {
@@ -187,17 +185,14 @@ def main(arguments: list[str]) -> None:
     if set(jobs) != set(GALLERY) - set(studies):
         sys.exit(f"no figure is chosen for these jobs: {', '.join(sorted(set(jobs) ^ (set(GALLERY) - set(studies))))}")
     jobs += studies
-    names = [name for name in arguments if name != "--keep"] or [*jobs, "modulations", "diagrams"]
+    names = [name for name in arguments if name != "--keep"] or [*jobs, "modulations"]
     for name in names:
         if name == "modulations":
             draw_modulations()
-        elif name == "diagrams":
-            for path in diagrams.draw_all(DOCS / "developer" / "architecture"):
-                print(path.relative_to(ROOT))
         elif name in GALLERY:
             draw_job(name, use_existing)
         else:
-            sys.exit(f"{name} is not a known figure; known: {', '.join([*jobs, 'modulations', 'diagrams'])}")
+            sys.exit(f"{name} is not a known figure; known: {', '.join([*jobs, 'modulations'])}")
 
 
 if __name__ == "__main__":

@@ -7,13 +7,14 @@ import re
 import h5py
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from program import ROOT, ProgramTest
 
 from shearwake.laboratory.dispersion import curves, line_coordinates
 from shearwake.laboratory.scan import Scan
 from shearwake.laboratory.scan_files import read_scan, write_scan
-from gallery.secular import secular_speeds
 
 C_S, VISCOSITY = 2.5, 0.3
 
@@ -280,6 +281,29 @@ samples = 2
         self.assertGreaterEqual(estimate["value"], 2.6)
         measure = ("measure", case, "--options", job, "--no-report", "--repetitions", "0", "--out", self.folder / "measure")
         self.assertIn("this command uses one case", self.fails(*measure, "-S", 'sweep."load.peak_Pa"=[3.0, 4.0]').stderr)
+
+
+def secular(k, omega, layers):
+    """The determinant of the tractions at the surface over the states without displacement at the base: the displacement-stress
+    vector is propagated through the layers by matrix exponentials (Aki and Richards, Quantitative Seismology, eq. 7.28)."""
+    states = np.zeros((4, 2))
+    states[2, 0] = states[3, 1] = 1.0
+    for h, rho, c_p, c_s in reversed(layers):
+        mu, lam = rho * c_s ** 2, rho * (c_p ** 2 - 2.0 * c_s ** 2)
+        p = lam + 2.0 * mu
+        zeta = 4.0 * mu * (lam + mu) / p
+        a = np.array([[0.0, k, 1.0 / mu, 0.0], [-k * lam / p, 0.0, 0.0, 1.0 / p],
+                      [k * k * zeta - omega ** 2 * rho, 0.0, 0.0, k * lam / p], [0.0, -omega ** 2 * rho, -k, 0.0]])
+        states = expm(-a * h) @ states
+        states = states / np.abs(states).max(axis=0)
+    return np.linalg.det(states[2:])
+
+
+def secular_speeds(omega, layers, speeds):
+    """All phase speeds between neighbours of `speeds` at which the determinant changes its sign."""
+    values = [secular(omega / c, omega, layers) for c in speeds]
+    return [brentq(lambda c: secular(omega / c, omega, layers), a, b)
+            for a, b, u, v in zip(speeds, speeds[1:], values, values[1:]) if u * v < 0.0]
 
 
 class Dispersion(LaboratoryTest):
