@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests the profiles, traces, last periods, slices of the medium and of volumes, and the map of receptors."""
+"""Tests the profiles, traces, loads, slices of the medium and of volumes, and the map of receptors."""
 import math
 import unittest
 from types import SimpleNamespace
@@ -13,7 +13,7 @@ from synthetic import AM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load
 from shearwake.report.figures import (fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
-                                      fig_spectra, fig_surface, fig_time, fig_traces, fig_volume, periods)
+                                      fig_spectra, fig_surface, fig_traces, fig_volume, periods)
 from shearwake.report.page import chart, curve_chart, topics
 
 MEDIUM = """
@@ -100,7 +100,7 @@ class FolderTest(InFolder):
         self.assertEqual(layout.place_words([(0.0, -0.0)] * 2), "at the centre")
         self.assertEqual(layout.place_words([(0.0, 0.0), (0.001, 0.0)]), "at a trace point")
 
-    def test_a_long_run_has_its_last_periods_in_addition(self):
+    def test_the_load_of_a_long_run_has_its_last_periods_in_addition(self):
         folder = Folder(self.root)
         folder.add({AM: 4000.0})
         self.assertIsNone(periods.last_span_ms(load.load(folder.save()).cases))
@@ -108,8 +108,6 @@ class FolderTest(InFolder):
         start, end = periods.last_span_ms(load.load(folder.save()).cases)  # 16 periods in 4 ms
         self.assertAlmostEqual(end, 4.0)
         self.assertAlmostEqual(end - start, 5 / 4.0)
-        names = [figure.name for figure in self.draw(folder, fig_time)]
-        self.assertIn("eta_time_last", names)
         self.assertEqual([figure.name for figure in self.draw(folder, fig_drive)], ["drive", "drive_last"])
 
     def test_slices_of_the_medium_show_layers_and_bodies(self):

@@ -18,7 +18,6 @@ class Figure:
     alternative: str  # alternative text for readers who cannot see the picture
     charts: list = field(default_factory=list)  # of chart.py, on the page as JSON objects; empty: the picture alone
     maps: list = field(default_factory=list)  # values under the pointer, from hover.maps_of()
-    of_picture: str = ""  # what the picture shows in addition to the charts
     cases: list | None = None  # ids of the cases that it shows; None: all complete cases of the sweep
     warnings: list = field(default_factory=list)  # from warnings_of.of_figure()
     still: str = ""  # small_picture() of its file

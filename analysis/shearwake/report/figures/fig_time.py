@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ from ..figure import Figure
 from ..load import Selection
 from ..page.chart import Chart, Line, Mark
 from ..words import number
-from . import periods
 
 PANELS = 12  # largest number of cases with a panel each
 COLUMNS = 2
@@ -255,24 +253,9 @@ def time_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> 
     marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
-    last = last_periods(figure, cases, measure, folder, marks)
     shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
-    made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
-                  f"{measure['title']}, one line per case", time_charts(selection, colours, measure))
-    return [replace(f, cases=shown) for f in (made, *last)]
-
-
-def last_periods(figure: Any, cases: list[Case], measure: dict[str, Any], folder: Path, marks: str) -> list[Figure]:
-    """The figure once more with the last periods of a long run; `marks` describes its lines."""
-    span = periods.last_span_ms(cases)
-    if not span:
-        return []
-    for axes in figure.axes:
-        if axes.get_xlabel() == "time (ms)":
-            axes.set_xlim(*span)  # all panels share their x axis
-    name, title = measure["name"] + "_last", measure["title"] + ": the last periods"
-    style.save(figure, folder / (name + ".png"))
-    return [Figure(name, title, f"{measure['caption']} The last {periods.LAST} periods of the modulation.{marks}", title)]
+    return [Figure(measure["name"], measure["title"], measure["caption"] + marks,
+                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure), cases=shown)]
 
 
 def marked_times(cases: list[Case]) -> tuple[float, list[float]]:

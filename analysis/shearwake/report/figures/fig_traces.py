@@ -15,7 +15,7 @@ from ..figure import Figure
 from ..load import Selection, traces
 from ..page.chart import Chart, Line
 from ..words import millimetres, some_of
-from . import fig_spectra, fig_time, periods
+from . import fig_spectra, fig_time
 
 POINTS = 12  # largest number of trace points with a row
 
@@ -42,8 +42,8 @@ def title_of(place: tuple[float, float]) -> str:
 
 
 def draw(figure: Any, made: np.ndarray, cases: list[tuple[Case, str]], places: list[tuple[float, float]],
-         colours: dict[str, Any], span: tuple[float, float] | None) -> None:
-    """Fills the rows: the run, the last periods of a long run, and the spectrum."""
+         colours: dict[str, Any]) -> None:
+    """Fills the rows: the run and the spectrum."""
     coincide = fig_spectra.of_one_period([case for case, _ in cases])
     for row, place in zip(made, places):
         for case, _ in cases:
@@ -52,18 +52,13 @@ def draw(figure: Any, made: np.ndarray, cases: list[tuple[Case, str]], places: l
                 continue
             u, frequency, amplitude = values
             look = {"color": colours[case.id], "linewidth": 1.0, "linestyle": "--" if case.is_reference else "-"}
-            for axes in row[:-1]:
-                axes.plot(fig_time.time_ms(case), u, **look)
+            row[0].plot(fig_time.time_ms(case), u, **look)
             fig_spectra.draw_spectrum(row[-1], case, frequency, amplitude, coincide, **look)
         row[0].set_title(title_of(place), loc="left", color="#555555")
         row[0].set_ylabel("$u_z$ (µm)")
         row[-1].set_ylim(bottom=0.0)
         row[-1].set_title("amplitude (µm)", loc="left", color="#555555")
-        if span:
-            row[1].set_xlim(*span)
-            row[1].set_title("last periods", loc="left", color="#555555")
-    for axes in made[-1][:-1]:
-        axes.set_xlabel("time (ms)")
+    made[-1][0].set_xlabel("time (ms)")
     made[-1][-1].set_xlabel("frequency (Hz)")
     handles = [plt.Line2D([], [], color=colours[c.id], linestyle="--" if c.is_reference else "-", label=label)
                for c, label in cases]
@@ -92,11 +87,10 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         return []
     places, every = places_of(drawn)
     colours = fig_time.colours_in_one_panel(some, drawn)
-    span = periods.last_span_ms(drawn)
     cases = [(c, warnings_of.label(some, c, "traces")) for c in drawn]
-    figure, made = plt.subplots(len(places), 3 if span else 2, squeeze=False, sharex="col", layout="constrained",
+    figure, made = plt.subplots(len(places), 2, squeeze=False, sharex="col", layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
-    draw(figure, made, cases, places, colours, span)
+    draw(figure, made, cases, places, colours)
     style.save(figure, folder / "traces.png")
     plane = layout.plane_name(drawn)
     if all(layout.repeats(c) for c in drawn):
@@ -107,9 +101,8 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
                 "the mean and with a Hann window.")
     if any(c.is_reference for c in drawn):
         text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
-    own = f"The pictures also show the last {periods.LAST} periods of the modulation, in the middle." if span else ""
     if len(places) < every:
         text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
     title = "Displacement and spectrum at every trace point"
     return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
-                   of_picture=own, cases=[c.id for c in drawn])]
+                   cases=[c.id for c in drawn])]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The last periods of long series over time."""
+"""The last periods of long runs."""
 from __future__ import annotations
 
 from typing import Any

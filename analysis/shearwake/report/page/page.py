@@ -108,7 +108,7 @@ def picture(figure: Figure, level: str, stated: set[int]) -> str:
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
             f"{badge(figure.warnings, len(figure.cases or []), stated)}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
-            f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
+            f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
 
 
 def problem_list(selection: Selection, problems: list[Any], state: str = "") -> str:
