@@ -173,21 +173,14 @@ class InFolder(unittest.TestCase):
 
     def drawn(self, folder, *modules):
         """The loaded sweep, the figures of modules and those of matplotlib, both by name; each is a file."""
-        kept, save = {}, style.save
-
-        def keep(figure, path):
-            with mock.patch.object(plt, "close"):
-                save(figure, path)
-            figure.set_layout_engine("none")
-            kept[path.stem] = figure
-
         loaded, target = load.load(folder.save()), self.root / "report"
         target.mkdir(exist_ok=True)
-        with mock.patch.object(style, "save", keep):
-            figures = {figure.name: figure for module in modules for figure in module.figures(loaded, target)}
+        figures = {figure.name: figure for module in modules for figure in module.figures(loaded)}
+        kept = {name: figure.drawn for name, figure in figures.items()}
+        with mock.patch.object(plt, "close"):
+            for figure in figures.values():
+                figure.save(target)
         self.addCleanup(plt.close, "all")
-        for name in {*figures, *kept}:
-            self.assertTrue((target / f"{name}.png").exists(), name)
         return loaded, figures, kept
 
 

@@ -53,33 +53,28 @@ class ReferencesTest(InFolder):
         lines = curve_chart.curve_chart(sweep, "eta", "eta_period_1", "eta").lines
         dashed = [(plain(line.label), line.colour) for line in lines if line.dashed]
         self.assertEqual(dashed, [("plain STM, focus FWHM 2 mm", lines[0].colour), ("plain STM, focus FWHM 3 mm", lines[2].colour)])
-        (self.root / "report").mkdir()
-        eta = fig_measures.figures(sweep, self.root / "report")[0]
+        eta = fig_measures.figures(sweep)[0]
         self.assertIn("A line that belongs to several curves has the colour of the first of them.", eta.caption)
 
     def test_references_with_equal_fields_appear_once(self):
         sweep = self.with_own_references(widths=(2.0, 3.0), equal=True)
-        folder = self.root / "report"
-        folder.mkdir()
         labels = [f"plain STM, draw frequency {f} Hz" for f in (50, 75, 100)]
 
         def shown(figure):
             return [plain(line.label) for panel in figure.charts for line in panel.lines
                     if line.dashed]
 
-        spectra, = fig_spectra.figures(sweep, folder)[:1]
+        spectra, = fig_spectra.figures(sweep)[:1]
         self.assertEqual(shown(spectra), labels)
         self.assertEqual([plain(panel.title) for panel in spectra.charts],
                          ["focus FWHM 2 mm", "plain STM", "focus FWHM 3 mm"])
-        self.assertEqual(shown(fig_time.figures(sweep, folder)[0]), labels)
-        self.assertEqual(shown(fig_profiles.figures(sweep, folder)[0])[:3], labels)
+        self.assertEqual(shown(fig_time.figures(sweep)[0]), labels)
+        self.assertEqual(shown(fig_profiles.figures(sweep)[0])[:3], labels)
         self.assertEqual(len([c for c in fig_surface.cells(sweep)[0] if c and c.is_reference]), 3)
 
     def test_lines_over_time_of_two_swept_keys_have_a_panel_per_curve_and_different_names(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))
-        folder = self.root / "report"
-        folder.mkdir()
-        figure = fig_time.figures(sweep, folder)[0]
+        figure = fig_time.figures(sweep)[0]
         self.assertEqual([plain(panel.title) for panel in figure.charts],
                          ["focus FWHM 2 mm", "plain STM, focus FWHM 2 mm", "focus FWHM 3 mm", "plain STM, focus FWHM 3 mm"])
         names = [line.label for panel in figure.charts for line in panel.lines]

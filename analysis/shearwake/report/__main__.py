@@ -22,7 +22,7 @@ from typing import Any
 
 from ..errors import NotAnOutputFolder
 from . import layout, style, warnings_of
-from .figure import Figure, small_picture
+from .figure import Figure
 from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                       fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                       fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume)
@@ -76,12 +76,12 @@ def of_few(selection: Selection) -> list[tuple[str, Callable[..., Any]]]:
             ("spectrograms", fig_spectrogram.figures)]
 
 
-def draw_group(name: str, draw: Callable[..., Any], selection: Selection, *folder: Path) -> tuple[Any, list[str]]:
+def draw_group(name: str, draw: Callable[..., Any], selection: Selection, folder: Path) -> tuple[Any, list[str]]:
     """The result of `draw`. If it fails, None and a sentence that states why, so that the other figures are drawn."""
     try:
-        result = draw(selection, *folder)
+        result = draw(selection)
         for figure in () if isinstance(result, str) else result:
-            figure.still = small_picture(folder[0] / f"{figure.name}.png", 2 if figure.charts else 1)
+            figure.save(folder)
             figure.charts = [chart_data(chart) for chart in figure.charts]
         return result, []
     except OSError:
@@ -114,8 +114,8 @@ def draw_all(selection: Selection, some: Selection, folder: Path, progress: Prog
     all_cases = len(groups)
     groups += [(name, draw, some) for name, draw in of_few(selection)]
     missing = sum(not case.is_complete for case in selection.cases)
-    tasks = [("surface over time", player, selection), *((*group, folder) for group in groups)]
-    results = parallel_map([functools.partial(draw_group, *task) for task in tasks],
+    tasks = [("surface over time", player, selection), *groups]
+    results = parallel_map([functools.partial(draw_group, *task, folder) for task in tasks],
                            lambda n: progress.show(f"figures {n} of {len(tasks)}"))
     for _, found in results:
         problems += found

@@ -37,7 +37,7 @@ plt.rcParams.update({
     "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.axisbelow": True,
     "legend.frameon": False, "lines.linewidth": 1.6, "axes.unicode_minus": True,
     "pdf.fonttype": 42, "mathtext.default": "regular", "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.limits": (-4, 5), "figure.max_open_warning": 0,
     "axes.titley": 1.0,  # Matplotlib would measure all tick labels to find a place
 })
 halo = wake.halo

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -90,7 +89,7 @@ def sentence(selection: Selection, axis: Any, rows: Any) -> str:
     return f" {name}: {axis['goal'] if len(places) == 1 else GOALS[axis['goal']]} of {axis['column']} at {', '.join(places)}."
 
 
-def figures(selection: Selection, folder: Path) -> Any:
+def figures(selection: Selection) -> Any:
     rows = read_adaptive(selection.sweep.folder, selection.sweep.name)
     if not selection.sweep.adaptive_axes or not rows:
         return []
@@ -104,5 +103,4 @@ def figures(selection: Selection, folder: Path) -> Any:
         text += sentence(selection, axis, mine)
         if shown < every:
             text += f" The panel shows {shown} of {counted(every, 'curve')}; the table lists all."
-    style.save(figure, folder / "adaptive.png")
-    return [Figure("adaptive", "Adaptive axes", text, "Points, estimated error and extrema along the adaptive axes")]
+    return [Figure(figure, "adaptive", "Adaptive axes", text, "Points, estimated error and extrema along the adaptive axes")]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 from ...case import Case
 from .. import labels as labels_module, layout, style
@@ -43,7 +42,7 @@ def with_enough_spikes(selection: Selection, kind: str) -> tuple[Selection, list
     return replace(selection, cases=rest), few
 
 
-def class_figure(selection: Selection, folder: Path, kind: str) -> Figure | None:
+def class_figure(selection: Selection, kind: str) -> Figure | None:
     selection, few = with_enough_spikes(selection, kind)
     columns = [(f"{kind}_{name}", label) for name, label in PANELS]
     columns = [c for c in columns if curves_module.has_any(selection, c[0])]
@@ -62,9 +61,8 @@ def class_figure(selection: Selection, folder: Path, kind: str) -> Figure | None
         style.label_right(axes, labels)
     curves_module.set_x_axis(made[-1], selection)
     curves_module.legend_above(figure, curves)
-    style.save(figure, folder / f"{name}.png")
     title = f"{kind} afferents against {labels_module.name(selection, selection.x)}"
-    return Figure(name, title,
+    return Figure(figure, name, title,
                   f"Response of the {kind} afferents: the spikes per second of all of them together, on average and in the 50 ms "
                   "with most spikes, the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a "
                   "focal radius from the path of the focus, the rms distance of the spikes from the path, and the vector strength of "
@@ -80,10 +78,10 @@ def few_caption(few: list[Case]) -> str:
             "that of n spikes with random phases is 0.89/√n on average, 0.4 for five.")
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
     values = {layout.x_position(selection, c) for c in layout.ordinary(selection) if c.is_complete}
     if len([v for v in values if not math.isnan(v)]) < 2:
         return []
-    return [f for kind in layout.receptor_classes(selection) if (f := class_figure(selection, folder, kind))]
+    return [f for kind in layout.receptor_classes(selection) if (f := class_figure(selection, kind))]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -203,7 +202,7 @@ def instant_title(selection: Selection) -> str:
     return f"at the instant t = {number(times.pop())} ms" if len(times) == 1 else "at one instant"
 
 
-def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> Figure | None:
+def measure_figure(selection: Selection, measure: dict[str, Any]) -> Figure | None:
     """Writes the figure of one measure; None if no case has a value."""
     period, instant = measure["period"], measure["instant"]
     rows = [c for c in (period, instant) if has_any(selection, c)]
@@ -234,12 +233,11 @@ def measure_figure(selection: Selection, folder: Path, measure: dict[str, Any]) 
     for axes in made if not numeric else []:
         axes.grid(False, axis="x")
     legend_above(figure, curves)
-    style.save(figure, folder / (measure["name"] + ".png"))
     title = measure["title"].format(x=labels.name(selection, selection.x))
     charts = [curve_chart(selection, measure["name"], column, measure["label"],
                           "mean over periods" if column == period else instant_title(selection),
                           bool(measure.get("log") and spans_decades(selection, column))) for column in rows]
-    return Figure(measure["name"], title,
+    return Figure(figure, measure["name"], title,
                   measure["caption"].format(region=region_words(selection)) + marker_caption(selection, rows, period, instant)
                   + error_caption(selection, *rows) + invalid_caption(selection, measure["name"], *rows),
                   f"{title}: mean over periods and instant, with the reference as dashed lines", charts)

@@ -2,7 +2,6 @@
 """Position and force of the focus over time for a few cases."""
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -77,7 +76,7 @@ def changes(case: Case) -> bool:
     return np.ptp(force) > 1e-6 * np.abs(force).max()
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     cases = chosen(selection)
     if not cases:
         return []
@@ -90,8 +89,18 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     steady = not any(map(changes, cases))
     if not steady or not columns:
         columns.append(("force (mN)", draw_force))
-    if not columns:
-        return []
+    title, ids = "How the skin is driven", [case.id for case in cases]
+    drawn = [Figure(picture(selection, cases, columns), "drive", title, caption(cases, columns, steady, name),
+                    "Position and force over time", cases=ids)]
+    if span := periods.last_span_ms(cases):
+        drawn.append(Figure(picture(selection, cases, columns, span), "drive_last", f"{title}: the last periods",
+                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods",
+                            cases=ids))
+    return drawn
+
+
+def picture(selection: Selection, cases: list[Case], columns: list[tuple[str, Any]], span: tuple[float, float] | None = None) -> Any:
+    """One row per case; `span`: the part of the time that is drawn, in ms."""
     figure, made = plt.subplots(len(cases), len(columns), squeeze=False, sharex=True, sharey="col",
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.25 * len(cases)))
@@ -107,17 +116,9 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     figure.supxlabel("time (ms)", fontsize=9.5)
     if columns[0][1] is draw_place:
         name_places(made, len(cases) // 2)
-    style.save(figure, folder / "drive.png")
-    title = "How the skin is driven"
-    ids = [case.id for case in cases]
-    drawn = [Figure("drive", title, caption(cases, columns, steady, name), "Position and force over time", cases=ids)]
-    if span := periods.last_span_ms(cases):
+    if span:
         made[0, 0].set_xlim(span[0], span[1] + 0.04 * (span[1] - span[0]))  # all panels share it; room for the last tick
-        style.save(figure, folder / "drive_last.png")
-        drawn.append(Figure("drive_last", f"{title}: the last periods",
-                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods",
-                            cases=ids))
-    return drawn
+    return figure
 
 
 def name_places(made: np.ndarray, middle: int) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 from matplotlib.axes import Axes
 
@@ -107,7 +106,7 @@ def caption(selection: Selection, found: list[tuple[str, str]], shown: list[Band
     return " ".join(text)
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     if not selection.x or len(layout.groups(selection)) > style.CURVES:
         return []
     found = peaks(selection)
@@ -122,11 +121,10 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         draw_band(axes, selection, curves, band)
     fig_curves.set_x_axis(made[-1], selection)
     fig_curves.legend_above(figure, curves)
-    style.save(figure, folder / f"{NAME}.png")
     parts = ["dominant frequency"] * bool(found)
     if shown:
         parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
     title = f"{' and '.join(parts)} against {labels.name(selection, selection.x)}"
     title = title[:1].upper() + title[1:]
     columns = [*(column for column, _ in found), *(b.column for b in shown)]
-    return [Figure(NAME, title, caption(selection, found, shown) + invalid_caption(selection, NAME, *columns), title)]
+    return [Figure(figure, NAME, title, caption(selection, found, shown) + invalid_caption(selection, NAME, *columns), title)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -65,7 +64,7 @@ def rates_Hz(case: Case, afferents: Afferents) -> np.ndarray:
     return afferents.count / case.counted_s
 
 
-def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str, highest: float) -> Figure:
+def hand_figure(selection: Selection, case: Case, afferents: Afferents, name: str, highest: float) -> Figure:
     """One hand per class with a dot per firing afferent, coloured by its rate, up to the `highest` of all hands in Hz."""
     kinds = afferents.present()
     rates = rates_Hz(case, afferents)
@@ -89,9 +88,8 @@ def hand_figure(selection: Selection, case: Case, afferents: Afferents, folder: 
                           shrink=0.8)
     bar.outline.set_visible(False)
     bar.ax.grid(False)
-    style.save(figure, folder / f"{name}.png")
     title = f"Firing afferents on the hand: {warnings_of.label(selection, case, name)}"
-    return Figure(name, title, "Coloured dots: firing afferents with their mean rate, on the same colour scale for all cases. Grey dots: "
+    return Figure(figure, name, title, "Coloured dots: firing afferents with their mean rate, on the same colour scale for all cases. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else
                   " Red crosses: pins that move the skin."), title)
 
@@ -105,7 +103,7 @@ def raster_rows(afferents: Afferents, kind: str) -> list[int]:
     return layout.evenly(rows[np.argsort(between.min(axis=1), kind="stable")].tolist(), MOST_TICKS)
 
 
-def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure | None:
+def raster_figure(selection: Selection, case: Case, afferents: Afferents, name: str) -> Figure | None:
     """Spikes over time; for a long run with an additional panel of its start, which shows bursts."""
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
@@ -126,9 +124,8 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, folder
         line[0].set_title(counted(int(afferents.count[afferents.of(kind)].sum()), "spike"), loc="left", pad=3)
     for axes in made[-1]:
         axes.set_xlabel("time (ms)")
-    style.save(figure, folder / f"{name}.png")
     title = f"Spikes over time: {warnings_of.label(selection, case, name)}"
-    return Figure(name, title, f"One line per firing afferent (at most {MOST_TICKS} per class, chosen evenly), "
+    return Figure(figure, name, title, f"One line per firing afferent (at most {MOST_TICKS} per class, chosen evenly), "
                   "sorted by its distance from the nearest "
                   + ("point of afferents.pins_mm." if feels_stress(case) else "pin.") +
                   (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
@@ -140,7 +137,7 @@ def tick_at(top: float) -> float:
     return 5.0 * power if 5.0 * power <= top else power
 
 
-def places_figure(selection: Selection, case: Case, afferents: Afferents, folder: Path, name: str) -> Figure | None:
+def places_figure(selection: Selection, case: Case, afferents: Afferents, name: str) -> Figure | None:
     """The motion of a few pins and, below each curve, the spikes of nearby afferents."""
     if afferents.u_um is None:
         return None
@@ -171,23 +168,22 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, folder
                                               color=afferents.colours[kind]) for kind in afferents.present()
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
-    style.save(figure, folder / f"{name}.png")
     title = f"Motion and spikes at selected pins: {warnings_of.label(selection, case, name)}"
-    return Figure(name, title, "Black: displacement of the pin, positive into the skin. Ticks: spikes of "
+    return Figure(figure, name, title, "Black: displacement of the pin, positive into the skin. Ticks: spikes of "
                   f"afferents within {number(NEAR_mm)} mm of the pin, one row per afferent, at most nine per "
                   "class.", title)
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     made = []
     cases = [c for c in layout.ordinary(selection) if c.is_complete and "afferents" in c.parameters]
     shown = [(n, c, a) for n, c in enumerate(layout.evenly(cases, MOST_CASES), start=1)
              if len((a := Afferents(c)).count) and not math.isnan(c.counted_s)]
     highest = max((rates_Hz(c, a).max() for _, c, a in shown), default=0.0) or 1.0
     for n, case, afferents in shown:
-        for figure in (hand_figure(selection, case, afferents, folder, f"hand_{n}", highest),
-                       raster_figure(selection, case, afferents, folder, f"raster_{n}"),
-                       places_figure(selection, case, afferents, folder, f"places_{n}")):
+        for figure in (hand_figure(selection, case, afferents, f"hand_{n}", highest),
+                       raster_figure(selection, case, afferents, f"raster_{n}"),
+                       places_figure(selection, case, afferents, f"places_{n}")):
             if figure:
                 made.append(replace(figure, cases=[case.id]))
     return made

@@ -7,7 +7,6 @@ import math
 import textwrap
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -237,7 +236,7 @@ def columns_of(selection: Selection, others: Any, count: Any) -> Any:
     return 2 if count == 4 else min(COLUMNS, count)
 
 
-def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str], plan: tuple[str, str, list[str]]) -> Figure | None:
+def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple[str, str, list[str]]) -> Figure | None:
     column, title, label = measure
     x, y, others = plan
     shown, of = panels(selection, others)
@@ -279,13 +278,12 @@ def heat_figure(selection: Selection, folder: Path, measure: tuple[str, str, str
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     name = NAME + column
-    style.save(figure, folder / (name + ".png"))
     head = f"{title} over {labels.name(selection, x)} and {labels.name(selection, y)}"
     text = caption(every, [labels.name(selection, k) for k in others], len(shown), of)
     if have_errors(selection, column):
         text += (" Corners of cells: the colours of the value plus (upper left) and minus (lower right) its estimated numerical "
                  "error.")
-    return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
+    return Figure(figure, name, head, text, head + ", as colours")
 
 
 def caption(every: Any, others: Any, shown: Any, of: Any) -> str:
@@ -305,7 +303,7 @@ def caption(every: Any, others: Any, shown: Any, of: Any) -> str:
     return text
 
 
-def figures(selection: Selection, folder: Path) -> list[Any]:
+def figures(selection: Selection) -> list[Any]:
     plan = plane(selection)
     if plan is None:
         return []
@@ -318,4 +316,4 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
     else:
         measures += band_measures(selection)
     measures += receptor_measures(selection)
-    return [f for m in measures if (f := heat_figure(selection, folder, m, plan))]
+    return [f for m in measures if (f := heat_figure(selection, m, plan))]

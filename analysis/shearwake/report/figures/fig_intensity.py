@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from matplotlib.axes import Axes
 from ... import wake
 from .. import layout, load, style, warnings_of
 from ..figure import Figure
-from ..page import hover
 from ..words import number
 from . import fig_surface
 
@@ -32,11 +30,11 @@ def window(found: list[Any], shots: list[fig_surface.Snapshot], end: float) -> t
             max(limits[3], high[1]))
 
 
-def figures(selection: load.Selection, folder: Path) -> list[Figure]:
-    return [*intensity(selection, folder), *sensation(selection, folder)]
+def figures(selection: load.Selection) -> list[Figure]:
+    return [*intensity(selection), *sensation(selection)]
 
 
-def intensity(selection: load.Selection, folder: Path) -> list[Figure]:
+def intensity(selection: load.Selection) -> list[Figure]:
     cells, columns = fig_surface.cells(selection)
     with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
     found = [f for f in with_map if f]
@@ -65,13 +63,12 @@ def intensity(selection: load.Selection, folder: Path) -> list[Figure]:
                           label="rms of $u_z$ over time (µm)")
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
-    style.save(figure, folder / "intensity.png")
     text = ("Root of the time-averaged intensity, the mean of u² over complete periods, of "
             f"{layout.plane_name([c for c, _ in found])}, on the same colour scale in all panels. Dashed lines or crosses: the shape that the focus draws.")
     if any(s and number(s.case.value("sharpness_1", math.nan)) and warnings_of.is_valid(s.case) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
-    return [Figure("intensity", "Time-averaged intensity", text,
-                   "Time-averaged intensity seen from above", maps=hover.maps_of(figure),
+    return [Figure(figure, "intensity", "Time-averaged intensity", text,
+                   "Time-averaged intensity seen from above",
                    cases=[case.id for case, _ in found])]
 
 
@@ -84,7 +81,7 @@ def colour_limits(levels: list[np.ndarray]) -> tuple[float, float]:
     return max(min(np.nanmin(level) for level in levels), min(0.0, end - RANGE_dB)), end
 
 
-def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
+def sensation(selection: load.Selection) -> list[Figure]:
     """The level above the threshold of perception with the line where it is 0 dB."""
     cells, columns = fig_surface.cells(selection)
     found = [(c, m) if c and (m := load.levels(c)) else None for c in cells]
@@ -112,9 +109,8 @@ def sensation(selection: load.Selection, folder: Path) -> list[Figure]:
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label="level above threshold (dB)", extend="min")
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
-    style.save(figure, folder / "sensation.png")
     text = ("Level of the acceleration of the skin above the threshold of perception, the largest of all third octaves, in the "
             "measured region; grey is outside. Solid line: 0 dB, the limit of what can be felt. Dashed lines or crosses: the shape that the focus draws. "
             "Numbers: the largest level and the third octave that decides it.")
-    return [Figure("sensation", "Level of sensation", text, "Level of sensation seen from above", maps=hover.maps_of(figure),
+    return [Figure(figure, "sensation", "Level of sensation", text, "Level of sensation seen from above",
                    cases=[case.id for case, _ in shown])]

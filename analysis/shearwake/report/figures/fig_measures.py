@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,8 +71,8 @@ def drawn_values(selection: Selection, column: str) -> np.ndarray:
     return np.concatenate([values, np.where(half < values, values - half, values), values + half])
 
 
-def ratio_curves(selection: Selection, folder: Path, column: str, name: str, label: str) -> list[Chart]:
-    """Draws one panel with a measure relative to the reference on a logarithmic scale around 1. Returns its chart."""
+def ratio_curves(selection: Selection, column: str, name: str, label: str) -> tuple[Any, list[Chart]]:
+    """One panel with a measure relative to the reference on a logarithmic scale around 1: the picture and its chart."""
     curves = [curve for curve in curves_module.curves_of(selection) if any(selection.reference_of(c) is not c for c in curve[0].cases)]
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
     draw_column(axes, selection, curves, selection.ratio_of(column), name)
@@ -86,53 +85,48 @@ def ratio_curves(selection: Selection, folder: Path, column: str, name: str, lab
     axes.set_ylabel(label)
     reference = layout.reference_name(layout.all_references(selection))
     style.label_right(axes, [(1.0, reference, style.INK)])
-    finish(figure, axes, selection, curves, folder / (name + ".png"))
+    curves_module.set_x_axis(axes, selection)
+    curves_module.legend_above(figure, curves)
     chart = curve_chart(selection, name, selection.ratio_of(column), label)
     x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
     if limits:
         chart.y_log, chart.y_limits, chart.y_ticks = True, limits, style.ratio_ticks(limits)
     chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
-    return [chart]
+    return figure, [chart]
 
 
-def finish(figure: Any, axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], path: Path) -> None:
-    curves_module.set_x_axis(axes, selection)
-    curves_module.legend_above(figure, curves)
-    style.save(figure, path)
-
-
-def gain_figure(selection: Selection, folder: Path) -> Figure | None:
+def gain_figure(selection: Selection) -> Figure | None:
     """eta relative to that of the reference, both as means over periods."""
     if not selection.x or not curves_module.has_any(selection, selection.ratio_of("eta_period_1")):
         return None
     name = layout.reference_name(layout.all_references(selection))
-    charts = ratio_curves(selection, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
+    figure, charts = ratio_curves(selection, "eta_period_1", "gain", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {labels.name(selection, selection.x)}"
     within = "in the same medium" if curves_module.is_steady(selection) else "in the same time window and medium"
-    return Figure("gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
+    return Figure(figure, "gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
                   f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
                   + error_caption(selection, selection.ratio_of("eta_period_1"))
                   + invalid_caption(selection, "gain", selection.ratio_of("eta_period_1")), title, charts)
 
 
-def strength_figure(selection: Selection, folder: Path) -> Figure | None:
+def strength_figure(selection: Selection) -> Figure | None:
     """rms over the focal disc relative to the reference; None without a reference."""
     if not selection.x or not layout.all_references(selection) or not curves_module.has_any(selection, "focal_rms_um"):
         return None
     title = f"Strength at the focus against {labels.name(selection, selection.x)}"
     name = layout.reference_name(layout.all_references(selection))
-    charts = ratio_curves(selection, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
+    figure, charts = ratio_curves(selection, "focal_rms_um", "strength", f"focal rms / {name} (1)")
     caption = (f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed "
                "line at 1." + impulse_caption(selection, name) + error_caption(selection, selection.ratio_of("focal_rms_um"))
                + invalid_caption(selection, "strength", selection.ratio_of("focal_rms_um")))
-    return Figure("strength", title, caption, title, charts)
+    return Figure(figure, "strength", title, caption, title, charts)
 
 
 DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
                 ("peak_um", "peak (µm)", "largest displacement")]
 
 
-def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
+def displacement_figure(selection: Selection) -> Figure | None:
     """The rms over the focal disc and the peak in micrometres."""
     rows = [row for row in DISPLACEMENT if curves_module.has_any(selection, row[0])]
     if not selection.x or not rows:
@@ -144,7 +138,8 @@ def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
         style.label_right(axes, curves_module.reference_lines(axes, selection, curves, column, "displacement"))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
-    finish(figure, made[-1], selection, curves, folder / "displacement.png")
+    curves_module.set_x_axis(made[-1], selection)
+    curves_module.legend_above(figure, curves)
     title = f"Displacement in µm against {labels.name(selection, selection.x)}"
     words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(selection)}.",
              "peak_um": "largest |u| within one period." if curves_module.is_steady(selection) else
@@ -155,7 +150,7 @@ def displacement_figure(selection: Selection, folder: Path) -> Figure | None:
         caption += f" Dashed lines: {layout.reference_name(layout.added_references(selection))}."
     columns = [row[0] for row in rows]
     caption += error_caption(selection, *columns) + invalid_caption(selection, "displacement", *columns)
-    return Figure("displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])
+    return Figure(figure, "displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])
 
 
 def impulse_caption(selection: Selection, name: str) -> str:
@@ -170,15 +165,15 @@ def impulse_caption(selection: Selection, name: str) -> str:
     return f" The impulse on the skin (mean force times time) is {amount} times that of {name}."
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     if len(layout.groups(selection)) > style.CURVES and fig_heat.plane(selection):
         return []  # drawn as small multiples and heat maps instead
-    made = [curves_module.measure_figure(selection, folder, m) for m in MEASURES[:1]]
-    made += [gain_figure(selection, folder), strength_figure(selection, folder),
-             displacement_figure(selection, folder)]
+    made = [curves_module.measure_figure(selection, m) for m in MEASURES[:1]]
+    made += [gain_figure(selection), strength_figure(selection),
+             displacement_figure(selection)]
     if not all(map(wake.runs_straight_on, layout.ordinary(selection))):
-        made.append(curves_module.measure_figure(selection, folder, SHARPNESS))
+        made.append(curves_module.measure_figure(selection, SHARPNESS))
     if curves_module.has_any(selection, PERCEIVED["period"]):
-        made.append(curves_module.measure_figure(selection, folder, PERCEIVED))
-    made += [curves_module.measure_figure(selection, folder, m) for m in MEASURES[1:]]
+        made.append(curves_module.measure_figure(selection, PERCEIVED))
+    made += [curves_module.measure_figure(selection, m) for m in MEASURES[1:]]
     return [f for f in made if f]

@@ -7,7 +7,6 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -217,7 +216,7 @@ def different(selection: Selection) -> list[Case]:
     return list(found.values())
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     every = different(selection)
     pairs = [(c, found) for c in layout.evenly(every, CASES) if (found := slices_of(selection, c))]
     if not pairs:
@@ -232,9 +231,8 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     image = [draw(axes, plane, norm) for pair, (_, row) in zip(made, pairs) for axes, plane in zip(pair, row)][-1]
     grey = any(is_grey(body) for c, _ in pairs for body in c.parameters["medium"].get("body", []))
     draw_scale(figure, image, bar_axes, values, "outside of the rigid bodies" if grey else "everywhere")
-    style.save(figure, folder / "medium.png")
-    return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
-                   "Shear-wave speed over position and depth", maps=hover.maps_of(figure), cases=[c.id for c, _ in pairs])]
+    return [Figure(figure, "medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
+                   "Shear-wave speed over position and depth", cases=[c.id for c, _ in pairs])]
 
 
 def caption(cases: list[Case], every: int) -> str:

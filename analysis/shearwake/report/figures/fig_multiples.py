@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -70,7 +69,7 @@ def draw_references(axes: Axes, selection: Selection, cases: list[Case], column:
         axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
 
 
-def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) -> Any:
+def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
     column, title, label = measure
     name, (colour, others) = "multiples_" + column, plan
     every = curves(selection, colour, others)
@@ -113,7 +112,6 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
     if layout.added_references(selection):
         handles.append(plt.Line2D([], [], color="#b0b0b0", linewidth=2.2, label=layout.reference_name(layout.all_references(selection))))
     style.legend_strip(figure, handles)
-    style.save(figure, folder / (name + ".png"))
     head = f"{title} against {labels.name(selection, selection.x)}"
     text = (f"One panel per {listed(labels.name(selection, k) for k in others)} and one colour per "
             f"{labels.name(selection, colour)}; means over periods, with the same axes in all panels.")
@@ -123,11 +121,11 @@ def curve_figure(selection: Selection, folder: Path, measure: Any, plan: Any) ->
         text += f" {some_of(len(shown), len(every), 'panel')}, spread evenly."
     if len(values) < len(layout.values_of(selection, colour)):
         text += f" {some_of(len(values), len(layout.values_of(selection, colour)), 'value')}."
-    return Figure(name, head, text + error_caption(selection, column) + validity.invalid_caption(selection, name, column), head + ", one line per value")
+    return Figure(figure, name, head, text + error_caption(selection, column) + validity.invalid_caption(selection, name, column), head + ", one line per value")
 
 
-def figures(selection: Selection, folder: Path) -> list[Any]:
+def figures(selection: Selection) -> list[Any]:
     plan = split(selection)
     if plan is None or len(layout.groups(selection)) <= style.CURVES:
         return []
-    return [f for m in MEASURES if (f := curve_figure(selection, folder, m, plan))]
+    return [f for m in MEASURES if (f := curve_figure(selection, m, plan))]

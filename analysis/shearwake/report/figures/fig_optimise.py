@@ -3,7 +3,6 @@
 in the wake over time, and surfaces."""
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -60,15 +59,14 @@ def finish(figure: Any, made: list[Axes], x: str, y: str) -> None:
     style.legend_strip(figure, list(handles.values()))
 
 
-def front(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> Figure:
+def front(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> Figure:
     figure, made = panels(len(table), 2.2)
     for axes, rows in zip(made, table.values()):
         draw_front(selection, axes, rows)
     made[0].set_ylim(0.0, 1.08 * max(value for rows in table.values() for r in rows for name, value in r.items()
                                     if name.startswith("eta_") and np.isfinite(value)))  # of all panels
     finish(figure, made, "strength (1)", NAMES.get(optima(selection).maximised, optima(selection).maximised))
-    style.save(figure, folder / "optimise_front.png")
-    return Figure("optimise_front", f"The largest {words(optima(selection).maximised)} for a given strength",
+    return Figure(figure, "optimise_front", f"The largest {words(optima(selection).maximised)} for a given strength",
                   "The best envelope that was found for each strength, and the best AM-STM and the best of the SM-STM that were "
                   "tried, of at least the same strength. The strength is the rms over the focal disc relative to the load without "
                   "modulation. The dashed line is an upper bound for all envelopes from 0 to 1 that are linear between the knots, "
@@ -85,7 +83,7 @@ def envelope(selection: Selection, case: str, strength: float) -> tuple[np.ndarr
     return 1e3 * knots["interval_s"] * np.arange(len(values)), values
 
 
-def envelopes(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> Figure:
+def envelopes(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> Figure:
     figure, made = panels(len(table), 1.8)
     for axes, (case, rows) in zip(made, table.items()):
         for colour, row in zip(style.distinct(len(rows)), rows):
@@ -93,8 +91,7 @@ def envelopes(selection: Selection, folder: Path, table: dict[str, list[dict[str
             axes.plot(*envelope(selection, case, strength), color=colour, label=f"strength {strength:g}")
         axes.set_title(title_of(selection, rows[0]), loc="left", color="#555555")
     finish(figure, made, "t (ms)", "force (1)")
-    style.save(figure, folder / "optimise_envelopes.png")
-    return Figure("optimise_envelopes", "The best envelopes",
+    return Figure(figure, "optimise_envelopes", "The best envelopes",
                   "Force of the focus over time, relative to that of the load without modulation. The envelope is linear between "
                   "its knots.", "Envelopes of the optima over time", cases=[])
 
@@ -106,7 +103,7 @@ def draw_energy(made: np.ndarray, case: Case, name: str, unit: float) -> None:
         axes.plot(1e3 * t, values, color=COLOURS[name], label=name)
 
 
-def energy(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+def energy(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
     """Energy at the focus and in the wake over time, for the first optimised case."""
     rows = next(iter(table.values()))
     shown = {name: c for name, c in compared(selection, rows, middle(rows)).items() if "focal_sum_u2" in c.over_time}
@@ -127,8 +124,7 @@ def energy(selection: Selection, folder: Path, table: dict[str, list[dict[str, A
     made[3].set_ylim(-1.1 * rates.max(), 1.1 * rates.max())  # without the jump of the focus to the start of a path
     made[-1].set_xlabel("t (ms)")
     style.legend_strip(figure, made[0].get_legend_handles_labels()[0])
-    style.save(figure, folder / "optimise_energy.png")
-    return [Figure("optimise_energy", "Energy at the focus and in the wake",
+    return [Figure(figure, "optimise_energy", "Energy at the focus and in the wake",
                    f"Force, sum of u² over the focal disc, and sum of u² over the rest of the measured region, for {title_of(selection, rows[0])} "
                    f"and a strength of at least {number(middle(rows), 3)}. The sums are relative to the mean over the region for the load "
                    "without modulation. The growth of the energy elsewhere is what flows into the wake less what is absorbed and "
@@ -136,7 +132,7 @@ def energy(selection: Selection, folder: Path, table: dict[str, list[dict[str, A
                    cases=[c.id for c in shown.values()])]
 
 
-def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], place: int, end: float) -> list[Figure]:
+def surfaces(selection: Selection, rows: list[dict[str, Any]], place: int, end: float) -> list[Figure]:
     """The surfaces of one strength of an optimised case side by side, on the colour scale of all optimised cases."""
     shots = [(name, c, shot) for name, c in compared(selection, rows, middle(rows)).items() if (shot := fig_surface.snapshot(c))]
     if not shots:
@@ -157,8 +153,7 @@ def surfaces(selection: Selection, folder: Path, rows: list[dict[str, Any]], pla
         axes.set_ylabel("y (mm)")
     figure.colorbar(image, ax=list(made.flat), label="$u_z$ (µm)")
     name = f"optimise_surfaces_{place}"
-    style.save(figure, folder / f"{name}.png")
-    return [Figure(name, f"Surfaces: {title_of(selection, rows[0])}",
+    return [Figure(figure, name, f"Surfaces: {title_of(selection, rows[0])}",
                    "Displacement of the surface at the same instant: without modulation, with the best AM-STM and SM-STM, and with "
                    f"the optimum of strength {number(middle(rows), 3)}.",
                    "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
@@ -172,7 +167,7 @@ def moving_part(maps: list[Any], least_um: float) -> tuple[float, float, float, 
     return float(along_x.min()), float(along_x.max()), float(along_y.min()), float(along_y.max())
 
 
-def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+def means(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
     """The time-averaged surfaces without modulation and of the optimum, and the rms along the path."""
     shown = []
     for rows in table.values():
@@ -207,17 +202,16 @@ def means(selection: Selection, folder: Path, table: dict[str, list[dict[str, An
     for axes in made[-1]:
         axes.set_xlabel("x (mm)")
     figure.colorbar(image, ax=list(made.flat), label="rms of $u_z$ over time (µm)")
-    style.save(figure, folder / "optimise_mean.png")
     ids = [case.id for _, pair in shown for _, case, _ in pair]
-    found = [Figure("optimise_mean", "What is drawn: the time-averaged surface", "Root of the mean of u² over complete periods, without "
+    found = [Figure(figure, "optimise_mean", "What is drawn: the time-averaged surface", "Root of the mean of u² over complete periods, without "
                     "modulation and with the optimum of strength "
                     f"{number(middle(shown[0][0]), 3)}, on the same colour scale. Dashed line: the path. The uniformity is the smallest "
                     "rms along the path relative to its mean: 1 if the whole path is equally strong, 0 if it has a gap.",
-                    "Time-averaged surface without modulation and with the optimum", maps=hover.maps_of(figure), cases=ids)]
-    return found + path_figure(selection, folder, table)
+                    "Time-averaged surface without modulation and with the optimum", cases=ids)]
+    return found + path_figure(selection, table)
 
 
-def path_figure(selection: Selection, folder: Path, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+def path_figure(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list[Figure]:
     figure, made = panels(len(table), 1.9)
     ids = []
     for axes, rows in zip(made, table.values()):
@@ -234,19 +228,18 @@ def path_figure(selection: Selection, folder: Path, table: dict[str, list[dict[s
         return []
     made[0].set_ylim(bottom=0.0)  # of all panels
     finish(figure, made, "distance along the path (mm)", "rms of u (µm)")
-    style.save(figure, folder / "optimise_path.png")
-    return [Figure("optimise_path", "Strength along the path", "The rms of u over time along the path. Where it is close to zero, the "
+    return [Figure(figure, "optimise_path", "Strength along the path", "The rms of u over time along the path. Where it is close to zero, the "
                    "drawn shape has a gap.", "Strength along the path without modulation and for each optimum", cases=ids)]
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     if not is_study(selection):
         return []
     table = dict(list(by_case(selection).items())[:CASES])
-    found = [front(selection, folder, table), *means(selection, folder, table), envelopes(selection, folder, table),
-             *energy(selection, folder, table)]
+    found = [front(selection, table), *means(selection, table), envelopes(selection, table),
+             *energy(selection, table)]
     ends = [fig_surface.scale(shots) for rows in table.values() if (shots := [
         shot for c in compared(selection, rows, middle(rows)).values() if (shot := fig_surface.snapshot(c))])]
     for place, rows in enumerate(table.values(), start=1):
-        found += surfaces(selection, folder, rows, place, max(ends, default=0.0))
+        found += surfaces(selection, rows, place, max(ends, default=0.0))
     return found

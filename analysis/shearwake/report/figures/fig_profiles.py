@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -53,8 +52,8 @@ def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.nda
     return distance[np.isfinite(u)], u[np.isfinite(u)]
 
 
-def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str],
-         path: Path) -> list[Chart]:
+def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str]) -> tuple[Any,
+         list[Chart]]:
     figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.WIDTH_in, 4.8))
     charts = []
     for axes, along, title in zip(made, (True, False), titles):
@@ -72,11 +71,10 @@ def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: lis
     handles = [plt.Line2D([], [], color=colours[s.case.id], linestyle="--" if s.case.is_reference else "-",
                           label=label) for s, label in zip(shots, labels)]
     style.legend_strip(figure, handles)
-    style.save(figure, path)
-    return charts
+    return figure, charts
 
 
-def figures(selection: load.Selection, folder: Path) -> list[Figure]:
+def figures(selection: load.Selection) -> list[Figure]:
     some = layout.lines_of_one_panel(selection)
     cases = layout.with_references(some)
     shots = [shot for case in cases if (shot := last_shot(case))]
@@ -89,7 +87,7 @@ def figures(selection: load.Selection, folder: Path) -> list[Figure]:
               ("along x", "along y") if not any(moves) else
               ("along the path, or along x if the focus rests", "across the path, or along y if the focus rests"))
     labels = [warnings_of.label(some, c, "profiles") for c in drawn]
-    charts = draw(shots, colours, labels, titles, folder / "profiles.png")
+    figure, charts = draw(shots, colours, labels, titles)
     times = sorted({number(1e3 * s.t_s) for s in shots}, key=float)
     text = (f"Displacement of {layout.plane_name(drawn)} on two lines through the focus at t = {times[0]}"
             f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts."
@@ -97,4 +95,4 @@ def figures(selection: load.Selection, folder: Path) -> list[Figure]:
     if any(c.is_reference for c in drawn):
         text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
     title = "Profiles through the focus"
-    return [Figure("profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]
+    return [Figure(figure, "profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]

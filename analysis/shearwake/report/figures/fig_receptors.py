@@ -2,7 +2,6 @@
 """A map of the receptors on the hand with the pins and the path of the focus."""
 from __future__ import annotations
 
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -50,7 +49,7 @@ def scale_bar(axes: Axes) -> None:
     axes.text(x + length / 2, y + 0.015 * (high - low), f"{length} mm", ha="center", va="bottom", fontsize=9, zorder=6)
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     cases = [c for c in layout.ordinary(selection) if "afferents" in c.parameters]
     if not cases:
         return []
@@ -76,7 +75,6 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         frame(axes, afferents, path)
         scale_bar(axes)
         axes.set_title(f"{kind}: {counted(len(every), 'receptor')}", pad=3)
-    style.save(figure, folder / "receptors.png")
     text = "Dots: receptors of each class on the palmar side of a right hand."
     text += "" if fig_hand.feels_stress(case) else " Red crosses: pins that move the skin."
     text += " Black: path of the focus." if np.ptp(path, axis=0).max() > 1e-6 else " Black dot: the focus, which rests."
@@ -86,4 +84,4 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     if len(cases) > 1:
         text += f" The figure shows the first case, {layout.case_label(selection, case)}; {OTHERS}."
     title = "Receptors and path" if fig_hand.feels_stress(case) else "Receptors, pins and path"
-    return [Figure("receptors", title, text, title + " on the hand", cases=[case.id])]
+    return [Figure(figure, "receptors", title, text, title + " on the hand", cases=[case.id])]

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -133,10 +132,10 @@ def highest(curves: list[tuple[np.ndarray, np.ndarray]], own_Hz: list[float], en
     return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
 
 
-def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Callable[..., Any], path: Path, end_Hz: float = SHOWN_Hz,
-              peaks: bool = False) -> tuple[bool, list[Chart]]:
+def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Callable[..., Any], end_Hz: float = SHOWN_Hz,
+              peaks: bool = False) -> tuple[Any, bool, list[Chart]]:
     """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
-    value. Returns whether the panels share their scale, and the charts of the panels."""
+    value. Returns the figure, whether its panels share their scale, and their charts."""
     cases = [c for _, drawn, _ in rows for c in drawn]
     colours = fig_time.colours_by_x(selection, cases)
     few = len(layout.x_values(selection)) <= style.DIRECT_LABELS if selection.x else True
@@ -172,10 +171,9 @@ def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Calla
     made[-1, 0].set_xlabel("frequency (Hz)")
     if selection.x:
         fig_time.add_x_key(figure, list(made[:, 0]), selection, colours)
-    style.save(figure, path)
     y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
     marks = [row_marks(selection, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
-    return alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
+    return figure, alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
 
 
 def row_marks(selection: Selection, drawn: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
@@ -214,7 +212,7 @@ def bands(cases: list[Case]) -> list[Any]:
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
-def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
+def relative_figure(selection: Selection, rows: list[Any]) -> Figure | None:
     """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
     of the references do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
@@ -229,27 +227,25 @@ def relative_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figu
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    _, charts = draw_rows(selection, rows, f"amplitude / largest of {name} (1)", relative,
-                          folder / "spectra_relative.png")
+    figure, _, charts = draw_rows(selection, rows, f"amplitude / largest of {name} (1)", relative)
     text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
-    return Figure("spectra_relative", f"Spectra relative to {name}", text,
+    return Figure(figure, "spectra_relative", f"Spectra relative to {name}", text,
                   f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
 
 
-def velocity_figure(selection: Selection, folder: Path, rows: list[Any]) -> Figure | None:
+def velocity_figure(selection: Selection, rows: list[Any]) -> Figure | None:
     """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
     if [of for _, of in fig_frequency.peaks(selection)] != ["du/dt"]:
         return None
     if not all(traces(c) for _, cases, _ in rows for c in cases):
         return None
-    alike, charts = draw_rows(selection, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
-                      folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
+    figure, alike, charts = draw_rows(selection, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum, VELOCITY_Hz, peaks=True)
     how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
     text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
     where = layout.place_words(traces(c).measured_m for _, cases, _ in rows for c in cases)
-    return Figure("spectra_velocity", f"Spectra of the velocity {where}", text,
+    return Figure(figure, "spectra_velocity", f"Spectra of the velocity {where}", text,
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
 
@@ -257,7 +253,7 @@ def own_scale(alike: bool) -> str:
     return "" if alike else " Each panel has its own scale."
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     selection = layout.fewer_lines(selection)
     cases = [c for c in layout.ordinary(selection) if traces(c)]
     rows = rows_of(selection)
@@ -269,12 +265,12 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
         frequency, amplitude = spectrum(case)
         return frequency, factor * amplitude
 
-    alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    figure, alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown)
     text = caption(selection, cases) + own_scale(alike)
     where = layout.place_words(traces(c).measured_m for c in cases)
-    made = [Figure("spectra", f"Spectra {where}", text, "Amplitude spectra of the displacement "
+    made = [Figure(figure, "spectra", f"Spectra {where}", text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
-            velocity_figure(selection, folder, rows), relative_figure(selection, folder, rows)]
+            velocity_figure(selection, rows), relative_figure(selection, rows)]
     ids = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
     return [replace(f, cases=ids) for f in made if f]
 

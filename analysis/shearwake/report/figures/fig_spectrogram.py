@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -69,7 +68,7 @@ def window_words(cases: list[Case]) -> str:
             f"{number(2.0 / lengths_s[0], 2)} Hz apart")
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     cases = chosen(selection)
     if not cases:
         return []
@@ -111,13 +110,12 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
                           label="amplitude of $u_z$ (dB)")
     bar.outline.set_visible(False)
     bar.ax.grid(False)
-    style.save(figure, folder / "spectrograms.png")
     text = ("Amplitude of u over time and frequency; 0 dB is the largest amplitude of each case over its "
             f"points. {window_words(cases)}; the mean of each window is subtracted.")
     where = {at for case in cases for at, _ in points(case)}
     if len(where) == 1:
         x, y = where.pop()
         text += f" At ({millimetres(1e3 * x)}, {millimetres(1e3 * y)}) mm."
-    return [Figure("spectrograms", "Spectrograms at the trace points", text,
+    return [Figure(figure, "spectrograms", "Spectrograms at the trace points", text,
                    "Amplitude of the displacement over time and frequency, one panel per case",
-                   maps=hover.maps_of(figure), cases=[case.id for case in cases])]
+                   cases=[case.id for case in cases])]

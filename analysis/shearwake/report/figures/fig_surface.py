@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -197,7 +196,7 @@ def times(shots: list[Snapshot]) -> str:
     return f"{' to '.join(number(1e3 * t) for t in dict.fromkeys([found[0], found[-1]]))} ms"
 
 
-def figures(selection: load.Selection, folder: Path) -> list[Figure]:
+def figures(selection: load.Selection) -> list[Figure]:
     cases, columns = cells(selection)
     grid = [snapshot(c) if c else None for c in cases]
     shots = [s for s in grid if s]
@@ -223,13 +222,12 @@ def figures(selection: load.Selection, folder: Path) -> list[Figure]:
         bar.set_ticks(root_ticks(end, norm))
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
-    style.save(figure, folder / "surface.png")
     plane = layout.plane_name([s.case for s in shots])
     title = f"{plane[:1].upper()}{plane[1:]} at {times(shots)}"
     text = caption(shots, any_lines, clipped)
     if isinstance(norm, plt.matplotlib.colors.FuncNorm):
         text += " The colours are proportional to the root of |u|, so that weak and strong wakes are both visible."
-    return [Figure("surface", title, text, title + ", seen from above", maps=hover.maps_of(figure),
+    return [Figure(figure, "surface", title, text, title + ", seen from above",
                    cases=[s.case.id for s in shots])]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import textwrap
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -240,7 +239,7 @@ def in_columns(selection: Selection) -> list[Case]:
     return [c for cases in found for c in cases]
 
 
-def time_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> list[Figure]:
+def time_figure(selection: Selection, measure: dict[str, Any]) -> list[Figure]:
     selection = layout.fewer_lines(selection)
     cases = [c for c in in_columns(selection)
              if measure["needs"] in c.over_time and len(c.over_time["time"])]
@@ -249,12 +248,11 @@ def time_figure(selection: Selection, folder: Path, measure: dict[str, Any]) -> 
     colours = colours_by_x(selection, cases)
     many = len(cases) > PANELS and len(layout.groups(selection)) <= PANELS
     figure = (overlay if many else small_panels)(selection, measure, cases, colours)
-    style.save(figure, folder / (measure["name"] + ".png"))
     marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
-    return [Figure(measure["name"], measure["title"], measure["caption"] + marks,
+    return [Figure(figure, measure["name"], measure["title"], measure["caption"] + marks,
                    f"{measure['title']}, one line per case", time_charts(selection, colours, measure), cases=shown)]
 
 
@@ -305,5 +303,5 @@ def key_caption(selection: Selection, cases: list[Case]) -> str:
     return text
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
-    return [f for m in MEASURES for f in time_figure(selection, folder, m)]
+def figures(selection: Selection) -> list[Figure]:
+    return [f for m in MEASURES for f in time_figure(selection, m)]

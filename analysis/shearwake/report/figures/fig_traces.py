@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -80,7 +79,7 @@ def charts_of(cases: list[tuple[Case, str]], places: list[tuple[float, float]], 
     return made
 
 
-def figures(selection: Selection, folder: Path) -> list[Figure]:
+def figures(selection: Selection) -> list[Figure]:
     some = layout.lines_of_one_panel(selection)
     drawn = [c for c in layout.with_references(some) if traces(c)]
     if not drawn:
@@ -91,7 +90,6 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     figure, made = plt.subplots(len(places), 2, squeeze=False, sharex="col", layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
     draw(figure, made, cases, places, colours)
-    style.save(figure, folder / "traces.png")
     plane = layout.plane_name(drawn)
     if all(layout.repeats(c) for c in drawn):
         text = (f"Displacement u of {plane} over one period of the load, and the lines of its one-sided amplitude spectrum, "
@@ -104,5 +102,5 @@ def figures(selection: Selection, folder: Path) -> list[Figure]:
     if len(places) < every:
         text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
     title = "Displacement and spectrum at every trace point"
-    return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
+    return [Figure(figure, "traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
                    cases=[c.id for c in drawn])]

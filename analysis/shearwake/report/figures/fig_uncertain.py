@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -85,7 +84,7 @@ def small_sample(rows: Any, columns: Any) -> Any:
     return f" Warning for {len(notes)} of the numbers: {notes[0]['note']}." if notes else ""
 
 
-def bands(selection: Selection, folder: Path, rows: Any) -> Any:
+def bands(selection: Selection, rows: Any) -> Any:
     columns = drawn_columns(selection, rows)
     if not columns:
         return []
@@ -95,15 +94,14 @@ def bands(selection: Selection, folder: Path, rows: Any) -> Any:
         draw_curves(axes, selection, sample.by_place(selection, rows, column), "q50",
                     (("q05", "value"), ("q95", "value")), (("q50", "low_95"), ("q50", "high_95")))
         axes.set_ylabel(fig_heat.measure_label(selection, column))
-    style.save(figure, folder / "uncertain_bands.png")
-    return [Figure("uncertain_bands", "Median and spread over the samples",
+    return [Figure(figure, "uncertain_bands", "Median and spread over the samples",
                    "Points: median over the samples. Light band or thin line: from the 5 % to the 95 % quantile, which "
                    "contain 90 % of the samples. Dark band or thick line: 95 % bootstrap confidence interval of the "
                    "median." + small_sample([row for row in rows if row["statistic"] in ("q05", "q50", "q95")], columns),
                    "Median and quantiles of the measures over the samples")]
 
 
-def probabilities(selection: Selection, folder: Path, rows: Any) -> Any:
+def probabilities(selection: Selection, rows: Any) -> Any:
     wanted = [(c, f"exceeds {v:.9g}") for c, v in selection.sweep.uncertain["exceedance"].items()]
     wanted = [(c, n) for c, n in wanted if any(n in s for s in sample.by_place(selection, rows, c).values())]
     if not wanted:
@@ -115,14 +113,13 @@ def probabilities(selection: Selection, folder: Path, rows: Any) -> Any:
         axes.set_ylim(-0.03, 1.03)
         axes.set_ylabel("probability")
         axes.set_title(f"{sample.column_words(selection, column)} {name}", loc="left", color="#555555")
-    style.save(figure, folder / "uncertain_probability.png")
-    return [Figure("uncertain_probability", "Probability of exceeding a threshold",
+    return [Figure(figure, "uncertain_probability", "Probability of exceeding a threshold",
                    "Fraction of the samples whose value exceeds the threshold of [uncertain] exceedance, with its 95 % "
                    "confidence interval (Wilson)." + small_sample([row for row in rows if (row["column"], row["statistic"])
                                                                    in wanted], {c for c, _ in wanted}), "Exceedance probabilities with confidence intervals")]
 
 
-def indices(selection: Selection, folder: Path) -> Any:
+def indices(selection: Selection) -> Any:
     rows = [row for row in read_sensitivity(selection.sweep.folder, selection.sweep.name) if not math.isnan(row["value"])]
     column = next((c for c in COLUMNS if any(row["column"] == c for row in rows)), None)
     if column is None:
@@ -148,7 +145,6 @@ def indices(selection: Selection, folder: Path) -> Any:
         axes.set_title(sample.label(selection, where) or "all samples", loc="left", color="#555555")
         axes.grid(False, axis="x")
     made[0, 0].legend(ncol=len(kinds))
-    style.save(figure, folder / "uncertain_indices.png")
     is_sobol = "total" in kinds
     text = ("Sobol indices: the share of the variance that a key explains alone (first order), and with all its "
             "interactions (total)." if is_sobol else
@@ -159,11 +155,11 @@ def indices(selection: Selection, folder: Path) -> Any:
     text += f" Warning: {notes[0]}." if notes else ""
     if len(shown) < len(places):
         text += f" The figure shows {len(shown)} of {len(places)} swept values; the table lists all."
-    return [Figure("uncertain_indices", "Sensitivity to the uncertain keys", text,
+    return [Figure(figure, "uncertain_indices", "Sensitivity to the uncertain keys", text,
                    "Sensitivity indices as bars with confidence intervals")]
 
 
-def scatter(selection: Selection, folder: Path) -> Any:
+def scatter(selection: Selection) -> Any:
     cases = [c for c in selection.cases if not c.is_reference]
     column = next((c for c in sample.RESULT if any(not math.isnan(case.value(c, math.nan)) for case in cases)), None)
     if column is None:
@@ -196,7 +192,6 @@ def scatter(selection: Selection, folder: Path) -> Any:
     made[0, 0].set_ylabel(fig_heat.measure_label(selection, column))
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
-    style.save(figure, folder / "uncertain_scatter.png")
     text = f"{sample.column_words(selection, column).capitalize()} of every sample against each uncertain key."
     if len(shown) < len(places):
         text += f" The figure shows {len(shown)} of {len(places)} swept values."
@@ -205,11 +200,11 @@ def scatter(selection: Selection, folder: Path) -> Any:
     if failed:
         text += (f" Red crosses: the values of the {words.counted(len(failed), 'sample')} without a result; the list of "
                  "missing cases states the reasons.")
-    return [Figure("uncertain_scatter", "Samples against the uncertain keys", text,
+    return [Figure(figure, "uncertain_scatter", "Samples against the uncertain keys", text,
                    "Scatter plots of the samples against the uncertain keys")]
 
 
-def figures(selection: Selection, folder: Path) -> Any:
+def figures(selection: Selection) -> Any:
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
-    return [*bands(selection, folder, rows), *probabilities(selection, folder, rows), *indices(selection, folder),
-            *scatter(selection, folder)]
+    return [*bands(selection, rows), *probabilities(selection, rows), *indices(selection),
+            *scatter(selection)]

@@ -2,7 +2,6 @@
 """Slices of recorded volumes: vertical through the focus, and horizontal below the surface."""
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -91,7 +90,7 @@ def draw_row(pair: Any, case: Case, volume: Any, end: Any) -> Any:
     return image
 
 
-def figures(selection: Selection, folder: Path) -> list[Any]:
+def figures(selection: Selection) -> list[Any]:
     candidates = [c for c in layout.ordinary(selection) if c.setting("record", "volumes_s", default=[])]
     found = [(c, v) for c in layout.evenly(candidates, CASES) if (v := last_volume(c))]
     if not found:
@@ -103,9 +102,8 @@ def figures(selection: Selection, folder: Path) -> list[Any]:
     component = found[0][1][1]
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=f"{component} (µm)", extend="both")
     bar.ax.grid(False)
-    style.save(figure, folder / "volume.png")
     text = (f"The component {component} of the displacement in the last recorded volume: a vertical slice through the focus, and "
             f"a horizontal slice. The colour scale ends at ±{number(end, 2)} µm, the 99.5th percentile; larger values are "
             "clipped." + strongest_text(focus_mm(*one) for one in found if len(wake.offsets_mm(one[0])) > 1))
-    return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
-                   maps=hover.maps_of(figure), cases=[case.id for case, _ in found])]
+    return [Figure(figure, "volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
+                   cases=[case.id for case, _ in found])]
