@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A measure over time for every case: one small panel per case, or a common panel for many cases."""
+"""A measure over time for every case, one panel per curve."""
 from __future__ import annotations
 
 import math
@@ -17,8 +17,6 @@ from ..load import Selection
 from ..page.chart import Chart, Line, Mark
 from ..words import number
 
-PANELS = 12  # largest number of cases with a panel each
-COLUMNS = 2
 DASHED = (0, (4.0, 2.0))  # the line of a reference
 DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
 
@@ -134,76 +132,34 @@ def frame(axes: Axes, cases: list[Case], measure: dict[str, Any], y_limits: tupl
         axes.set_ylim(*y_limits)
 
 
-def small_panels(selection: Selection, measure: dict[str, Any], cases: list[Case], colours: dict[str, Any]) -> Any:
-    """One panel per case on shared axes, with its reference dashed."""
-    columns = min(COLUMNS, len(cases))
-    rows = math.ceil(len(cases) / columns)
-    height = 1.25 if rows > 1 else 2.4
-    figure, made = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False,
-                                figsize=(style.WIDTH_in, 0.95 + rows * (height + 0.24)))
-    y_limits = limits(cases + [r for c in cases if (r := selection.reference_of(c))], measure)
-    for axes, case in zip(made.flat, cases):
-        reference = selection.reference_of(case)
-        if reference and reference is not case:
-            draw(axes, reference, measure, color="black", linewidth=0.9, linestyle=DASHED)
-        draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
-        mark_times(axes, [case])
-        frame(axes, cases, measure, y_limits)
-        title = layout.wrapped(warnings_of.label(selection, case, measure["name"]), 2.8)
-        axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
-    for axes in made.flat[len(cases):]:
-        axes.set_visible(False)
-    for column in range(columns):
-        last = made[(len(cases) - 1 - column) // columns, column]
-        last.tick_params(labelbottom=True)
-        last.set_xlabel("time (ms)")
-    figure.supylabel(measure["label"], fontsize=9.5, x=0.012)
-    add_key(figure, selection, cases)
-    arrange(figure, [axes.get_title(loc="left") for axes in made.flat], rows, columns)
-    return figure
+Panels = list[tuple[str, list[Case]]]  # titles and lines
 
 
-def arrange(figure: Any, titles: list[str], rows: int, columns: int) -> None:
-    """Places the panels below the legend, with room for the longest title; lengths are in inches."""
-    lines = max(title.count("\n") + 1 for title in titles)
-    above = 0.1 + 0.16 * lines  # a panel: its title
-    total = figure.get_figheight()
-    height = (total - 0.32 - 0.55 - rows * above) / rows
-    width = (style.WIDTH_in - 0.98 - 0.34 * (columns - 1)) / columns
-    figure.subplots_adjust(left=0.72 / style.WIDTH_in, right=1.0 - 0.26 / style.WIDTH_in, bottom=0.55 / total,
-                           top=1.0 - (0.32 + above) / total, hspace=above / height, wspace=0.34 / width)
+def panels(selection: Selection, measure: dict[str, Any]) -> Panels:
+    """One panel per curve, with its reference, and for references that differ within a curve."""
+    found = [(title, [c for c in [*drawn, *([reference] if reference else [])]
+                      if measure["needs"] in c.over_time and len(c.over_time["time"])])
+             for title, drawn, reference in layout.rows(selection)]
+    return [(title, shown) for title, shown in found if shown]
 
 
-def add_key(figure: Any, selection: Selection, cases: list[Case]) -> None:
-    starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
-    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
-    at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
-    reference = layout.reference_name(layout.all_references(selection))
-    dashed = [plt.Line2D([], [], color="black", linewidth=0.9, linestyle=DASHED, label=reference)]
-    has_reference = any(selection.reference_of(c) for c in cases)
-    figure.legend(handles=(dashed if has_reference else []) + after + at, ncol=3, loc="upper center",
-                  bbox_to_anchor=(0.5, 1.0))
-
-
-def overlay(selection: Selection, measure: Any, cases: list[Case], colours: Any) -> Any:
-    """One panel per series with its cases as thin lines coloured by x."""
-    rows = layout.rows(selection)
+def overlay(selection: Selection, measure: dict[str, Any], rows: Panels, colours: dict[str, Any]) -> Any:
+    """The panels with their cases as thin lines coloured by x."""
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
                                 figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
                                 layout="constrained")
-    y_limits = limits(cases + layout.all_references(selection), measure)
-    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+    cases = [c for _, drawn in rows for c in drawn]
+    for axes, (title, drawn) in zip(made[:, 0], rows):
         for case in drawn:
-            draw(axes, case, measure, color=colours[case.id], linewidth=0.9,
+            draw(axes, case, measure, color=colours.get(case.id, "black"), linewidth=0.9,
                  linestyle=DASHED if case.is_reference else "-")
-        if reference:
-            draw(axes, reference, measure, color="black", linewidth=1.5, linestyle=DASHED)
         mark_times(axes, drawn)
-        frame(axes, cases, measure, y_limits)
+        frame(axes, cases, measure, limits(cases, measure))
         axes.set_title(title, loc="left", color="#555555")
         axes.set_ylabel(measure["label"])
     made[-1, 0].set_xlabel("time (ms)")
-    add_x_key(figure, list(made[:, 0]), selection, colours)
+    if selection.x:
+        add_x_key(figure, list(made[:, 0]), selection, colours)
     return figure
 
 
@@ -231,29 +187,19 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
                        bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
 
 
-def in_columns(selection: Selection) -> list[Case]:
-    """The cases in the order of their panels: two curves have one column each."""
-    found = [group.cases for group in layout.groups(selection)]
-    if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
-        found = list(zip(*found))
-    return [c for cases in found for c in cases]
-
-
 def time_figure(selection: Selection, measure: dict[str, Any]) -> list[Figure]:
     selection = layout.fewer_lines(selection)
-    cases = [c for c in in_columns(selection)
-             if measure["needs"] in c.over_time and len(c.over_time["time"])]
+    cases = [c for c in layout.ordinary(selection) if measure["needs"] in c.over_time and len(c.over_time["time"])]
     if not cases:
         return []
-    colours = colours_by_x(selection, cases)
-    many = len(cases) > PANELS and len(layout.groups(selection)) <= PANELS
-    figure = (overlay if many else small_panels)(selection, measure, cases, colours)
+    colours, rows = colours_by_x(selection, cases), panels(selection, measure)
+    figure = overlay(selection, measure, rows, colours)
     marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
     return [Figure(figure, measure["name"], measure["title"], measure["caption"] + marks,
-                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure), cases=shown)]
+                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure, rows), cases=shown)]
 
 
 def marked_times(cases: list[Case]) -> tuple[float, list[float]]:
@@ -268,19 +214,14 @@ def time_marks(cases: list[Case]) -> list[Mark]:
     return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
 
 
-def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any]) -> list[Chart]:
-    """One panel per curve and for references that differ within a curve, with a line per case; the vertical axis shows
-    the settled part."""
-    panels = [(title, [c for c in [*drawn, *([reference] if reference else [])]
-                       if measure["needs"] in c.over_time and len(c.over_time["time"])])
-              for title, drawn, reference in layout.rows(selection)]
-    panels = [(title, shown) for title, shown in panels if shown]
-    y_limits = limits([c for _, shown in panels for c in shown], measure)
+def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any], rows: Panels) -> list[Chart]:
+    """The panels with a line per case; the vertical axis shows the settled part."""
+    y_limits = limits([c for _, shown in rows for c in shown], measure)
     return [Chart("time (ms)", measure["label"],
                   [Line(warnings_of.label(selection, c, measure["name"]), time_ms(c), positive(measure, c),
                         colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in shown], title,
                   y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(shown))
-            for title, shown in panels]
+            for title, shown in rows]
 
 
 def span(values: list[float]) -> str:
