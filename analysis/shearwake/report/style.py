@@ -173,6 +173,22 @@ def label_right(axes: Axes, labels: list[Any]) -> None:
                   color=readable(colour), clip_on=False, linespacing=1.15)
 
 
+def panels(count: int, columns: int, height_in: float, more_in: float, **options: Any) -> tuple[Any, np.ndarray]:
+    """A figure with rows of panels of this height, of which the first `count` are visible, and their axes."""
+    rows = -(-count // columns)
+    figure, made = plt.subplots(rows, columns, squeeze=False, layout="constrained", figsize=(WIDTH_in, more_in + height_in * rows), **options)
+    for axes in made.flat[count:]:
+        axes.set_visible(False)
+    return figure, made
+
+
+def bar_beside(figure: Any, image: Any, axes: list[Axes], label: str, **options: Any) -> Any:
+    bar = figure.colorbar(image, ax=axes, label=label, **options)
+    bar.outline.set_visible(False)
+    bar.ax.grid(False)
+    return bar
+
+
 def legend_strip(figure: Any, handles: list) -> None:
     """Adds a strip with a legend above the panels of a figure with constrained layout; handles have labels."""
     across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -93,8 +92,7 @@ def figures(selection: Selection) -> Any:
     rows = read_adaptive(selection.sweep.folder, selection.sweep.name)
     if not selection.sweep.adaptive_axes or not rows:
         return []
-    figure, made = plt.subplots(len(selection.sweep.adaptive_axes), 1, figsize=(style.WIDTH_in, 2.9 * len(selection.sweep.adaptive_axes) + 0.3),
-                                squeeze=False, layout="constrained")
+    figure, made = style.panels(len(selection.sweep.adaptive_axes), 1, 2.9, 0.3)
     text = ("Points: the cases that the adaptive axes chose. Band: the estimated error of linear interpolation between "
             "them. Dashed: the extremum or the crossing.")
     for axes, axis in zip(made[:, 0], selection.sweep.adaptive_axes):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -101,9 +100,7 @@ def figures(selection: Selection) -> list[Figure]:
 
 def picture(selection: Selection, cases: list[Case], columns: list[tuple[str, Any]], span: tuple[float, float] | None = None) -> Any:
     """One row per case; `span`: the part of the time that is drawn, in ms."""
-    figure, made = plt.subplots(len(cases), len(columns), squeeze=False, sharex=True, sharey="col",
-                                layout="constrained",
-                                figsize=(style.WIDTH_in, 0.9 + 1.25 * len(cases)))
+    figure, made = style.panels(len(cases) * len(columns), len(columns), 1.25, 0.9, sharex=True, sharey="col")
     for row, case in zip(made, cases):
         for axes, (_, draw) in zip(row, columns):
             draw(axes, case)

@@ -84,10 +84,7 @@ def hand_figure(selection: Selection, case: Case, afferents: Afferents, name: st
                       markersize=5 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8,
                       zorder=2.5)
         axes.set_title(f"{kind}: {len(active)} of {len(all_of)} {'fires' if len(active) == 1 else 'fire'}", pad=3)
-    bar = figure.colorbar(shown, ax=made[0].tolist(), label="firing rate (Hz)", aspect=28,
-                          shrink=0.8)
-    bar.outline.set_visible(False)
-    bar.ax.grid(False)
+    style.bar_beside(figure, shown, made[0].tolist(), "firing rate (Hz)", aspect=28, shrink=0.8)
     title = f"Firing afferents on the hand: {warnings_of.label(selection, case, name)}"
     return Figure(figure, name, title, "Coloured dots: firing afferents with their mean rate, on the same colour scale for all cases. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else

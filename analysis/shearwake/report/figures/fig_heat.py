@@ -252,9 +252,7 @@ def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple
     columns = columns_of(selection, others, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
-    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
-                                layout="constrained",
-                                figsize=(style.WIDTH_in, 0.8 + height * rows))
+    figure, made = style.panels(len(shown), columns, height, 0.8, sharex=True, sharey=True)
     for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
         error = cells(selection, column + "_error", x, y, others, values)[0]
         draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1, error)
@@ -263,20 +261,15 @@ def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple
             layout.setting_text(selection, x, v) for v in layout.values_of(selection, x)], y_names=[
                 layout.setting_text(selection, y, v) for v in layout.values_of(selection, y)], invalid=invalid, error=error)
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
-    for axes in made.flat[len(shown):]:
-        axes.set_visible(False)
     for i in range(len(shown)):
         made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
     ticks(made[0, 0].xaxis, x, selection, 15 // columns + 1)
     ticks(made[0, 0].yaxis, y, selection, 12 if rows == 1 else 8)
     figure.supxlabel(labels.axis_label(selection, x), fontsize=9.5)
     figure.supylabel(labels.axis_label(selection, y), fontsize=9.5)
-    bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
-                          label=label, aspect=30, pad=0.02)
+    bar = style.bar_beside(figure, plt.cm.ScalarMappable(norm=norm, cmap=colours), list(made.flat), label, aspect=30, pad=0.02)
     if selection.is_ratio(column) and isinstance(norm, plt.matplotlib.colors.LogNorm):
         style.ratio_axis(bar.ax.yaxis, (norm.vmin, norm.vmax))
-    bar.outline.set_visible(False)
-    bar.ax.grid(False)
     name = NAME + column
     head = f"{title} over {labels.name(selection, x)} and {labels.name(selection, y)}"
     text = caption(every, [labels.name(selection, k) for k in others], len(shown), of)

@@ -81,9 +81,7 @@ def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
     colours = ([style.sequential(i / max(1, len(values) - 1)) for i in range(len(values))]
                if ordered else style.distinct(len(values)))
     columns = 2 if len(shown) == 4 else min(COLUMNS, len(shown))
-    rows = math.ceil(len(shown) / columns)
-    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
-                                layout="constrained", figsize=(style.WIDTH_in, 1.3 + 1.75 * rows))
+    figure, made = style.panels(len(shown), columns, 1.75, 1.3, sharex=True, sharey=True)
     for axes, (panel, lines) in zip(made.flat, shown):
         for value, line in zip(values, colours):
             cases = lines.get(value, [])
@@ -95,8 +93,6 @@ def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
             axes.plot(x, invalid, **{**validity.CROSSES, "markersize": 4, "markeredgewidth": 1.0})
         settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, panel))
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
-    for axes in made.flat[len(shown):]:
-        axes.set_visible(False)
     for i in range(len(shown)):
         made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
     if layout.is_numeric(selection):

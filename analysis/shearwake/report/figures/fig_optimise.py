@@ -25,14 +25,9 @@ NAMES = {"eta_period_1": "efficiency η (1)"}
 COLOURS = {"unmodulated": style.GREY, **dict(zip((name for name, _ in KINDS), style.PALETTE))}
 
 
-def panels(count: int, height: float, **more: Any) -> tuple[Any, list[Axes]]:
+def panels(count: int, height: float) -> tuple[Any, list[Axes]]:
     """One panel per case in up to two columns, and the figure."""
-    columns = min(2, count)
-    rows = -(-count // columns)
-    figure, made = plt.subplots(rows, columns, figsize=(style.WIDTH_in, height * rows + 0.4), squeeze=False, sharex=True,
-                                sharey=True, layout="constrained", **more)
-    for axes in made.flat[count:]:
-        axes.set_visible(False)
+    figure, made = style.panels(count, min(2, count), height, 0.4, sharex=True, sharey=True)
     return figure, list(made.flat[:count])
 
 
@@ -138,12 +133,8 @@ def surfaces(selection: Selection, rows: list[dict[str, Any]], place: int, end: 
     if not shots:
         return []
     limits = fig_surface.window([shot for _, _, shot in shots], end)
-    rows_of_panels = -(-len(shots) // 2)
     height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])  # of a panel with its title
-    figure, made = plt.subplots(rows_of_panels, 2, figsize=(style.WIDTH_in, height * rows_of_panels + 0.5), squeeze=False,
-                                sharex=True, sharey=True, layout="constrained")
-    for axes in made.flat[len(shots):]:
-        axes.set_visible(False)
+    figure, made = style.panels(len(shots), 2, height, 0.5, sharex=True, sharey=True)
     for axes, (name, _, shot) in zip(made.flat, shots):
         image, _ = fig_surface.draw(axes, shot, plt.Normalize(-end, end), limits)
         axes.set_title(f"{name}, {shot.t_s * 1e3:.3g} ms", loc="left", color="#555555")
@@ -181,8 +172,7 @@ def means(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list[
     end = max(float(np.nanmax(u)) for u in rms)
     limits = moving_part([m for _, pair in shown for _, _, m in pair], LEAST * end)
     height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])
-    figure, made = plt.subplots(len(shown), 2, figsize=(style.WIDTH_in, height * len(shown) + 0.6), squeeze=False, sharex=True,
-                                sharey=True, layout="constrained")
+    figure, made = style.panels(2 * len(shown), 2, height, 0.6, sharex=True, sharey=True)
     for (rows, pair), line in zip(shown, made):
         for axes, (name, case, (x, y, squared, drawn)) in zip(line, pair):
             image = axes.imshow(1e6 * np.sqrt(squared).T, origin="lower", cmap="magma", vmin=0.0, vmax=end,

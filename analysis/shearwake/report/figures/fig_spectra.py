@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -146,9 +145,7 @@ def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Calla
     own_Hz = [own_frequency_Hz(selection, c) for c in cases]
     coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
     shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
-    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
-                                layout="constrained",
-                                figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
+    figure, made = style.panels(len(rows), 1, height, 0.75, sharex=True, sharey=alike)
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for low, high in bands(drawn):
             axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)

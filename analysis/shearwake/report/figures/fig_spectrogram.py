@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ... import wake
@@ -85,9 +84,7 @@ def figures(selection: Selection) -> list[Figure]:
     rows = math.ceil(len(cells) / columns)
     ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
     alike = len(ends) == 1 or not any(layout.repeats(c) for c in cases)
-    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=alike, sharey=True,
-                                layout="constrained",
-                                figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
+    figure, made = style.panels(len(cells), columns, 1.7 if rows > 1 else 2.6, 0.8, sharex=alike, sharey=True)
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
         level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
         edges = wake.extent(1e3 * times, frequency)
@@ -100,16 +97,11 @@ def figures(selection: Selection) -> list[Figure]:
             f" at ({millimetres(1e3 * at[0])}, {millimetres(1e3 * at[1])}) mm")
         title = layout.wrapped(warnings_of.label(selection, case, "spectrograms") + place, 6.6 / columns)
         axes.set_title(title, loc="left", fontsize=8.5)
-    for axes in made.flat[len(cells):]:
-        axes.set_visible(False)
     for i in range(len(cells)):
         made.flat[i].tick_params(labelbottom=not alike or i + columns >= len(cells))
     figure.supxlabel("time (ms)", fontsize=9.5)
     figure.supylabel("frequency (Hz)", fontsize=9.5)
-    bar = figure.colorbar(image, ax=list(made.flat), aspect=30, pad=0.02, extend="min",
-                          label="amplitude of $u_z$ (dB)")
-    bar.outline.set_visible(False)
-    bar.ax.grid(False)
+    style.bar_beside(figure, image, list(made.flat), "amplitude of $u_z$ (dB)", aspect=30, pad=0.02, extend="min")
     text = ("Amplitude of u over time and frequency; 0 dB is the largest amplitude of each case over its "
             f"points. {window_words(cases)}; the mean of each window is subtracted.")
     where = {at for case in cases for at, _ in points(case)}

@@ -73,8 +73,8 @@ def scale(shots: list[Snapshot]) -> float:
     return wake.scale_end([(s.case, s.t_s, s.x_mm, s.y_mm, s.u_um) for s in shots])
 
 
-def window(shots: list[Snapshot], end: float) -> tuple[float, float, float, float]:
-    """The rectangle, common to all snapshots, that contains all visible displacement and the path."""
+def window(shots: list[Snapshot], end: float, points: np.ndarray = np.empty((0, 2))) -> tuple[float, float, float, float]:
+    """The rectangle, common to all snapshots, that contains all visible displacement and the path, and points in mm."""
     low, high = np.full(2, math.inf), np.full(2, -math.inf)
     for s in shots:
         seen = np.abs(s.u_um) > SEEN * end
@@ -82,9 +82,8 @@ def window(shots: list[Snapshot], end: float) -> tuple[float, float, float, floa
             where = places[seen.any(axis=1 - axis)]
             if len(where):
                 low[axis], high[axis] = min(low[axis], where[0]), max(high[axis], where[-1])
-        path = wake.focus_at(s.case, s.t_s)[2]
-        low, high = np.minimum(low, path.min(axis=0)), np.maximum(high, path.max(axis=0))
-    low, high = low - 3.0, high + 3.0
+    points = np.concatenate([points, *(wake.focus_at(s.case, s.t_s)[2] for s in shots)])
+    low, high = np.minimum(low, points.min(axis=0)) - 3.0, np.maximum(high, points.max(axis=0)) + 3.0
     return (max(low[0], *(s.x_mm[0] for s in shots)), min(high[0], *(s.x_mm[-1] for s in shots)),
             max(low[1], *(s.y_mm[0] for s in shots)), min(high[1], *(s.y_mm[-1] for s in shots)))
 
@@ -191,6 +190,13 @@ def arrange(selection: load.Selection, shots: list[Any], columns: int,
     return figure, made, bar
 
 
+def draw_scale(figure: Any, image: Any, axes: Axes, label: str, extend: str) -> Any:
+    bar = figure.colorbar(image, cax=axes, orientation="horizontal", label=label, extend=extend)
+    bar.outline.set_linewidth(0.5)
+    axes.grid(False)
+    return bar
+
+
 def times(shots: list[Snapshot]) -> str:
     found = sorted({s.t_s for s in shots})
     return f"{' to '.join(number(1e3 * t) for t in dict.fromkeys([found[0], found[-1]]))} ms"
@@ -216,12 +222,9 @@ def figures(selection: load.Selection) -> list[Figure]:
     label = "$u_z$ (µm), positive into the tissue"
     if clipped:
         label += f"; clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"
-    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=label,
-                          extend="both" if clipped else "neither")
+    bar = draw_scale(figure, image, bar_axes, label, "both" if clipped else "neither")
     if isinstance(norm, plt.matplotlib.colors.FuncNorm):
         bar.set_ticks(root_ticks(end, norm))
-    bar.outline.set_linewidth(0.5)
-    bar_axes.grid(False)
     plane = layout.plane_name([s.case for s in shots])
     title = f"{plane[:1].upper()}{plane[1:]} at {times(shots)}"
     text = caption(shots, any_lines, clipped)

@@ -145,9 +145,7 @@ def panels(selection: Selection, measure: dict[str, Any]) -> Panels:
 
 def overlay(selection: Selection, measure: dict[str, Any], rows: Panels, colours: dict[str, Any]) -> Any:
     """The panels with their cases as thin lines coloured by x."""
-    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
-                                figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
-                                layout="constrained")
+    figure, made = style.panels(len(rows), 1, 2.3, 1.1, sharex=True, sharey=True)
     cases = [c for _, drawn in rows for c in drawn]
     for axes, (title, drawn) in zip(made[:, 0], rows):
         for case in drawn:
@@ -168,10 +166,7 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
     values = layout.x_values(selection)
     if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(selection), cmap=style.sequential_map())
-        bar = figure.colorbar(shown, ax=all_axes, label=labels.axis_label(selection, selection.x),
-                              aspect=30, pad=0.02)
-        bar.outline.set_visible(False)
-        bar.ax.grid(False)
+        bar = style.bar_beside(figure, shown, all_axes, labels.axis_label(selection, selection.x), aspect=30, pad=0.02)
         if layout.is_logarithmic(values):
             bar.set_ticks(values[:: max(1, len(values) // 8)])
             bar.minorticks_off()

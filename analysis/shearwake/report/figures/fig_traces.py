@@ -87,8 +87,7 @@ def figures(selection: Selection) -> list[Figure]:
     places, every = places_of(drawn)
     colours = fig_time.colours_in_one_panel(some, drawn)
     cases = [(c, warnings_of.label(some, c, "traces")) for c in drawn]
-    figure, made = plt.subplots(len(places), 2, squeeze=False, sharex="col", layout="constrained",
-                                figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
+    figure, made = style.panels(2 * len(places), 2, 1.5, 0.9, sharex="col")
     draw(figure, made, cases, places, colours)
     plane = layout.plane_name(drawn)
     if all(layout.repeats(c) for c in drawn):

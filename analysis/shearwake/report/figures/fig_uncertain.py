@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -88,8 +87,7 @@ def bands(selection: Selection, rows: Any) -> Any:
     columns = drawn_columns(selection, rows)
     if not columns:
         return []
-    figure, made = plt.subplots(len(columns), 1, figsize=(style.WIDTH_in, 2.6 * len(columns) + 0.3), squeeze=False,
-                                layout="constrained")
+    figure, made = style.panels(len(columns), 1, 2.6, 0.3)
     for axes, column in zip(made[:, 0], columns):
         draw_curves(axes, selection, sample.by_place(selection, rows, column), "q50",
                     (("q05", "value"), ("q95", "value")), (("q50", "low_95"), ("q50", "high_95")))
@@ -106,8 +104,7 @@ def probabilities(selection: Selection, rows: Any) -> Any:
     wanted = [(c, n) for c, n in wanted if any(n in s for s in sample.by_place(selection, rows, c).values())]
     if not wanted:
         return []
-    figure, made = plt.subplots(len(wanted), 1, figsize=(style.WIDTH_in, 2.6 * len(wanted) + 0.3), squeeze=False,
-                                layout="constrained")
+    figure, made = style.panels(len(wanted), 1, 2.6, 0.3)
     for axes, (column, name) in zip(made[:, 0], wanted):
         draw_curves(axes, selection, sample.by_place(selection, rows, column), name, ((name, "low_95"), (name, "high_95")))
         axes.set_ylim(-0.03, 1.03)
@@ -129,8 +126,7 @@ def indices(selection: Selection) -> Any:
     places = list(dict.fromkeys(sample.place(selection, row) for row in rows))
     shown = layout.evenly(places, PANELS)
     keys = selection.sweep.uncertain["keys"]
-    figure, made = plt.subplots(len(shown), 1, figsize=(style.WIDTH_in, 2.4 * len(shown) + 0.4), squeeze=False,
-                                sharex=True, layout="constrained")
+    figure, made = style.panels(len(shown), 1, 2.4, 0.4, sharex=True)
     for axes, where in zip(made[:, 0], shown):
         found = {(row["key"], row["index"]): row for row in rows if sample.place(selection, row) == where}
         for n, (kind, colour) in enumerate(zip(kinds, style.distinct(len(kinds)))):
@@ -166,8 +162,7 @@ def scatter(selection: Selection) -> Any:
         return []
     keys = selection.sweep.uncertain["keys"]
     across = min(3, len(keys))
-    figure, made = plt.subplots(-(-len(keys) // across), across, squeeze=False, sharey=True, layout="constrained",
-                                figsize=(style.WIDTH_in, 2.5 * -(-len(keys) // across) + 0.4))
+    figure, made = style.panels(len(keys), across, 2.5, 0.4, sharey=True)
     places = list(dict.fromkeys(sample.place(selection, c.settings) for c in cases))
     shown = layout.evenly(places, style.CURVES)
     failed = [c for c in cases if not c.is_complete]
@@ -187,8 +182,6 @@ def scatter(selection: Selection) -> Any:
             axes.plot([c.settings[key] for c in failed], [low] * len(failed), "x", color="#b00020",
                       label="without a result")
         axes.set_xlabel(words.axis_label(key))
-    for axes in list(made.flat)[len(keys):]:
-        axes.set_visible(False)
     made[0, 0].set_ylabel(fig_heat.measure_label(selection, column))
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
