@@ -150,8 +150,6 @@ TEST_CASE("the sampling rate of a carrier must resolve it", "[config][afferents]
 
 TEST_CASE("errors in [afferents] name the key", "[config][afferents]") {
     const auto [text, said] = GENERATE(table<std::string, std::string>({
-        {"pin_radius_mm = -1",
-         "afferents.pin_radius_mm must be between 1e-09 and 10000, but is -1"},
         {"classes = [\"SA2\"]", "but contains \"SA2\""},
         {"where = \"plam\"", "did you mean \"palm\"?"},
         {"nois = true", "did you mean noise?"},

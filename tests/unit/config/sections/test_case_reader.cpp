@@ -77,15 +77,12 @@ TEST_CASE("an error in domain or time is reported with its location", "[config][
         {"= 50.0", "= 1e-6",
          "26:22 time.output_interval_us results in 4000000000 frames; at most 1000000 are "
          "supported"},
-        {"duration_ms = 4.0\n", "", "24:1 time.duration_ms is missing"},
     }));
     CHECK(diagnostics_of(plain_with(old, by)) == Texts{error_at(diagnostic)});
 }
 
 TEST_CASE("an error in solver, measure or record is reported with its location", "[config][case]") {
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
-        {"[solver]\nengine = \"fem\"\n", "28:10 solver.engine must be one of \"layered\", "
-                                         "\"spectral\" or \"pstd\", but is \"fem\""},
         {"[solver.layered]\ntime_step_us = 51", "28:16 solver.layered.time_step_us must not exceed "
                                                 "time.output_interval_us = 50, but is 51"},
         {"[measure]\nat_ms = 3.99",
@@ -100,18 +97,12 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
          "28:13 measure.depths_mm must be in ascending order, but 0.5 follows 1"},
         {"[measure]\ndepths_mm = [0, 20]",
          "28:13 measure.depths_mm must lie above the rigid base at 20 mm, but contains 20"},
-        {"[measure]\ndepths_mm = []",
-         "28:13 measure.depths_mm must contain at least 1 number, but has 0"},
-        {"[measure]\ndepths_mm = 1",
-         "28:13 measure.depths_mm must be a list of numbers, but is a number"},
         {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
          "28:13 record.traces_mm must lie inside the domain, within 48 and 33.75 mm of its centre; "
          "[49, 0] does not"},
         {"[measure]\nbands_Hz = [[100, 500], [500, 100]]",
          "28:12 measure.bands_Hz must contain bands [low, high] with 0 <= low < high, but contains "
          "[500, 100]"},
-        {"[record]\ntraces_mm = [0, 0]",
-         "28:14 record.traces_mm must be a pair [x, y], but is a number"},
         {"[record]\nsnapshots_ms = [2.01]",
          "28:16 record.snapshots_ms must be the time of a frame: a multiple of "
          "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
@@ -126,7 +117,6 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
         {"[record]\nvolume_fields = [\"u\"]",
          "28:17 record.volume_fields selects what is stored at record.volumes_ms, which is "
          "missing; add the times, or remove this key"},
-        {"[record]\nframes = 1", "28:10 record.frames must be true or false, but is a number"},
     }));
     CHECK(diagnostics_of(plain_and(more)) == Texts{error_at(diagnostic)});
 }
@@ -177,18 +167,13 @@ TEST_CASE("engines in time reject media and loads that they do not compute", "[j
     if (old.starts_with("viscosity")) CHECK(errors.size() == 1);
 }
 
-TEST_CASE(
-    "an accuracy of the spectral engine is rejected if out of range or combined with a time step",
-    "[config][case]") {
-    const auto [given, diagnostic] = GENERATE(table<std::string, std::string>({
-        {"accuracy = 0", "accuracy must be between 0.0001 and 0.1, but is 0"},
-        {"time_step_us = \"fast\"", "time_step_us must be a number, but is a string"},
-        {"time_step_us = 25, accuracy = 1e-2",
-         "accuracy applies only with time_step_us = \"auto\""},
-    }));
-    const Texts found = diagnostics_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
+TEST_CASE("an accuracy of the spectral engine is rejected together with a time step",
+          "[config][case]") {
+    const Texts found =
+        diagnostics_of(plain_and("[solver]\nspectral = { time_step_us = 25, accuracy = 1e-2 }\n"));
     REQUIRE(found.size() == 1);
-    CHECK_THAT(found[0], Catch::Contains("error: solver.spectral." + diagnostic));
+    CHECK_THAT(found[0],
+               Catch::Contains("error: solver.spectral.accuracy applies only with time_step_us"));
 }
 
 TEST_CASE("volumes are stored in order and without duplicates, independent of the order in the job",
@@ -222,7 +207,6 @@ TEST_CASE("the options of the engine pstd are read", "[job]") {
                              Precision::single_precision});
 
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
-        {"top = \"air\"", "solver.pstd.top must be one of \"void\", \"continued\" or \"fluid\""},
         {"fluid_c_p_m_s = 40", "solver.pstd.fluid_c_p_m_s applies only with top = \"fluid\""},
         {"load = \"displacement\"", "solver.pstd.displacement_um is missing"},
         {"displacement_um = 1",

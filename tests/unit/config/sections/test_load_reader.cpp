@@ -70,15 +70,8 @@ TEST_CASE("a carrier can be resolved", "[config][load]") {
 
 TEST_CASE("an error in the load is reported with its location", "[config][load]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"peak_Pa = 100.0", "peak_Pa = 0", "14:11 peak_Pa must be above 0, but is 0"},
-        {"shape = \"gaussian\", fwhm_mm = 3.0", "shape = \"disc\", radius_mm = 10",
-         "15:23 footprint.shape must be one of \"gaussian\", \"array\" or \"lens\", but is "
-         "\"disc\""},
-        {"peak_Pa = 100.0\n", "", "13:1 peak_Pa is missing"},
-        {", fwhm_mm = 3.0", "", "15:13 footprint.fwhm_mm is missing"},
         {"footprint = {", "carrier_kHz = 40\nfootprint = {",
          "15:15 carrier_kHz applies only with carrier = \"resolved\""},
-        {"[load.modulation]", "[load.modulation]\n[load.sound]", "17:7 sound is unknown"},
     }));
     const Texts found = diagnostics_of(plain_with(old, by));
     CHECK(any_contains(found, error_at(diagnostic, "load.")));
@@ -86,19 +79,9 @@ TEST_CASE("an error in the load is reported with its location", "[config][load]"
 
 TEST_CASE("an error in the modulation is reported with its location", "[config][load]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"\"AM-STM\"", "\"AMSTM\"",
-         "17:8 modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\", \"SM-STM\", \"LM\", "
-         "\"DTP\", \"STP\" or \"custom\", but is \"AMSTM\"; did you mean \"AM-STM\"?"},
-        {"kind = \"AM-STM\"\n", "", "16:1 modulation.kind is missing"},
         {"\"AM-STM\"", "\"STM\"", "20:19 modulation.am_frequency_Hz does not apply to kind STM"},
         {"to_mm = [14.0, 0.0]", "to_mm = [-14.0, 0.0]",
          "18:58 modulation.path.to_mm equals the start of the path, so the path has no length"},
-        {"to_mm = [14.0, 0.0]", "to_mm = [14.0]",
-         "18:58 modulation.path.to_mm must be a pair [x, y], but has 1 values"},
-        {", to_mm = [14.0, 0.0]", "", "18:8 modulation.path.to_mm is missing"},
-        {"\"line\"", "\"lien\"",
-         "18:18 modulation.path.shape must be one of \"line\", \"circle\", \"arc\", \"polygon\", "
-         "\"lissajous\", \"polyline\" or \"csv\", but is \"lien\"; did you mean \"line\"?"},
         {"speed_m_s = 7.0", "speed_m_s = 7.0\nmach = 1.4",
          "20:8 modulation.mach and speed_m_s are both given; specify only one of them"},
         {"speed_m_s = 7.0\n", "",
