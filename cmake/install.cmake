@@ -10,6 +10,7 @@ install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE PATTE
 install(DIRECTORY tests/baselines DESTINATION ${data}/tests)
 install(PROGRAMS scripts/kspaceFirstOrder-elastic DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES scripts/common.sh scripts/make_map.py DESTINATION ${data}/scripts)
+install(PROGRAMS scripts/update-baseline DESTINATION ${data}/scripts)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN conf.py EXCLUDE)
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

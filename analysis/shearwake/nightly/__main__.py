@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs the jobs, compares their tables with the baselines, stores all numbers in the history, and writes
-an HTML page. scripts/nightly builds the program and then runs this script."""
+"""Runs the jobs, compares their tables with the baselines, stores all numbers in the history, and writes an HTML page and a JUnit
+file. scripts/nightly builds the program and then runs this script."""
 import argparse
 import fcntl
 import os
@@ -8,37 +8,57 @@ import socket
 import sqlite3
 import statistics
 import sys
+import traceback
+from collections.abc import Callable
 from datetime import datetime, timezone
 from pathlib import Path
 
 from .. import program
 from ..errors import ShearwakeError
-from . import night, page
+from . import documents, night, page
+from .documents import ROOT, Test
 from .history import History
 from .night import Result, Watched
 from .shearwake_program import Program
 
-ROOT = Path(__file__).resolve().parents[3]
-# A speed is reported as slower if its ratio exceeds the median of the earlier nights by this factor in two
-# consecutive nights. Other processes on the machine have changed a ratio by a factor of 1.7 for one night.
-SLOWER = 1.25
+SLOWER_PERCENT = 25.0
+LEAST_s = 1.0  # shorter differences of a job are noise
+
+
+class UsageError(Exception):
+    """An argument is not valid."""
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> None:  # type: ignore[override]
+        raise UsageError(f"{message}; see {self.prog} --help")
+
+
+def add_folders(parser: argparse.ArgumentParser) -> None:
+    documents.add_out(parser)
+    parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
+                        help="folder of the baselines (default: tests/baselines)")
+
+
+def folder_options(parser: argparse.ArgumentParser, chosen: argparse.Namespace) -> list[str]:
+    """The options of folders that are not the default, which the commands of the next steps repeat."""
+    return [word for name in ("out", "baselines") if (folder := getattr(chosen, name)) != parser.get_default(name)
+            for word in (f"--{name}", str(folder.resolve()))]
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds the program, runs "
-                                     "the jobs and compares their tables with the baselines; exit 5 if one "
-                                     "differs.")
-    parser.add_argument("jobs", nargs="*", metavar="JOB", help="name of a file in jobs/, or a path to one "
-                        "that ends in .toml (default: all jobs with a baseline)")
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
-                        help="folder for history, runs and page (default: out/nightly)")
-    parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
-                        help="folder of the baselines (default: tests/baselines)")
+    parser = Parser(prog="scripts/nightly", description="Builds the program, runs the jobs and compares their tables with the "
+                    "baselines; exit 4 if a case failed, exit 5 if a table differs.")
+    parser.add_argument("jobs", nargs="*", metavar="JOB", help="name of a file in jobs/ or of a baseline, or a path to a job that "
+                        "ends in .toml (default: all jobs with a baseline)")
+    add_folders(parser)
     parser.add_argument("--ranks", type=int, default=2, metavar="N", help="ranks of each run (default: 2)")
     parser.add_argument("--hours", type=float, default=6.0, metavar="H", help="time limit per job (default: 6)")
     parser.add_argument("--nights", type=int, default=60, metavar="N", help="number of nights on the page "
                         "(default: 60)")
-    parser.add_argument("--no-bench", action="store_true", help="do not measure speeds")
+    parser.add_argument("--no-bench", action="store_true", help="do not measure the speeds of the engines")
+    parser.add_argument("--fail-slower", type=float, metavar="PERCENT", help="exit 5 if a job takes longer by more than PERCENT than "
+                        f"in earlier nights (default: only report jobs that are slower by {SLOWER_PERCENT:g} %%)")
     parser.add_argument("--build-failed", metavar="LOG", help=argparse.SUPPRESS)
     chosen = parser.parse_intermixed_args()
     if chosen.ranks < 1 or chosen.nights < 1 or chosen.hours <= 0:
@@ -46,6 +66,8 @@ def arguments() -> argparse.Namespace:
     chosen.jobs = chosen.jobs or sorted(path.stem for path in chosen.baselines.glob("*.csv"))
     if not chosen.jobs:
         parser.error(f"{chosen.baselines} contains no baselines: specify the jobs")
+    chosen.folders = folder_options(parser, chosen)
+    chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
     return chosen
 
 
@@ -60,110 +82,126 @@ def lock(folder: Path) -> int | None:
     return handle
 
 
-def speeds_of(shearwake: Program, results: list[Result]) -> list[tuple[str, float]]:
-    """The speeds of the engines, and per job the time of its median case over that of the FFTs of a
-    case of engine layered."""
-    speeds, layered_s = shearwake.speeds()
-    for result in results:
-        if layered_s and result.seconds:
-            speeds.append((f"{result.name}: median case relative to FFTs of layered", result.seconds / layered_s))
-    return speeds
-
-
-def slower_than_before(history: History, number: int, nights: list[tuple]) -> list[str]:
-    """Names of the speeds that were slower in this night and the night before than in the nights before
-    these two, of which there must be at least three."""
+def slower(speeds: dict[str, float], earlier: dict[str, dict[int, float]], percent: float) -> list[str]:
+    """Which times exceed the median of the earlier nights by more than `percent`; those in seconds also by LEAST_s."""
     found = []
-    for name, values in history.speeds(nights[0][0]).items():
-        ratios = [values[n] for n in sorted(values)]
-        before, now = ratios[:-2], ratios[-2:]
-        if number in values and len(before) >= 3 and min(now) > SLOWER * statistics.median(before):
-            found.append(name)
+    for name, value in speeds.items():
+        if before := list(earlier.get(name, {}).values()):
+            median = statistics.median(before)
+            if value > (1.0 + percent / 100.0) * median and (value > median + LEAST_s or not name.endswith("(s)")):
+                found.append(f"{100 * (value / median - 1):+.0f} % in {name}: {value:.3g} instead of {median:.3g}, the median of "
+                             + night.counted(len(before), "earlier night"))
     return found
 
 
-def write(path: Path, text: str) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(path)
+def measured(measure: Callable[[], Result], earlier: dict[str, dict[int, float]], fail_percent: float | None) -> Result:
+    """The result of a job. If it is slower than before, it is run a second time, since other processes may have delayed it, and the
+    shorter times count."""
+    percent = SLOWER_PERCENT if fail_percent is None else fail_percent
+    result = measure()
+    if slower(result.speeds, earlier, percent):
+        first, result = result.speeds, measure()
+        result.speeds = {name: min(value, first.get(name, value)) for name, value in result.speeds.items()}
+    if found := slower(result.speeds, earlier, percent):
+        result.slower = found
+        if result.verdict == night.EQUAL:
+            result.end(night.SLOWER, 0, found[0])
+        if fail_percent is not None and result.verdict in (night.SLOWER, night.NO_BASELINE):
+            result.code = 5
+    return result
 
 
-def verdict_of(results: list[Result]) -> str:
-    for verdict in (night.DIFFERS, night.BROKEN, night.NO_BASELINE):
-        if any(r.verdict == verdict for r in results):
-            return verdict
-    return night.EQUAL
+def headline_of(results: list[Result]) -> str:
+    """The results that are not equal to their baselines, failed ones first."""
+    severity = list(night.VERDICTS)
+    found = [r.headline for r in sorted(results, key=lambda r: severity.index(r.verdict)) if r.verdict != night.EQUAL]
+    return "; ".join(found) or "all tables equal their baselines"
 
 
 def code_of(results: list[Result]) -> int:
-    """5 if one job differs, otherwise the first code other than 0."""
+    """4 if a case failed, 5 if a table differs, otherwise the first code other than 0."""
     codes = [r.code for r in results]
-    return 5 if 5 in codes else next((code for code in codes if code), 0)
+    return next((code for code in (4, 5, *codes) if code in codes and code), 0)
 
 
-def broken_build(log: Path, watched: list[Watched]) -> list[Result]:
-    output = Path(log).read_text(encoding="utf-8", errors="replace")
-    return [night.Result(w, night.BROKEN, 1, "the build failed: " + night.last_lines(output)) for w in watched]
+def tests_of(results: list[Result]) -> list[Test]:
+    """The entries of the JUnit file: one per job and one per failed case."""
+    kinds = {night.FAILED: "error", night.BROKEN: "error", night.NO_BASELINE: "error", night.DIFFERS: "failure"}
+    tests = []
+    for r in results:
+        kind = kinds.get(r.verdict, "failure" if r.code else "")
+        tests.append(Test(r.name, r.name, r.seconds, kind, r.headline if kind or r.slower else "", [*r.slower, *r.rows]))
+        tests += [Test(r.name, case, 0.0, "error", reason) for case, reason in r.failed.items()]
+    return tests
 
 
-def the_night(chosen: argparse.Namespace, watched: list[Watched], handle: int) -> tuple[list[Result], list[str]]:
+def the_night(chosen: argparse.Namespace, watched: list[Watched], handle: int) -> list[Result]:
     log = chosen.out / "nightly.log"
-    for name in (log.name, "index.html.part"):
-        (chosen.out / name).unlink(missing_ok=True)  # writing to a pipe would block
+    log.unlink(missing_ok=True)  # writing to a pipe would block
     os.environ.update(program.SHARED_CORES)
-    shearwake = Program(log, (handle,))
+    shearwake, host = Program(log, (handle,)), socket.gethostname()
     history = History(chosen.out / "history.sqlite")
     started = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
     git_id = "not built" if chosen.build_failed else shearwake.git_id()
-    number = history.begin(started, git_id, socket.gethostname())
-    speeds: list[tuple[str, float]] = []
+    number = history.begin(started, git_id, host)
     if chosen.build_failed:
-        results = broken_build(chosen.build_failed, watched)
+        output = Path(chosen.build_failed).read_text(encoding="utf-8", errors="replace")
+        results = [Result(w.name).fail("build", 1, output) for w in watched]
     else:
-        results = [night.run_job(shearwake, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]
+        earlier = history.speeds(number - chosen.nights, host)
+        tasks: list[Callable[[], Result]] = [
+            lambda w=w: night.run_job(shearwake, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]  # type: ignore[misc]
         if not chosen.no_bench:
-            speeds = speeds_of(shearwake, results)
-    verdict = verdict_of(results)
-    history.finish(number, verdict, [(r.name, r.verdict, r.message) for r in results],
-                   [(r.name, *reading) for r in results for reading in r.readings], speeds)
-    nights = history.nights(chosen.nights)
-    slower = slower_than_before(history, number, nights)
-    write(chosen.out / "index.html", page.page(verdict, results, history, nights, slower))
+            tasks.append(lambda: night.bench(shearwake))
+        results = [measured(task, earlier, chosen.fail_slower) for task in tasks]
+    for result in results:
+        if result.verdict not in (night.EQUAL, night.NO_BASELINE) and result.name != night.BENCH:
+            result.rows += night.commits(history, result.name, git_id)
+    headline = headline_of(results)
+    verdict = min((r.verdict for r in results), key=list(night.VERDICTS).index)
+    history.finish(number, verdict, [(r.name, r.verdict, r.reason) for r in results if r.name != night.BENCH or r.slower],
+                   [(r.name, *reading) for r in results for reading in r.readings],
+                   [speed for r in results for speed in r.speeds.items()])
+    text = page.page(headline, results, {w.name: w.baseline for w in watched}, history, history.nights(chosen.nights))
+    documents.replace(chosen.out / "index.html", text)
+    documents.replace(chosen.out / "junit.xml", documents.junit(headline, tests_of(results)))
     history.close()
-    return results, slower
+    return results
+
+
+def run_night() -> list[Result]:
+    """Runs a night and prints its results. Raises what prevents it."""
+    chosen = arguments()
+    try:
+        watched = night.watched_jobs(chosen.jobs, chosen.out, chosen.baselines, chosen.folders)
+    except ValueError as problem:
+        raise UsageError(str(problem)) from problem
+    chosen.out.mkdir(parents=True, exist_ok=True)
+    handle = lock(chosen.out)
+    if handle is None:
+        raise OSError(f"another night is running in {chosen.out}; wait for its end, or choose another --out")
+    try:
+        results = the_night(chosen, watched, handle)
+    except sqlite3.Error as problem:
+        raise OSError(f"{chosen.out / 'history.sqlite'}: {problem}; if the file is damaged, move it away: the next night creates a "
+                      "new one") from problem
+    print(documents.subject(headline_of(results)), end="\n\n")
+    for result in results:
+        print(f"{result.name}: {result.state}", *result.slower, *result.rows, sep="\n  ")
+    print(f"page: {chosen.out / 'index.html'}")
+    return results
 
 
 def main() -> int:
-    chosen = arguments()
-    chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
     try:
-        watched = night.watched_jobs(chosen.jobs, ROOT, chosen.out, chosen.baselines)
-    except ValueError as problem:
-        print(problem, file=sys.stderr)
-        return 2
-    try:
-        chosen.out.mkdir(parents=True, exist_ok=True)
-        handle = lock(chosen.out)
-        if handle is None:
-            print(f"another night is running in {chosen.out}; wait for its end, or choose another --out",
-                  file=sys.stderr)
-            return 6
-        results, slower = the_night(chosen, watched, handle)
-    except (OSError, ValueError, ShearwakeError) as problem:  # ValueError: tables or histories with other contents
-        print(f"the night cannot continue: {problem}", file=sys.stderr)
-        return 6
-    except sqlite3.Error as problem:
-        print(f"{chosen.out / 'history.sqlite'}: {problem}; if the file is damaged, move it away: the next "
-              "night creates a new one", file=sys.stderr)
-        return 6
-    for result in results:
-        print(f"{result.name}: {page.VERDICTS[result.verdict]}")
-        if result.message:
-            print("  " + result.message.strip().replace("\n", "\n  "))
-    for name in slower:
-        print(f"slower: {name}")
-    print(f"page: {chosen.out / 'index.html'}")
-    return code_of(results)
+        return code_of(run_night())
+    except (UsageError, OSError, ValueError, ShearwakeError) as problem:  # ValueError: tables or histories with other contents
+        documents.cannot_run(str(problem), sys.argv[1:])
+        return 2 if isinstance(problem, UsageError) else 6
+    except Exception as problem:
+        traceback.print_exc()
+        documents.cannot_run(f"internal error: {problem!r}", sys.argv[1:])
+        return 1
 
 
 if __name__ == "__main__":

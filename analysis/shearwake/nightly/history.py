@@ -72,13 +72,19 @@ class History:
             found.setdefault(column, {}).setdefault(case, {})[night] = float(value)
         return found
 
-    def speeds(self, first_night: int) -> dict[str, dict[int, float]]:
-        """{name: {night: ratio}}"""
+    def speeds(self, first_night: int, host: str) -> dict[str, dict[int, float]]:
+        """{name: {night: value}} of the nights on a host"""
         found: dict[str, dict[int, float]] = {}
-        for name, night, ratio in self._rows(
-                "SELECT name, night, ratio FROM speed WHERE night >= ? ORDER BY rowid", first_night):
-            found.setdefault(name, {})[night] = float(ratio)
+        for name, night, value in self._rows("SELECT name, night, ratio FROM speed JOIN night ON night = night.id "
+                                             "WHERE night >= ? AND host = ? ORDER BY speed.rowid", first_night, host):
+            found.setdefault(name, {})[night] = float(value)
         return found
+
+    def last_equal(self, job: str) -> tuple[str, str] | None:
+        """The date and the program of the last night on which the table of a job was equal to its baseline."""
+        rows = self._rows("SELECT substr(started, 1, 10), git_id FROM job JOIN night ON night = night.id "
+                          "WHERE name = ? AND job.verdict = 'equal' ORDER BY night.id DESC LIMIT 1", job)
+        return (rows[0][0], rows[0][1]) if rows else None
 
     def _rows(self, query: str, *values: Any) -> list[tuple]:
         with closing(self._file.execute(query, values)) as cursor:

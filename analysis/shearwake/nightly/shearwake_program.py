@@ -9,6 +9,8 @@ from .. import program
 
 ENGINES = ("layered", "spectral")
 TIMED_OUT = 124  # exit code of timeout
+# What mpirun adds to the output of the program: blocks between lines of dashes or equals signs, and counts of suppressed blocks.
+OF_MPIRUN = re.compile(r"^([-=]{60,})\n.*?^\1\n?|^\[\S+:\d+\] [^\n]*help[^\n]*\n?", re.M | re.S)
 
 
 class Program:
@@ -28,19 +30,19 @@ class Program:
             output += f"\nended after {limit_s:g} s"
         with open(self.log, "a", encoding="utf-8") as log:
             log.write(f"$ {' '.join([*launch, 'shearwake', *words])}\n{output}exit {process.returncode}\n\n")
-        return process.returncode, output
+        return process.returncode, OF_MPIRUN.sub("", output)
 
     def git_id(self) -> str:
         match = re.search(r"^git\s+(\S+)", self("--version")[1], re.M)
         return match.group(1) if match else "unknown"
 
-    def speeds(self) -> tuple[list[tuple[str, float]], float | None]:
-        """[(name, time relative to the FFTs alone)], and the seconds of the FFTs of the first case of engine layered."""
-        found, layered_s = [], None
+    def speeds(self) -> tuple[dict[str, float], str]:
+        """The times of the engines relative to those of their FFTs, by name, and the output of a measurement that failed."""
+        found: dict[str, float] = {}
         for engine in ENGINES:
             code, output = self("bench", engine, "--json")
-            for m in json.loads(output)["measurements"] if code == 0 else ():
-                if m["fft_s"] > 0.0:
-                    found.append((f"{engine}, {m['name']}: time relative to its FFTs", m["time_s"] / m["fft_s"]))
-                    layered_s = layered_s or m["fft_s"]
-        return found, layered_s
+            if code != 0:
+                return found, output
+            found |= {f"{engine}, {m['name']}: time relative to its FFTs": m["time_s"] / m["fft_s"]
+                      for m in json.loads(output)["measurements"] if m["fft_s"] > 0.0}
+        return found, ""

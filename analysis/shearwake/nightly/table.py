@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads tables that `shearwake reduce` wrote: their watched numbers and the names of their cases."""
-import statistics
 from pathlib import Path
 
 from ..report.compare.compare_tables import NotATable, Table, number_of, read_table, row_name, swept_columns
@@ -27,10 +26,3 @@ def readings(path: Path) -> list[tuple[str, str, float]]:
             if value is not None:
                 found.setdefault((row_name(table, row), column), value)
     return [(case, column, value) for (case, column), value in found.items()]
-
-
-def median_seconds(path: Path) -> float | None:
-    """Median of the cases' times, or None. The median is robust against the first case of a medium, which
-    takes longer, and against other processes on the machine."""
-    each = [value for row in read_cases(path).rows if (value := number_of(row.get("wall_s", ""))) is not None]
-    return statistics.median(each) if each else None

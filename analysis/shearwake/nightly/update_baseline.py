@@ -9,9 +9,8 @@ from pathlib import Path
 
 from ..errors import ShearwakeError
 from . import night, table
+from .__main__ import add_folders, folder_options
 from .shearwake_program import Program
-
-ROOT = Path(__file__).resolve().parents[3]
 
 
 def arguments() -> argparse.Namespace:
@@ -20,11 +19,10 @@ def arguments() -> argparse.Namespace:
                                      "confirmation first.")
     parser.add_argument("job", metavar="JOB", help="name or path of the job, as given to scripts/nightly")
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
-                        help="output folder of scripts/nightly (default: out/nightly)")
-    parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
-                        help="folder of the baselines (default: tests/baselines)")
-    return parser.parse_args()
+    add_folders(parser)
+    chosen = parser.parse_args()
+    chosen.folders = folder_options(parser, chosen)
+    return chosen
 
 
 def write_baseline(source: Path, target: Path) -> None:
@@ -48,7 +46,7 @@ def agreed() -> bool:
 def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
     source = watched.table()
     if source is None:
-        print(f"{watched.run} has no table of {watched.name}; next: scripts/nightly {chosen.job}", file=sys.stderr)
+        print(f"{watched.run} has no table of {watched.name}; next: {watched.command('nightly')}", file=sys.stderr)
         return 6
     rows = table.read_cases(source).rows
     bad = [row["id"] for row in rows if row["status"] != "complete"]
@@ -60,6 +58,7 @@ def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
         code, output, _ = night.compare(Program(os.devnull), watched)
         print(output, end="")
         if code == 0:
+            night.store_job(watched)
             print("the baseline is up to date")
             return 0
         if code != 5 and not chosen.yes:
@@ -71,6 +70,7 @@ def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
         print("the baseline is unchanged")
         return 5
     write_baseline(source, watched.baseline)
+    night.store_job(watched)
     print(f"written: {watched.baseline}")
     return 0
 
@@ -79,7 +79,7 @@ def main() -> int:
     chosen = arguments()
     chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
     try:
-        watched = night.watched_jobs([chosen.job], ROOT, chosen.out, chosen.baselines)[0]
+        watched = night.watched_jobs([chosen.job], chosen.out, chosen.baselines, chosen.folders)[0]
         return update(chosen, watched)
     except ValueError as problem:
         print(problem, file=sys.stderr)
