@@ -118,6 +118,11 @@ class Case:
         return self._row["note"] if self._row.get("status") == self.status else "not computed"
 
     @property
+    def wall_s(self) -> float:
+        """The computing time in s; NaN if the case is not complete."""
+        return math.nan if self.status != "complete" else self._row["wall_s"] if "wall_s" in self._row else self.attributes["wall_s"]
+
+    @property
     def note(self) -> str:
         """The column `note` of the table: the reason, or what is empty or not valid in a complete case."""
         return self.reason or self._row.get("note", "")
@@ -243,7 +248,7 @@ class Case:
             self.__dict__.pop(name, None)  # read from a file that may have been replaced
         try:
             checksum.verify_case(path)
-            if self.attributes["case_id"] != self.id:
+            if stored.attributes(path, ["case_id"])["case_id"] != self.id:
                 raise ValueError("it contains another case")
             self.parameters
         except OSError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,15 +12,15 @@ import h5py
 import numpy as np
 
 from .checksum import Damaged
-from .inputs import open_self_contained
+from .inputs import open_self_contained, require_regular
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[h5py.File]:
+def opened(path: Path, open_file: Callable[[Path], h5py.File] = open_self_contained) -> Iterator[h5py.File]:
     """A case file, open for reading. Raises OSError if the file does not exist or may not be read, and Damaged, with the path,
     if it or what is read from it is damaged."""
     try:
-        with open_self_contained(path) as file:
+        with open_file(path) as file:
             yield file
     except (FileNotFoundError, PermissionError):
         raise
@@ -51,10 +51,11 @@ def plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and np.size(value) == 1 else value
 
 
-def attributes(path: Path) -> dict[str, Any]:
-    """The attributes of the root group. Raises OSError and Damaged."""
-    with opened(path) as file:
-        return {name: plain(value) for name, value in file.attrs.items()}
+def attributes(path: Path, names: Sequence[str] = ()) -> dict[str, Any]:
+    """The attributes of the root group, or those of these names. Raises OSError, Damaged and KeyError."""
+    require_regular(path)
+    with opened(path, h5py.File) as file:  # links to other files do not affect attributes
+        return {name: plain(file.attrs[name]) for name in names or file.attrs}
 
 
 def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:

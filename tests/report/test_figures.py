@@ -49,7 +49,7 @@ class FolderTest(InFolder):
         sweep = load.load(self.root)
         x, y, others = fig_heat.plane(sweep)
         self.assertEqual((x, y, others), (AM, FWHM, []))
-        values, broken, _ = fig_heat.cells(sweep, "eta_period_1", x, y, others, ())
+        (values, broken, _, _), = fig_heat.cells(sweep, "eta_period_1", x, y, others, [()])
         self.assertEqual(values.shape, (3, 4))
         self.assertEqual(values[1, 2], 1e-3 * 400.0 + 3.0 + 50.0)  # row: 3 mm, column: 400 Hz
         self.assertEqual(np.argwhere(broken).tolist(), [[0, 3]])

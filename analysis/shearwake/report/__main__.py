@@ -50,7 +50,7 @@ def of_all(selection: Selection) -> list[tuple[str, Callable[..., Any]]]:
     if fig_optimise.is_study(selection):  # its cases are five modulations each, which the generic figures cannot distinguish
         return [*first, ("optima", fig_optimise.figures)]
     return [*first, ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
-            ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
+            ("afferents", fig_afferents.figures), *(("heat maps", functools.partial(fig_heat.figures, part=part)) for part in (slice(4), slice(4, None))),
             ("small multiples", fig_multiples.figures)]
 
 
@@ -163,6 +163,7 @@ def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path,
     folder.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".", dir=folder) as name:  # each file is replaced once it is complete
         part = Path(name)
+        summary(selection)  # is remembered in this process and those that draw
         figures, moving, problems = draw_all(selection, some, part, progress)
         (part / path.name).write_text(page(selection, figures, problems, moving), encoding="utf-8")
         new = sorted(part.iterdir(), key=lambda file: file.name == path.name)

@@ -30,6 +30,18 @@ def repeats(case: Case) -> bool:
 
 
 @remembered
+def recordings(selection: Selection) -> list[Case]:
+    """The first of the complete cases that have the same path of the focus, times and trace points according to their parameters."""
+    found: dict[str, Case] = {}
+    for case in ordinary(selection):
+        path = [case.setting("load", "modulation", key, default=case.id if key == "trajectory" else "")
+                for key in ("trajectory", "foci_x_m", "foci_y_m")]
+        others = [case.setting(table, default="") for table in ("time", "measure", "record")]
+        found.setdefault(str([path, others]), case)
+    return list(found.values())
+
+
+@remembered
 def is_numeric(selection: Selection) -> bool:
     values = [c.settings.get(selection.x) for c in selection.cases if not c.is_reference]
     return bool(selection.x) and bool(values) and all(is_number(v) and (selection.x, v) not in labels(selection) for v in values)
@@ -217,6 +229,7 @@ def references(selection: Selection, group: Group) -> list[Case]:
 ROUNDING = 1e-9  # of the largest value: fields that differ by less are equal
 
 
+@remembered
 def field_settings(case: Case) -> dict[str, str]:
     """All settings except those that affect only the measurement."""
     return {k: str(v) for k, v in case.settings.items() if not is_reading(k)}
@@ -295,6 +308,7 @@ def curve_value(selection: Selection, case: Case, column: str) -> float:
     return math.nan if is_one else case.value(column, math.nan)
 
 
+@remembered
 def with_references(selection: Selection) -> list[Case]:
     """The complete cases, then their references, one of each set with the same field. A case of the sweep that is the
     reference of itself or of others occurs once."""

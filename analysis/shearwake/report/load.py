@@ -200,7 +200,6 @@ def contents(cases: list[Case]) -> list[dict[str, Any]]:
     for case in cases:
         try:
             case.verify()
-            traces(case), surface_times(case), case.focus
         except UNREADABLE as error:
             case.damage = first_line(error)
     return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases]

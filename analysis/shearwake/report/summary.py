@@ -9,7 +9,7 @@ from ..tables import read_adaptive
 from . import contrast, labels, layout, optima, sample, warnings_of
 from .answer import NOTICEABLE_dB, Quantity, asks_for_receptors, column, quantity
 from .caveats import caveats, estimate, is_incomplete
-from .load import Selection
+from .load import Selection, remembered
 from .numerical_error import is_numerical, relative_error, settings_that_differ, spread_of, sweeps_numbers_only, valid
 from .places import NAMED, capital, keys_of, named, placed, places, where
 from .ranking import Ranking, caution, change, edges, rank, reference_for, region_mm2, shape
@@ -346,6 +346,7 @@ def fired(selection: Selection, without: str = "") -> list[str]:
     return [f"{capital(text)}."] if parts else []
 
 
+@remembered
 def summary(selection: Selection) -> str:
     """The answer to the question of the job first."""
     if not layout.ordinary(selection):

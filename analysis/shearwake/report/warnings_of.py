@@ -11,7 +11,7 @@ from typing import Any
 
 from ..case import Case
 from . import layout
-from .load import Selection
+from .load import Selection, remembered
 from .page import topics
 
 OF_DRIVE = ("drive",)  # shows the prescribed load alone
@@ -121,6 +121,7 @@ def kinds_of(cases: list[Case], name: str | None = None) -> list[Kind]:
             for n, ((severity, key, _), entries) in enumerate(ordered)]
 
 
+@remembered
 def kinds(selection: Selection) -> list[Kind]:
     """All kinds of warnings of the complete cases, references included, in the order of the list of the page."""
     return kinds_of([c for c in selection.cases if c.is_complete])
@@ -128,9 +129,9 @@ def kinds(selection: Selection) -> list[Kind]:
 
 def of_figure(selection: Selection, name: str, ids: list[str] | None = None) -> list[Kind]:
     """The kinds of warnings that concern the figure `name`, with those cases that it shows (None: all complete cases)."""
-    made = []
+    made, wanted = [], set(ids or [])
     for kind in kinds(selection):
-        shown = [c for c in kind.cases if (ids is None or c.id in ids) and concerns(c, kind.key, name)]
+        shown = [c for c in kind.cases if (ids is None or c.id in wanted) and concerns(c, kind.key, name)]
         if shown:
             made.append(Kind(kind.number, kind.severity, kind.key, kind.message, shown))
     return made

@@ -84,7 +84,7 @@ def draw_band(axes: Axes, selection: Selection, curves: list[tuple[layout.Group,
 
 
 def caption(selection: Selection, found: list[tuple[str, str]], shown: list[Band]) -> str:
-    places = [traces(c).measured_m for c in layout.ordinary(selection) if traces(c)]
+    places = [traces(c).measured_m for c in layout.recordings(selection) if traces(c)]
     where, text = layout.place_words(places), []
     if found:
         text.append(f"The dominant frequency is that at which the spectrum {where} of "
@@ -99,7 +99,7 @@ def caption(selection: Selection, found: list[tuple[str, str]], shown: list[Band
     if "u" not in [of for _, of in found] and found:
         text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
     kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(selection)}
-    if kinds != {"STM"} and all(wake.passing_ms(c, *traces(c).measured_m) is not None for c in layout.ordinary(selection)):
+    if kinds != {"STM"} and all(wake.passing_ms(c, *traces(c).measured_m) is not None for c in layout.recordings(selection)):
         point = "the centre" if where == "at the centre" else "this point"
         text.append(f"The focus passes {point} once, so the values describe a single passage and depend on the "
                     "phase of the modulation at that time.")

@@ -12,6 +12,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
 
 from ... import wake
 from .. import labels, layout, style, warnings_of
@@ -23,6 +25,7 @@ from ..words import counted, listed, number, some_of
 
 NAME = "heat_"  # followed by the column
 PANELS = 12
+SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5]])
 COLUMNS = 3
 WORDS = 18  # characters per line of a tick label
 WRITTEN = 60  # largest number of cells with printed values
@@ -44,7 +47,6 @@ MEASURES = [
     ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}",
      "frequency of du/dt (Hz)"),
 ]
-LEAST_KNOWN = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
 def measure_label(selection: Selection, column: str) -> str:
@@ -128,22 +130,23 @@ def panels(selection: Selection, others: list[Any]) -> tuple[list[tuple[Any, ...
     return layout.evenly(every, PANELS), len(every)
 
 
-def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], values: tuple[Any, ...]) -> tuple[np.ndarray,
-          np.ndarray, np.ndarray]:
-    """The values (y, x) of one panel, a mask of cells whose case has no result, and a mask of values that are not
-    valid."""
-    xs, ys = layout.values_of(selection, x), layout.values_of(selection, y)
-    shape = len(ys), len(xs)
-    found, failed, invalid = np.full(shape, math.nan), np.zeros(shape, bool), np.zeros(shape, bool)
+def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], shown: list[tuple[Any, ...]]) -> list[tuple[np.ndarray,
+          np.ndarray, np.ndarray, np.ndarray]]:
+    """The values (y, x) of each panel, a mask of cells whose case has no result, a mask of values that are not valid, and the errors."""
+    columns, rows = ({value: n for n, value in enumerate(layout.values_of(selection, key))} for key in (x, y))
+    shape = len(rows), len(columns)
+    made = {values: (np.full(shape, math.nan), np.zeros(shape, bool), np.zeros(shape, bool), np.full(shape, math.nan)) for values in shown}
     for case in layout.swept_cases(selection):
         own = case.settings
-        if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
+        values = tuple(own.get(k) for k in others)
+        if x not in own or y not in own or values not in made:
             continue
-        place = ys.index(own[y]), xs.index(own[x])
-        found[place] = case.value(column, math.nan)
+        found, failed, invalid, error = made[values]
+        place = rows[own[y]], columns[own[x]]
+        found[place], error[place] = case.value(column, math.nan), case.value(column + "_error", math.nan)
         failed[place] = not case.is_complete
-        invalid[place] = np.isfinite(found[place]) and not warnings_of.is_valid_value(selection, case, column, NAME + column)
-    return found, failed, invalid
+        invalid[place] = math.isfinite(found[place]) and not warnings_of.is_valid_value(selection, case, column, NAME + column)
+    return list(made.values())
 
 
 def scale(grids: Any, relative: Any) -> Any:
@@ -208,20 +211,19 @@ def draw_errors(axes: Axes, values: np.ndarray, error: np.ndarray, norm: Any, co
                                        edgecolor="white", linewidth=0.5))
 
 
-def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any, error: Any = None) -> None:
+def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any, error: Any) -> None:
     valid = np.where(invalid, math.nan, grid)
     axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
                 interpolation="nearest")
-    for row, column in np.argwhere(invalid):
-        ends = np.array([-0.5, 0.5])
-        for sign in (1, -1):
-            axes.plot(column + ends, row + sign * ends, color=style.GREY, linewidth=1.0, zorder=1.5,
-                      scalex=False, scaley=False)
-    for row, column in np.argwhere(~np.isfinite(grid)):
-        mark = "xxxx" if failed[row, column] else "////"
-        axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
-                                     edgecolor="#9a9a9a", hatch=mark, linewidth=0))
-    error = np.full(grid.shape, math.nan) if error is None else error
+    ends = np.array([-0.5, 0.5, math.nan])
+    diagonals = [(column + ends, row + sign * ends) for row, column in np.argwhere(invalid) for sign in (1, -1)]
+    if diagonals:
+        axes.plot(*np.concatenate(diagonals, axis=1), color=style.GREY, linewidth=1.0, zorder=1.5, scalex=False, scaley=False)
+    empty = ~np.isfinite(grid)
+    for mask, mark in ((empty & ~failed, "////"), (empty & failed, "xxxx")):
+        squares = [Outline(SQUARE + [column, row], closed=True) for row, column in np.argwhere(mask)]
+        if squares:  # one hatched area, since each patch takes a millisecond; without its effect on the limits
+            axes.add_artist(PathPatch(Outline.make_compound_path(*squares), facecolor="#f1f1f1", edgecolor="#9a9a9a", hatch=mark, linewidth=0))
     draw_errors(axes, valid, error, norm, colours)
     if written:
         write_numbers(axes, valid, norm, colours, error)
@@ -240,21 +242,19 @@ def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple
     column, title, label = measure
     x, y, others = plan
     shown, of = panels(selection, others)
-    every = [cells(selection, column, x, y, others, v) for v in shown]
-    grids = [np.where(invalid, math.nan, g) for g, _, invalid in every]
-    known = [c.value(column, math.nan) for c in layout.ordinary(selection)]
-    if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < LEAST_KNOWN:
+    every = cells(selection, column, x, y, others, shown)
+    grids = [np.where(invalid, math.nan, g) for g, _, invalid, _ in every]
+    if not any(np.isfinite(g).any() for g in grids):
         return None
     reference = layout.reference_name(layout.all_references(selection))
-    place = layout.place_words(traces(c).measured_m for c in layout.ordinary(selection) if traces(c))
+    place = layout.place_words(traces(c).measured_m for c in layout.recordings(selection) if traces(c))
     title, label = title.format(reference=reference, place=place), label.format(reference=reference)
     norm, colours = scale(grids, selection.is_ratio(column))
     columns = columns_of(selection, others, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
     figure, made = style.panels(len(shown), columns, height, 0.8, sharex=True, sharey=True)
-    for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
-        error = cells(selection, column + "_error", x, y, others, values)[0]
+    for axes, values, (grid, failed, invalid, error) in zip(made.flat, shown, every):
         draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1, error)
         settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, values))
         hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
@@ -284,7 +284,7 @@ def caption(every: Any, others: Any, shown: Any, of: Any) -> str:
     if others:
         text += f" One panel per {listed(others)}, with the same colour scale in all panels."
     if shown < of:
-        text += f" {some_of(shown, of, 'panel')}, spread evenly; the table lists all cases."
+        text += f" {some_of(shown, of, 'panel')}, spread evenly; the table (CSV) lists all cases."
     failed, invalid = (sum(int(cell[i].sum()) for cell in every) for i in (1, 2))
     empty = sum(int((~np.isfinite(cell[0])).sum()) for cell in every) - failed
     if invalid:
@@ -296,7 +296,8 @@ def caption(every: Any, others: Any, shown: Any, of: Any) -> str:
     return text
 
 
-def figures(selection: Selection) -> list[Any]:
+def figures(selection: Selection, part: slice = slice(None)) -> list[Any]:
+    """The maps of the measures, or of a part of them."""
     plan = plane(selection)
     if plan is None:
         return []
@@ -304,9 +305,9 @@ def figures(selection: Selection) -> list[Any]:
         selection = combined(selection, plan[0])
     many = len(layout.groups(selection)) > style.CURVES  # otherwise the other measures are drawn as curves
     measures = list(MEASURES if many else MEASURES[:4])
-    if not all(wake.is_passed(c, *traces(c).measured_m) for c in layout.ordinary(selection)):
+    if not all(wake.is_passed(c, *traces(c).measured_m) for c in layout.recordings(selection)):
         measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
     else:
         measures += band_measures(selection)
     measures += receptor_measures(selection)
-    return [f for m in measures if (f := heat_figure(selection, m, plan))]
+    return [f for m in measures[part] if (f := heat_figure(selection, m, plan))]

@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from .. import answer, labels, layout, optima, warnings_of
+from .. import answer, labels, layout, optima, thinning, warnings_of
 from ..figure import Figure
 from ..load import Selection
 from ..numerical_error import valid
@@ -114,15 +114,16 @@ def picture(figure: Figure, level: str, stated: set[int]) -> str:
 def problem_list(selection: Selection, problems: list[Any], state: str = "") -> str:
     """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
-    for case in selection.cases:
-        if not case.is_complete:
-            label = f"{case.id}{' (reference)' if case.is_reference else ''} {labels.settings_text(selection, case)}".strip()
-            items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
-                         f"{escape(case.reason)}</li>")
+    for case in thinning.missing(selection):
+        label = f"{case.id}{' (reference)' if case.is_reference else ''} {labels.settings_text(selection, case)}".strip()
+        items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
+                     f"{escape(case.reason)}</li>")
+    more = sum(not case.is_complete for case in selection.cases) - len(items)
+    items += [f"<li>{counted(more, 'more case')} without a result</li>"] if more else []
     items += [f"<li>{escape(p)}</li>" for p in problems]
     if not items:
         return ""
-    return folded("missing", "Not in the figures", counted(len(items), "item"),
+    return folded("missing", "Not in the figures", counted(len(items) + max(0, more - 1), "item"),
                   f'<div class="problems"><ul>{"".join(items)}</ul></div>', state)
 
 
@@ -134,8 +135,9 @@ def moment(stamp: str) -> str:
 
 
 def provenance(selection: Selection) -> str:
-    complete = [c.attributes for c in selection.cases if c.is_complete]
-    rows = []
+    every = [c for c in selection.cases if c.is_complete]
+    complete = [c.attributes for c in thinning.listed(selection) if c.is_complete]
+    rows = [] if len(complete) == len(every) else [("read from", f"{len(complete)} of {counted(len(every), 'case file')}")]
     for name, attribute in FACTS:
         values = list(dict.fromkeys(str(a[attribute]) for a in complete if attribute in a))
         if values:
@@ -144,7 +146,7 @@ def provenance(selection: Selection) -> str:
     ended = sorted(a["ended"] for a in complete if "ended" in a)
     if started and ended:
         rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
-    rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in complete), 3)))
+    rows.append(("total time (s)", number(sum(c.wall_s for c in every), 3)))
     rows.append(("folder", selection.sweep.folder.resolve().name))
     rows.append(("interactive figures", f"uPlot {read('uplot/VERSION').strip()}, MIT licence"))
     cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
@@ -205,7 +207,8 @@ def parts(selection: Selection, figures: list[Figure], problems: list[Any], movi
         inner = "".join(picture(f, "h3", stated) for f in members)
         made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
-    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(selection, figures)}', []))
+    title = "Cases" if thinning.sentence(selection) else "All cases"
+    made.append(("table", title, f'<h2 id="table">{title}</h2>{table.table(selection, figures)}', []))
     return made
 
 

@@ -20,7 +20,7 @@ from PIL import Image
 
 from ... import wake
 from ...case import Case
-from .. import answer, labels, layout, load, ranking, style, warnings_of
+from .. import answer, labels, layout, load, ranking, style, thinning, warnings_of
 from ..figures import fig_surface
 from ..words import counted, number
 
@@ -41,8 +41,8 @@ class Detail:
 
 
 def cases_of(selection: load.Selection) -> list[Case]:
-    """All cases with a recorded surface, those of the figures first and references last."""
-    return [c for c in layout.with_references(selection) if len(load.surface_times(c))]
+    """The cases with a recorded surface, those of the figures first and references last; of a large sweep some."""
+    return [c for c in layout.with_references(thinning.with_surfaces(selection)) if len(load.surface_times(c))]
 
 
 def first_shown(selection: load.Selection, cases: list[Case]) -> list[int]:
@@ -213,7 +213,7 @@ def controls(data: dict[str, Any], last: int) -> str:
         '<button type="button" class="whole">Whole surface</button></div>')
 
 
-def caption(cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
+def caption(selection: load.Selection, cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
     stored = max(len(load.surface_times(c)) for c in cases)
     text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
             "focal disc. Dotted line: path of the focus. Choose "
@@ -222,6 +222,8 @@ def caption(cases: list[Case], data: dict[str, Any], detail: Detail) -> str:
     if all(c["period"] for c in data["cases"]):
         text += " The load repeats for ever: the pictures cover one period and start again."
     shown = max(len(c["times"]) for c in data["cases"])
+    if len(layout.ordinary(thinning.with_surfaces(selection))) < len(layout.ordinary(selection)):
+        text += f" They are spread evenly over the {counted(len(layout.ordinary(selection)), 'case')} of the sweep, with the best one."
     if shown < stored:
         text += f" The page contains {shown} of {counted(stored, 'frame')}."
     if not detail.lossless:
@@ -250,5 +252,5 @@ def player(selection: load.Selection) -> str:
         f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
         f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'
         '<span class="high"></span></div><noscript><p>The player needs JavaScript; the snapshots below do not.</p>'
-        f'</noscript><figcaption>{html.escape(caption(cases, data, detail))}</figcaption>'
+        f'</noscript><figcaption>{html.escape(caption(selection, cases, data, detail))}</figcaption>'
         f'<script type="application/json">{json.dumps(data).replace("</", "<" + chr(92) + "/")}</script></figure>')

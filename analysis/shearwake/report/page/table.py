@@ -7,7 +7,7 @@ import math
 
 from ... import wake
 from ...case import Case
-from .. import labels, layout
+from .. import labels, layout, thinning
 from ..figure import Figure
 from ..load import Selection
 from ..ranking import caution
@@ -18,7 +18,7 @@ from ..words import counted, number
 def measures(selection: Selection) -> list[str]:
     """The columns that the table of measures (src/measures/measure_table.cpp) lists for the page; columns of
     shapes only if the focus draws a shape, not a straight line, and ratios only if there are references."""
-    shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(selection))
+    shapes = not all(wake.runs_straight_on(c) for c in layout.recordings(selection))
     references = bool(layout.all_references(selection))
     return [c.name for c in selection.sweep.columns if (c.shown == "page" or (c.shown == "shapes" and shapes))
             and (references or not c.over_reference_of)]
@@ -67,13 +67,13 @@ def filtered(figures: list[Figure]) -> str:
 
 def tools(selection: Selection, figures: list[Figure]) -> str:
     """The filter above the table, its effect on the figures, and the links to the data."""
-    name = html.escape(selection.sweep.name)
+    name, shown = html.escape(selection.sweep.name), thinning.listed(selection)
     return ('<div class="tools"><label>Filter <input id="filter" type="search" '
             'placeholder="for example: eta_period_1 &gt; 0.2, complete"></label>'
-            f'<output id="count">{len(selection.cases)} of {counted(len(selection.cases), "case")}</output>'
+            f'<output id="count">{len(shown)} of {counted(len(shown), "case")}</output>'
             '<button type="button" id="csv">Save rows as CSV</button></div>'
-            '<p class="counts">Select a heading to sort by its column; select it again to reverse the order. Scroll sideways '
-            f'to see all columns. {filtered(figures)} Files with all columns, in the output folder of this page: '
+            f'<p class="counts">{thinning.sentence(selection)}Select a heading to sort by its column; select it again to reverse the order. Scroll sideways '
+            f'to see all columns. {filtered(figures)} Files with all cases and columns, in the output folder of this page: '
             f'<a href="../tables/{name}.csv">{name}.csv</a>, '
             f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
 
@@ -85,8 +85,7 @@ def row(selection: Selection, case: Case, kinds: list[str], keys: list[str], sho
     cells += [numeric_cell(case.value(m, math.nan)) for m in shown]
     cells += [setting_cell(selection, case, k) for k in followers]
     valid = "" if not case.is_complete else "no" if any(w["severity"] == "error" for w in case.warnings) else "yes"
-    wall_s = case.attributes["wall_s"] if case.is_complete else math.nan
-    cells += [f"<td>{valid}</td>", numeric_cell(wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
+    cells += [f"<td>{valid}</td>", numeric_cell(case.wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
     kind = ' class="reference"' if case.is_reference else ""
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
@@ -111,7 +110,7 @@ def table(selection: Selection, figures: list[Figure]) -> str:
         for case in kind.cases:
             warned.setdefault(case.id, []).append(kind)
     rows = []
-    for case in selection.cases:
+    for case in thinning.listed(selection):
         marks = [f'<a href="#warning-{kind.number}">warning {kind.number}</a>' for kind in warned.get(case.id, [])]
         if note := case.reason or reasons(case):
             n = notes.setdefault(note, len(notes) + 1)
