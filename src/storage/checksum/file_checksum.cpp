@@ -280,12 +280,15 @@ std::string PartChecksum::record(const fs::path& part, std::vector<FieldBytes> f
     }
     std::ranges::sort(fields, {}, &FieldBytes::offset);
     ByteHash rest;
-    std::uint64_t at = 0;
+    // Without the four bytes of HDF5 that state whether the file is open for writing.
+    constexpr std::uint64_t flags = 20, behind_flags = 24;
+    rest.add(file, 0, std::min<std::uint64_t>(flags, file.size()));
+    std::uint64_t at = behind_flags;
     for (const FieldBytes& field : fields) {
         rest.add(file, at, field.offset);
         at = std::max(at, field.offset + field.size);
     }
-    rest.add(file, at, file.size());
+    rest.add(file, std::min<std::uint64_t>(at, file.size()), file.size());
     return record + fmt::format("rest {} {}", file.size(), rest.text());
 }
 
