@@ -110,6 +110,7 @@ class FailingCase(ProgramTest):
             said = self.shearwake("status", out).said
             self.says(said, "1 done", "1 failed", f"failed {bad}", "not finite", "--retry-failed")
             self.shearwake("reduce", out)
+            self.shearwake("reduce", out, "--complete", expect=4)
             rows = {row["id"]: row for row in table(out)}
             self.assertEqual(rows[good]["status"], "complete")
             self.assertEqual(rows[bad]["status"], "failed")

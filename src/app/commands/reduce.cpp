@@ -15,6 +15,7 @@ namespace {
 struct ReduceArguments {
     std::filesystem::path folder;
     bool json = false;
+    bool requires_all = false;
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
 
@@ -80,11 +81,12 @@ void print_json(const reduce::ReducedTables& written, const std::filesystem::pat
 
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
     const std::filesystem::path& path = arguments.folder;
-    bool is_damaged = false;
+    bool is_partial = false;
     on_root(world, [&] {
         const reduce::ReducedTables written =
             studies::reduce_folder(schedule::folder_of_results(path), arguments.errors);
-        is_damaged = !written.damaged.empty();
+        is_partial =
+            !written.damaged.empty() || (arguments.requires_all && written.complete < written.rows);
         if (!arguments.json) print_counts(written, path);
         print_damaged(written);
         if (written.complete == 0)
@@ -97,7 +99,7 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
         else
             print_files(written, path);
     });
-    return world.broadcast(is_damaged) ? ExitCode::some_cases_failed : ExitCode::done;
+    return world.broadcast(is_partial) ? ExitCode::some_cases_failed : ExitCode::done;
 }
 
 } // namespace
@@ -109,6 +111,8 @@ void add_reduce(CLI::App& app, Action& action) {
     command.add_flag_callback(
         "--errors", [&errors = arguments.errors] { errors = reduce::ErrorColumns::added; },
         "add columns <column>_error with the errors that shearwake converge estimated");
+    command.add_flag("--complete", arguments.requires_all,
+                     "exit with 4 if a case has no result; the tables are written nevertheless");
     add_json(command, arguments.json);
 }
 
