@@ -44,6 +44,18 @@ def folded(name: str, title: str, count: str, inner: str, state: str = "") -> st
             f"<span>{escape(count)}</span></summary>{inner}</details>")
 
 
+def losses(selection: Selection) -> str:
+    """The first lines of the page, such as "1 of 10,000 cases failed: out of memory."; '' if all cases are complete."""
+    lost = [case for case in selection.cases if not case.is_complete]
+    lines = []
+    for status, count in Counter(case.status for case in lost).most_common():
+        reasons = list(dict.fromkeys(case.reason.rstrip(".") for case in lost if case.status == status))
+        more = f" and {counted(len(reasons) - 1, 'further reason')}" if len(reasons) > 1 else ""
+        state = status if status == "failed" else f"{'is' if count == 1 else 'are'} {status}"
+        lines.append(f"{count:,} of {len(selection.cases):,} cases {state}: {reasons[0]}{more}.")
+    return "".join(f'<p class="badge"><a href="#missing">{escape(line)}</a></p>' for line in lines)
+
+
 def notices(selection: Selection, problems: list[Any]) -> str:
     """One line below the result that counts what is missing or doubtful, with links; '' if nothing is."""
     links = []
@@ -248,6 +260,6 @@ def page(selection: Selection, figures: list[Figure], problems: list[str], movin
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{escape(selection.sweep.title or selection.sweep.name)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
         "</head><body>",
-        f'<a class="skip" href="#results">Skip to the results</a><header>{head(selection)}{notices(selection, problems)}</header>',
+        f'<a class="skip" href="#results">Skip to the results</a><header>{losses(selection)}{head(selection)}{notices(selection, problems)}</header>',
         f'<div class="columns">{contents(made)}<main id="results">', lone, *(content for _, _, content, _ in made),
         "</main></div><footer>", job(selection), provenance(selection), "</footer>", scripts(), "</body></html>\n"])
