@@ -25,6 +25,7 @@ struct Job {
     Plan plan;
     std::vector<Diagnostic> diagnostics;                    // warnings
     std::optional<OptimiseOptions> optimise = std::nullopt; // if the job has [optimise]
+    std::vector<std::string> files = {};                    // that it names, as it names them
 };
 
 /// Thrown for a job with errors. `what` contains all diagnostics, one per line.

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/registry/check.hpp"
+#include "engines/registry/make_engine.hpp"
 #include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
@@ -91,6 +92,7 @@ struct Estimates {
     int ranks = 1;
     int busy = 1;                            // teams that have a case
     std::optional<double> wall_s, longest_s; // nothing if the time of a case is unknown
+    double unsaved_s = 0.0; // longest case that saves no checkpoints, at 1 ns per unit if unknown
     schedule::Demand demand;
     std::string arrays; // of the case that needs most memory
     std::string error;  // memory or disk do not suffice; empty: they do
@@ -149,6 +151,8 @@ void add_estimates(const std::vector<const PlannedCase*>& cases,
                          .is_of_neighbour = costs.is_of_neighbour(c)};
         if (const auto rate_s = rates_s.at(engine_name(c.solver)); rate_s && costs.has_step(c))
             known_s.push_back(cost.seconds.emplace(*rate_s * cost.work));
+        if (!engines::saves_checkpoints(c.solver))
+            e.unsaved_s = std::max(e.unsaved_s, cost.seconds.value_or(1e-9 * cost.work));
         if (cost.memory_per_rank_B > e.demand.memory_per_rank_B) {
             e.demand.memory_per_rank_B = cost.memory_per_rank_B;
             e.arrays = pipeline::memory_text(costs.of(c, ranks));
@@ -232,6 +236,11 @@ void print_totals(const Estimates& e) {
                                       duration_of(*e.wall_s))
                         : "",
                e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+    if (e.unsaved_s > 120.0)
+        fmt::print(
+            "the longest case that saves no checkpoints may take {}; a run with a shorter time "
+            "limit cannot complete it\n",
+            duration_of(e.unsaved_s));
     if (e.estimated < e.cases.size())
         fmt::print("memory and time are estimated from {} of {} cases, the largest and others that "
                    "are spread evenly; ~: those of the case before\n",
@@ -299,6 +308,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
     fmt::print("{}", json_document("plan", {{"job", arguments.job.string()},
                                             {"name", job.plan.name},
                                             {"diagnostics", config::json_of(job.diagnostics)},
+                                            {"files", job.files},
                                             {"cases", cases},
                                             {"estimated_cases", e.estimated},
                                             {"choices", choices},
@@ -309,6 +319,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"core_hours", time(e.core_hours())},
                                             {"wall_s", time(e.wall_s.value_or(0.0))},
                                             {"longest_case_s", time(e.longest_s.value_or(0.0))},
+                                            {"longest_unsaved_s", time(e.unsaved_s)},
                                             {"memory_per_rank_B", e.demand.memory_per_rank_B},
                                             {"disk_B", e.demand.disk_B},
                                             {"error", e.error.empty() ? Json() : Json(e.error)},

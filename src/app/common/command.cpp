@@ -75,7 +75,7 @@ void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
                      "continue in a folder with results of another version of the program");
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--force", arguments.force,
-                     "run although the estimates exceed the memory or the disk");
+                     "run although the estimates exceed the memory, the disk or the time limit");
     command.add_flag("--quiet", arguments.quiet, "print only errors");
 }
 

@@ -23,4 +23,8 @@ std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {
                       solver);
 }
 
+bool saves_checkpoints(const SolverOptions& solver) {
+    return !std::holds_alternative<LayeredOptions>(solver);
+}
+
 } // namespace shearwake::engines

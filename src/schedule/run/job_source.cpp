@@ -169,8 +169,17 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
         refuse_folder(path);
         text = storage::read_file(path, storage::largest_user_text_B);
     });
-    config::Job job = config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
-                                       maps_beside(path, world), texts_beside(path, world), points);
+    std::set<std::string> files;
+    const auto noted = [&files](const auto& load) {
+        return [&files, load](const std::string& file) {
+            files.insert(file);
+            return load(file);
+        };
+    };
+    config::Job job =
+        config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
+                         noted(maps_beside(path, world)), noted(texts_beside(path, world)), points);
+    job.files.assign(files.begin(), files.end());
     check_columns(job, path.string());
     check_sizes(job, path.string());
     check_pins(job, path.string());

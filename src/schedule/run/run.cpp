@@ -4,10 +4,12 @@
 #include "base/cache.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
+#include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/cost/case_costs.hpp"
+#include "schedule/cost/rates.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/closing_message.hpp"
 #include "schedule/run/deadline.hpp"
@@ -195,6 +197,29 @@ void require_resources(const config::Job& job, const OutputFolder& folder,
     if (!error.empty()) throw UsageError("error: " + error, ExitCode::environment);
 }
 
+/// Throws UsageError for a case that cannot end within the time limit if its engine saves no
+/// checkpoints, since every run would start it from scratch. Not collective.
+void require_time(const Arrangement& work, const Deadline& deadline) {
+    std::optional<std::size_t> longest;
+    for (std::size_t i = 0; i < work.cases.size(); ++i)
+        if (!engines::saves_checkpoints(work.cases[i]->physics.solver) &&
+            (!longest || work.work[i] > work.work[*longest]))
+            longest = i;
+    if (!longest || !deadline.exists()) return;
+    const PlannedCase& planned = *work.cases[*longest];
+    const std::string engine = engine_name(planned.physics.solver);
+    const double needed_s = cost::recorded_rate_s(engine).value_or(0.0) * work.work[*longest];
+    if (needed_s <= deadline.left_s()) return;
+    throw UsageError(
+        fmt::format("error: case {} takes about {} on {}, but the time limit leaves {}, "
+                    "and the engine {} saves no checkpoints: increase the time limit or "
+                    "the ranks per case, or add --force to try it",
+                    planned.id, duration_text(needed_s),
+                    counted(work.layout.ranks_per_case, "rank"), duration_text(deadline.left_s()),
+                    engine),
+        ExitCode::bad_job);
+}
+
 std::string layout_text(const std::string& name, std::size_t cases, const TeamLayout& layout,
                         int ranks, const OutputFolder& folder) {
     return fmt::format("{}: {} to compute on {} of {}{}, into {}", name, counted(cases, "case"),
@@ -271,6 +296,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     cost::CaseCosts costs({}, 0.0); // time steps are chosen when the cases run
     const Arrangement work =
         arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, costs, world);
+    if (!arguments.force) on_root(world, [&] { require_time(work, deadline); });
     const TeamLayout& layout = work.layout;
     on_root(world, [&] { report(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;

@@ -39,7 +39,7 @@ struct RunArguments : JobArguments {
     bool allow_mixed = false; // continue in a folder with results of another version of the program
     std::string walltime;     // empty: the limit of the scheduler, or none
     std::filesystem::path log_json; // empty: none
-    bool force = false;             // run although the estimates exceed the memory or the disk
+    bool force = false;             // run although the estimates exceed memory, disk or time limit
     bool quiet = false;
     bool is_round =
         false;         // results may ask for further cases, so the sweep does not end with the run
