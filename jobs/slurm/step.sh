@@ -1,37 +1,67 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Functions for the batch scripts in this folder, which source this file. Runs shearwake as a step of the job,
-# passes on the signal that Slurm sends before the time limit, and requeues the job when the program exits
-# with the code 75 (stopped early).
+# Runs shearwake as a step of a Slurm job. scripts/submit copies these functions into its batch scripts.
 
 launch=${SHEARWAKE_LAUNCH:-srun --kill-on-bad-exit=1}
 export HWLOC_COMPONENTS="${HWLOC_COMPONENTS--opencl}" # mpirun forwards SIGUSR1: docs/how-to/cluster.md
+id=$SLURM_JOB_ID                                      # of a task of an array: its own, not that of the array
+[ -z "$SLURM_ARRAY_TASK_ID" ] || id=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
+
+report() {
+    echo "$(date +%FT%T) job $id: $*"
+}
 
 # forward SIGNAL: srun and mpirun pass it on to all ranks.
 forward() {
-    echo "$(date +%FT%T) job $SLURM_JOB_ID: SIG$1 to the ranks"
+    report "SIG$1 to the ranks"
     kill -s "$1" "$step" 2>/dev/null
 }
 
-# run_step OUT COMMAND...: its exit code, after a new start was asked for where there is need.
+# Starts the job again, unless it was cancelled. This script is then ended.
+requeue() {
+    [ "$(squeue -h -j "$id" -o %T)" = RUNNING ] && scontrol requeue "$id" && sleep 60
+}
+
+# has_progressed TIME: whether a case file or a checkpoint is newer than this file.
+has_progressed() {
+    [ -n "$(find "$out/cases" "$out/checkpoints" -name '*.h5' -newer "$1" 2>/dev/null | head -n 1)" ]
+}
+
+# run_step OUT RETRIES COMMAND...: requeues the job if the command was stopped early or, at most RETRIES times, if a
+# rank was killed. Exits with 3 after two starts without progress, and with the exit code of the command otherwise. The
+# exit code 75 would make some clusters requeue the job: it becomes 4.
 run_step() {
-    out=$1
-    shift
-    echo "$(date +%FT%T) job $SLURM_JOB_ID on $SLURM_JOB_NODELIST: $launch $*"
+    out=$1 retries=$2 start=$1/slurm/start-$id killed=$1/slurm/killed-$id
+    shift 2
+    report "on $SLURM_JOB_NODELIST: $launch $*"
+    [ ! -e "$start" ] || mv "$start" "$start-before"
+    touch "$start"
     $launch "$@" &
     step=$!
     trap 'forward USR1' USR1
     trap 'forward TERM' TERM INT
     while kill -0 "$step" 2>/dev/null; do
-        wait "$step" # ends at each signal too
+        wait "$step" # also ends at each signal
     done
     wait "$step"
     code=$?
     trap - USR1 TERM INT
-    echo "$(date +%FT%T) job $SLURM_JOB_ID: exit code $code"
-    # A job that was cancelled stops early too; it is not running any more, and stays so.
-    if [ "$code" -eq 75 ] && [ ! -e "$out/STOP" ] &&
-        [ "$(squeue -h -j "$SLURM_JOB_ID" -o %T)" = RUNNING ]; then
-        scontrol requeue "$SLURM_JOB_ID" && sleep 60 # is ended here, and begins anew
+    report "exit code $code"
+    if [ "$code" -eq 75 ]; then
+        code=4
+        if [ -e "$out/STOP" ]; then
+            report "not requeued, since $out/STOP exists"
+        elif [ -e "$start-before" ] && ! has_progressed "$start-before"; then
+            report "not requeued: the last two starts completed no case and saved no checkpoint; increase the time limit or the number of ranks"
+            code=3
+        else
+            requeue
+        fi
+    elif [ "$code" -gt 128 ]; then
+        echo "$code" >>"$killed"
+        if [ "$(wc -l <"$killed")" -le "$retries" ]; then
+            report "a rank was killed, perhaps because it exceeded the memory: retry $(wc -l <"$killed") of $retries"
+            requeue
+        fi
     fi
     return "$code"
 }

@@ -21,7 +21,7 @@ def start_of_scripts(*words):
 
 def start_of_batch_script(*words):
     return ["env", "SHEARWAKE_LAUNCH=mpirun -n 2", "SLURM_JOB_ID=1", "SLURM_JOB_NODELIST=host",
-            "bash", "-c", f'. "{ROOT}/jobs/slurm/step.sh"; run_step out "$@"', "bash", *words]
+            "bash", "-c", f'. "{ROOT}/jobs/slurm/step.sh"; mkdir -p out/slurm; run_step out 0 "$@"', "bash", *words]
 
 
 def start_of_kwave(*words):

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""jobs/slurm/ and scripts/submit with Slurm on this host: an array, an allocation that is signalled before its
-time limit and requeues itself, and an allocation that is cancelled."""
+"""scripts/submit with Slurm on this host: arrays, time limits, killed ranks, changed files, and reports of incomplete sweeps."""
 import os
 import re
 import shutil
@@ -11,11 +10,12 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
-from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, is_pending, journal,
-                     plan, started)
+from program import (JOB, LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, case_files, changed, environment, is_pending, journal,
+                     plan, started, without_reference)
 
 HERE = Path(__file__).resolve().parent
 MISSING = [name for name in ("sbatch", "srun", "slurmctld", "slurmd", "munged", "squeue", "scontrol")
@@ -71,15 +71,15 @@ class Slurm(unittest.TestCase):
         cls.reference = table_bytes(whole)
 
     @classmethod
-    def command(cls, words, expect=0):
+    def command(cls, words, expect=0, errors=False):
         done = subprocess.run(list(map(str, words)), cwd=cls.folder, env=cls.env, capture_output=True,
                               encoding="utf-8", check=False, timeout=PATIENCE_s)
         assert done.returncode == expect, f"{words}:\n{done.stdout}{done.stderr}"
-        return done.stdout
+        return done.stdout + (done.stderr if errors else "")
 
-    def submit(self, out, *words):
+    def submit(self, out, *words, job="job.toml", report="--no-report"):
         """The ids of the job that computes and of the job that reduces."""
-        said = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--no-report",
+        said = self.command([ROOT / "scripts" / "submit", job, "--out", out, *([report] if report else []),
                              "--run=--ranks-per-case 1", *words])
         computes, reduces = re.search(r"submitted: job (\d+) computes, job (\d+) reduces", said).groups()
         return computes, reduces
@@ -100,6 +100,18 @@ class Slurm(unittest.TestCase):
         done = subprocess.run(["scontrol", "show", "job", job], env=self.env, capture_output=True, text=True,
                               check=False)
         return re.findall(r"JobState=(\w+)", done.stdout)
+
+    def shown(self, job, what):
+        """What scontrol shows of a job."""
+        return re.search(rf"\b{what}=(\S+)", self.command(["scontrol", "show", "job", job]))[1]
+
+    def write(self, name, text):
+        (self.folder / name).write_text(text, encoding="utf-8")
+        return name
+
+    def log(self, out, job):
+        path, = (out / "slurm").glob(f"*-{job}.log")
+        return path.read_text(encoding="utf-8")
 
     def assert_same(self, out, cases=24):
         self.assertEqual(table_bytes(out), self.reference)
@@ -162,3 +174,100 @@ class Slurm(unittest.TestCase):
             self.assertIn(words, log)
         self.assertIn("stopped", [line.get("how") for line in journal(limited)])
         self.assert_same(limited)
+
+    @pytest.mark.long
+    def test_a_dependency_and_an_array_of_the_user_leave_one_report_after_all_tasks(self):
+        out = self.folder / "dependent"
+        blocker = self.command(["sbatch", "--parsable", "--hold", "--wrap", "true"]).strip()
+        tasks, table = self.submit(out, "--throttle", 1, "--", "-d", f"afterok:{blocker}", "--array=1-3")
+        self.assertEqual(self.shown(table, "Dependency"), f"afterany:{tasks}_*(unfulfilled),afterok:{blocker}(unfulfilled)")
+        self.assertEqual(self.shown(tasks, "ArrayTaskThrottle"), "1")
+        self.assertEqual(len(self.state(table)), 1)
+        said = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--array", 3], expect=2, errors=True)
+        self.assertIn(f"job {tasks} computes", said)
+        self.command(["scontrol", "release", blocker])
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")
+        self.assert_same(out)
+
+    @pytest.mark.long
+    def test_the_submitted_job_runs_although_its_files_are_changed_or_removed(self):
+        out, job = self.folder / "unchanged", self.write("edited.toml", LONG.replace("1000, 12]", "1000, 24]"))
+        computes, table = self.submit(out, "--", "--hold", job=job)
+        self.write(job, JOB)
+        self.command(["scontrol", "release", computes])
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")
+        self.assert_same(out)
+
+    @pytest.mark.long
+    def test_starts_without_progress_end_after_two(self):
+        """A long case of engine layered, which saves no checkpoints."""
+        job = self.write("endless.toml", without_reference(
+            ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("output_interval_us = 100.0", "output_interval_us = 1.0")))
+        out = self.folder / "endless"
+        with mock.patch.dict(self.env, {"SHEARWAKE_CACHE": str(self.folder / "new")}):  # no recorded rate
+            computes, table = self.submit(out, job=job)
+        for start in (1, 2):
+            self.wait_for(lambda count=start: len(started(out)) == count, f"start {start}")
+            self.command(["scancel", "--signal=USR1", "--batch", computes])
+        self.wait_for(lambda: self.state(computes) == ["FAILED"], "the end of the job")
+        self.assertEqual(self.shown(computes, "ExitCode"), "3:0")
+        self.assertIn("the last two starts completed no case", self.log(out, computes))
+        self.wait_for(lambda: self.state(table) == ["FAILED"], "the end of the report")
+
+    @pytest.mark.long
+    def test_a_failed_case_stands_first_on_the_page_and_fails_the_report(self):
+        job = self.write("failing.toml", changed((SWEEP, '"load.peak_Pa" = [100, 200, 1e200]'),
+                                                 ('x = "load.modulation.am_frequency_Hz"\nreference = { kind = "STM" }', 'x = "load.peak_Pa"')))
+        out = self.folder / "failing"
+        _, table = self.submit(out, job=job, report="")
+        self.wait_for(lambda: self.state(table) == ["FAILED"], "the report")
+        self.assertEqual(self.shown(table, "ExitCode"), "4:0")
+        page = (out / "report" / "index.html").read_text(encoding="utf-8")
+        self.assertRegex(re.sub("<[^>]*>", "", page.partition("<header>")[2]).strip(), r"^1 of 3 cases failed: \S+")
+
+    @pytest.mark.long
+    def test_a_killed_rank_is_retried_once(self):
+        out = self.folder / "killed"
+        computes, table = self.submit(out, "--ranks", 2, "--time", "10")
+        self.wait_for(lambda: case_files(out), "the first case")
+        for restarts in (0, 1):
+            self.wait_for(lambda: self.ranks_of(out), "the ranks")
+            self.assertEqual(self.shown(computes, "Restarts"), str(restarts))
+            for pid in self.ranks_of(out):
+                os.kill(pid, signal.SIGKILL)
+            self.wait_for(lambda: not self.ranks_of(out), "the end of the ranks")
+        self.wait_for(lambda: self.state(computes) == ["FAILED"], "the end of the job")
+        self.assertIn("retry 1 of 1", self.log(out, computes))
+        self.wait_for(lambda: self.state(table) == ["FAILED"], "the end of the report")
+        self.assertEqual(self.shown(table, "ExitCode"), "4:0")
+
+    @pytest.mark.long
+    def test_each_task_of_an_array_requeues_itself_alone(self):
+        out = self.folder / "warned"
+        tasks, table = self.submit(out, "--array", 2, "--time", "10")
+        self.wait_for(lambda: len(self.ranks_of(out)) == 2, "both tasks")
+        ranks = self.stopped_ranks(out)
+        self.command(["scancel", "--signal=USR1", "--batch", tasks])
+        self.wait_for(lambda: all(is_pending(pid, signal.SIGUSR1) for pid in ranks), "the signal")
+        for pid in ranks:
+            os.kill(pid, signal.SIGCONT)
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")
+        self.assertEqual(re.findall(r"Restarts=(\d+)", self.command(["scontrol", "show", "job", tasks])), ["1", "1"])
+        self.assert_same(out)
+
+    @pytest.mark.long
+    def test_each_task_of_an_adaptive_array_computes_all_rounds_in_one_start(self):
+        adaptive = """[sweep."load.modulation.am_frequency_Hz"]
+find = "maximum"
+in = [300, 1000]
+column = "eta_at_1"
+tolerance = 50.0
+"""
+        job = self.write("adaptive.toml", without_reference((f"[sweep]\n{SWEEP}\n", adaptive)))
+        out = self.folder / "adaptive"
+        tasks, table = self.submit(out, "--array", 2, job=job)
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")
+        self.assertEqual(set(re.findall(r"Restarts=(\d+)", self.command(["scontrol", "show", "job", tasks]))), {"0"})
+        self.assertTrue((out / "tables" / "small-adaptive.json").exists() or list((out / "tables").glob("*adaptive*")))

@@ -1,24 +1,175 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/submit without Slurm: the batch scripts that it writes and the options that it rejects."""
+"""scripts/submit without Slurm: the batch scripts that it writes, what it passes to sbatch, and the options that it rejects."""
 import json
+import math
 import os
+import re
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from unittest import mock
 
-from program import PROGRAM, ROOT, ProgramTest, environment
+from program import PROGRAM, ROOT, ProgramTest, changed, environment, started
+
+# Commands of a site that prints more than the id of the job, and whose queue contains the jobs in a file.
+SITE = {"sbatch": """echo "$@" >>calls
+echo "Welcome to the cluster of 2026"
+echo "your project has 1000 hours left"
+echo "$((40 + $(wc -l <calls)))${CLUSTER}"
+echo "thank you"
+""", "squeue": "echo \"$@\" >>queries; cat queue\n", "scontrol": "echo 'MaxArraySize            = 1001'\n"}
 
 
 class Submit(ProgramTest):
-    def submit(self, *options, program=PROGRAM, expect=0):
-        self.write_job()
-        done = subprocess.run([ROOT / "scripts" / "submit", "job.toml", "--dry-run", *options], cwd=self.folder,
-                              env={**environment(), "SHEARWAKE": str(program)}, capture_output=True,
+    def submit(self, *options, program=PROGRAM, expect=0, mode=("--dry-run",), job="job.toml", **variables):
+        if job == "job.toml":
+            self.write_job()
+        done = subprocess.run([ROOT / "scripts" / "submit", job, *mode, *options], cwd=self.folder,
+                              env={**environment(), "SHEARWAKE": str(program), **variables}, capture_output=True,
                               encoding="utf-8", check=False)
         self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
         return done.stdout + done.stderr
+
+    def submit_to_site(self, *options, **keywords):
+        """Submits to commands that stand for Slurm, and returns the output and the arguments of both calls of sbatch."""
+        site = self.folder / "site"
+        site.mkdir(exist_ok=True)
+        for name, text in SITE.items():
+            (site / name).write_text("#!/bin/sh\n" + text, encoding="utf-8")
+            (site / name).chmod(0o755)
+        (self.folder / "calls").write_text("", encoding="utf-8")
+        said = self.submit(*options, mode=(), PATH=f"{site}:{os.environ['PATH']}", **keywords)
+        return said, (self.folder / "calls").read_text(encoding="utf-8").splitlines()
+
+    def script(self, name):
+        return (self.out / "slurm" / name).read_text(encoding="utf-8")
+
+    def test_the_report_gets_only_options_that_concern_both_jobs(self):
+        shared = "--account=lab --partition=long --qos=low --constraint=fast --reservation=mine --mail-type=END --mail-user=me".split()
+        _, (computes, reports) = self.submit_to_site(
+            "--", "-A", "lab", "-plong", "-q", "low", "-C", "fast", "--reservation=mine", "--mail-type=END", "--mail-user", "me",
+            "-d", "afterok:25", "-a", "1-4%2", "-J", "mine", "-o", "my.log", "-t", "2:00:00", "-n", "3", "-N", "2", "--exclusive")
+        self.says(computes, *shared, "--dependency=afterok:25", "-J mine", "-o my.log", "-N 2", "--exclusive")
+        self.assertEqual(reports.split(), ["--parsable", *shared, str(self.out / "slurm" / "report.sh")])
+        self.says(self.script("report.sh"), "#SBATCH --dependency=afterany:41,afterok:25\n", "#SBATCH --ntasks=1\n")
+        self.says(self.script("array.sh"), "#SBATCH --array=1-4%2\n", "#SBATCH --time=2:00:00\n", "#SBATCH --ntasks=3\n")
+
+    def test_alternative_dependencies_do_not_replace_that_of_the_report(self):
+        self.submit("--", "--dependency=afterok:1?afterok:2")
+        self.says(self.script("report.sh"), "#SBATCH --dependency=afterany:JOB\n")
+
+    def test_arrays_are_throttled_and_no_longer_than_slurm_permits(self):
+        self.submit("--array", "40", "--throttle", "10")
+        self.says(self.script("array.sh"), "#SBATCH --array=1-40%10\n")
+        said, calls = self.submit_to_site("--array", "1001", expect=2)
+        self.says(said, "up to 1000 (MaxArraySize)")
+        self.assertEqual(calls, [])
+        for words in (["--", "--array=1-x"], ["--array", "0"], ["--array", "4-2"]):
+            self.says(self.submit(*words, expect=2), "not a valid number or list of tasks")
+
+    def test_the_id_of_a_job_is_found_among_the_lines_that_a_site_prints(self):
+        self.says(self.submit_to_site()[0], "submitted: job 41 computes, job 42 reduces")
+        (self.folder / "queue").write_text("", encoding="utf-8")
+        said, (_, reports) = self.submit_to_site("--", "-M", "east", CLUSTER=";east")
+        self.says(said, "submitted: job 41 computes")
+        self.says(reports, "--clusters=east")
+        self.submit_to_site()
+        self.says((self.folder / "queries").read_text(encoding="utf-8"), "-j 41 -o %F --clusters=east")
+
+    def test_a_job_in_the_queue_is_not_submitted_twice(self):
+        self.submit_to_site("--array", "2")
+        (self.folder / "queue").write_text("41\n", encoding="utf-8")
+        said, calls = self.submit_to_site("--array", "2", expect=2)
+        self.says(said, "job 41", "still in the queue", "scancel 41")
+        self.assertEqual(calls, [])
+
+    def test_a_missing_sbatch_is_reported_in_one_line(self):
+        tools = self.folder / "tools"
+        tools.mkdir()
+        (tools / "python3").symlink_to(sys.executable)
+        said = self.submit(mode=(), expect=6, PATH=str(tools))
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.says(said, "sbatch is not on the PATH", "--dry-run")
+
+    def test_memory_is_requested_for_the_ranks_of_the_job_whatever_this_machine_has(self):
+        large = self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 0.004")), "large.toml")
+        self.shearwake("plan", large, expect=3)
+        for ranks in (2, 16):
+            self.submit("--ranks", str(ranks), job=large)
+            planned_B = json.loads(self.shearwake("plan", large, "-n", ranks, "--elsewhere", "--json").stdout)["memory_per_rank_B"]
+            self.says(self.script("single.sh"), f"#SBATCH --mem-per-cpu={math.ceil(1.2 * planned_B / 2**20)}M\n")
+        self.submit("--", "--mem=8G", job=large)
+        self.assertNotIn("--mem", self.script("single.sh").partition("cd ")[0])
+
+    def test_copies_of_the_job_and_its_files_are_found_from_the_copy(self):
+        points = "x_mm,y_mm\n-10,0\n10,0\n"
+        elsewhere = self.folder / "other place"
+        (self.folder / "jobs").mkdir()
+        for folder in (self.folder / "points", elsewhere):
+            folder.mkdir()
+            (folder / "line.csv").write_text(points, encoding="utf-8")
+        line = 'shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]'
+        for named in ("../points/line.csv", str(elsewhere / "line.csv")):
+            job = self.write_job(changed((line, f'shape = "csv", file = "{named}"')), "jobs/up.toml")
+            ids = [c["id"] for c in json.loads(self.shearwake("plan", job, "--json").stdout)["cases"]]
+            self.submit(job=job)
+            copy = re.search(r" run (\S+) --out", self.script("single.sh").splitlines()[-1])[1]
+            self.assertTrue(Path(copy).is_relative_to(self.out / "slurm"))
+            for path in (job, self.folder / "points", elsewhere):
+                path.rename(f"{path}.gone")
+            planned = json.loads(self.shearwake("plan", copy, "--json").stdout)
+            self.assertEqual([c["id"] for c in planned["cases"]], ids)
+            for path in (job, self.folder / "points", elsewhere):
+                Path(f"{path}.gone").rename(path)
+
+    def test_a_time_limit_below_the_plan_is_warned_about(self):
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
+            self.write_job()
+            self.shearwake("run", "job.toml", "--quiet")
+            large = self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+                                           ("output_interval_us = 100.0", "output_interval_us = 1.0"), ("frames = true\n", "")), "large.toml")
+            self.says(self.submit("--time", "1", "--warning", "5", job=large), "core hours", "warning: a case that saves no checkpoints takes",
+                      "exit code 3")
+            self.assertNotIn("warning: a case", self.submit("--time", "10-0", job=large))
+            self.says(self.shearwake("plan", large).stdout, "the longest case that saves no checkpoints may take")
+            self.says(self.shearwake("run", large, "--walltime", "60", "--out", "limited", expect=3).said, "but the time limit leaves", "saves no checkpoints")
+            self.assertEqual(started(self.folder / "limited"), [])
+
+    def start_step(self, command, job=1, retries=1):
+        """Runs a command as the step of a batch script on a site, and returns the exit code, the output and the requeues so far."""
+        site = self.folder / "site"
+        site.mkdir(exist_ok=True)
+        (self.folder / "small" / "slurm").mkdir(parents=True, exist_ok=True)
+        for name, text in (("squeue", "echo RUNNING"), ("scontrol", 'echo "$@" >>requeues'), ("sleep", "true")):
+            (site / name).write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
+            (site / name).chmod(0o755)
+        done = subprocess.run(["bash", "-c", f'. {ROOT}/jobs/slurm/step.sh; run_step small {retries} sh -c "$0"', command],
+                              env={**os.environ, "PATH": f"{site}:{os.environ['PATH']}", "SHEARWAKE_LAUNCH": "env", "SLURM_JOB_ID": "9",
+                                   "SLURM_ARRAY_JOB_ID": "9", "SLURM_ARRAY_TASK_ID": str(job)},
+                              cwd=self.folder, capture_output=True, encoding="utf-8", check=False)
+        requeues = self.folder / "requeues"
+        return done.returncode, done.stdout + done.stderr, requeues.read_text(encoding="utf-8").splitlines() if requeues.exists() else []
+
+    def test_a_step_is_requeued_while_it_completes_cases_or_saves_checkpoints(self):
+        for folder in ("cases", "checkpoints"):
+            self.assertEqual(self.start_step(f"mkdir -p small/{folder}; touch small/{folder}/1.h5; exit 75")[0], 4)
+        self.assertEqual(self.start_step("touch small/cases/2.h5.part; exit 75")[2], 3 * ["requeue 9_1"])
+        code, said, requeues = self.start_step("exit 75")
+        self.assertEqual((code, len(requeues)), (3, 3))
+        self.says(said, "the last two starts completed no case and saved no checkpoint")
+        (self.folder / "small" / "STOP").touch()
+        code, said, requeues = self.start_step("exit 75", job=2)
+        self.assertEqual((code, len(requeues)), (4, 3))
+        self.says(said, "small/STOP exists")
+
+    def test_a_step_with_a_killed_rank_is_retried(self):
+        self.assertEqual(self.start_step("kill -9 $$")[2], ["requeue 9_1"])
+        code, _, requeues = self.start_step("kill -9 $$")
+        self.assertEqual((code, len(requeues)), (137, 1))
+        self.assertEqual(self.start_step("kill -9 $$", job=2, retries=0)[2], ["requeue 9_1"])
+        self.assertEqual(self.start_step("exit 6", job=3)[::2], (6, ["requeue 9_1"]))
 
     def test_times_too_short_to_compute_are_rejected(self):
         for words in (["--warning", "0"], ["--warning", "-5"], ["--time", "0"], ["--time", "0:00"],
@@ -71,7 +222,7 @@ class Submit(ProgramTest):
             logs = next(line for line in script.splitlines() if line.startswith("#SBATCH --output="))
             self.assertIn("50%%j done", logs)
             self.assertEqual(logs.count("%%"), 1)
-        self.assertIn("50%j done", script.splitlines()[-1])
+        self.assertIn("50%j done'", script.partition("cd ")[2])
 
     def test_a_byte_order_mark_is_skipped(self):
         self.write_job()
