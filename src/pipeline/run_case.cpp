@@ -106,9 +106,11 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 
     const storage::SurfaceLayout layout = layout_of(c);
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
-    storage::CaseFileWriter writer(path, team, layout, beginning, checkpoints.part_record());
+    const bool has_volume = !c.record.volumes_s.empty();
+    storage::CaseFileWriter writer(path, team, layout, beginning, checkpoints.part_record(),
+                                   has_volume ? storage::HasVolume::yes : storage::HasVolume::no);
     checkpoints.store_with([&writer] { return writer.part_record(); });
-    const bool stores_fields = !layout.empty() || !c.record.volumes_s.empty();
+    const bool stores_fields = !layout.empty() || has_volume;
     SurfaceRecorder recorder(c, team, stores_fields ? &writer : nullptr, tick);
     record_receptors(c, plan.receptors, recorder);
     compute(c, engine, team, recorder, writer, checkpoints);
@@ -131,7 +133,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     // The case file is written last: if it exists, all other files do.
     on_root(team, [&] {
         if (c.record.frames) storage::write_xdmf(path, layout);
-        if (!c.record.volumes_s.empty()) storage::write_volume_xdmf(path, writer.volume());
+        if (has_volume) storage::write_volume_xdmf(path, writer.volume());
     });
     const std::vector<Attribute> attributes = case_attributes(planned, facts);
     CaseOutcome outcome{.seconds = facts.wall_s,

@@ -38,11 +38,11 @@ double SurfaceLayout::bytes() const {
 
 CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& team,
                                SurfaceLayout surface, Beginning beginning,
-                               const std::string& record)
+                               const std::string& record, HasVolume volume)
     : path_(path), part_(team.broadcast(part_path(path).string())), team_(team),
       surface_(std::move(surface)) {
     if (beginning == Beginning::resume) resumed_ = fields_of(team_.broadcast(record));
-    in_memory_ = is_alone() && beginning == Beginning::fresh &&
+    in_memory_ = is_alone() && beginning == Beginning::fresh && volume == HasVolume::no &&
                  surface_.bytes() <= largest_in_memory_B;
     on_root(team_, [&] {
         if (beginning == Beginning::resume) return;

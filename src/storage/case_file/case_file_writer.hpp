@@ -27,6 +27,8 @@ struct SurfaceLayout {
 /// Whether a case file is created from scratch or that of an earlier run is continued.
 enum class Beginning { fresh, resume };
 
+enum class HasVolume { no, yes };
+
 inline constexpr double largest_in_memory_B = 1e6;
 
 /// Writes a case file: part_path() of rank 0 until it is committed, then complete and renamed. It
@@ -37,9 +39,10 @@ public:
     /// Collective. Rank 0 creates the file, then all ranks open it through MPI if surface fields
     /// will be written. A team of one rank uses no MPI, and keeps a file of up to
     /// `largest_in_memory_B` in memory until it is flushed or committed. Throws CaseFailure on all ranks (no space, no permission). `record`: that
-    /// of the file that is continued, see part_record().
+    /// of the file that is continued, see part_record(). `volume`: whether begin_volume() follows.
     CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
-                   Beginning beginning = Beginning::fresh, const std::string& record = "");
+                   Beginning beginning = Beginning::fresh, const std::string& record = "",
+                   HasVolume volume = HasVolume::no);
     /// Not collective: rank 0 removes what was not committed. An open file is abandoned (h5::Id).
     ~CaseFileWriter();
     CaseFileWriter(const CaseFileWriter&) = delete;
@@ -106,8 +109,6 @@ private:
     bool in_memory_ = false;
     bool committed_ = false, left_ = false;
 };
-
-enum class HasVolume { no, yes };
 
 /// Copies the unfinished case file that another process has left to part_path(), so that a process
 /// that still writes to it cannot change the copy, and removes it. Not collective.
