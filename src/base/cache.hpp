@@ -15,8 +15,8 @@ namespace shearwake {
 /// is disabled (SHEARWAKE_CACHE=off) or no home folder is set.
 std::optional<std::filesystem::path> cache_file(const std::string& name);
 
-/// Uses `folder` for the rest of the program if the usual folder of the cache cannot be written, and
-/// returns a sentence that says so; otherwise empty. No effect if caching is disabled.
+/// Uses `folder` for the rest of the program if the usual folder of the cache cannot be written,
+/// and returns a sentence that says so; otherwise empty. No effect if caching is disabled.
 std::string fall_back_to_cache(const std::filesystem::path& folder);
 
 /// Contents of the file; empty if it does not exist.

@@ -43,7 +43,7 @@ struct CaseOutcome {
     engines::Resources needs;
     bool is_resumed = false; // from a checkpoint, so that this run has computed a part of it
     // Of the case file, on the root of the team.
-    std::string checksum;        // its last line
+    std::string checksum; // its last line
     storage::CaseDigest digest;
 };
 

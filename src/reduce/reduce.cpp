@@ -196,8 +196,7 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         rows.push_back(read_row(c, journal, index));
         if (!rows.back().digest) continue;
         for (const storage::IndexedScalar& v : rows.back().digest->scalars)
-            if (known.insert(v.name.text()).second)
-                measures.push_back(v.name.text());
+            if (known.insert(v.name.text()).second) measures.push_back(v.name.text());
     }
     index.save();
 

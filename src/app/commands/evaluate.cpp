@@ -53,8 +53,7 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
         if (!std::isnan(value.get<double>()))
             fmt::print("{} = {:.9g}\n", column, value.get<double>());
     fmt::print("results: {}\n", folder.root.string());
-    if (!note.empty())
-        fmt::print(stderr, "{}\n", coloured(note, stderr));
+    if (!note.empty()) fmt::print(stderr, "{}\n", coloured(note, stderr));
 }
 
 ExitCode evaluate_command(const EvaluateArguments& arguments, const Comm& world) {

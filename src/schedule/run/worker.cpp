@@ -176,8 +176,8 @@ bool Worker::compute(const PlannedCase& planned) {
         return false;
     }
     on_root(team_, [&] {
-        journal_.finished(planned.id, earlier_s + seconds_since(began), engine_name(planned.physics.solver),
-                          outcome->checksum);
+        journal_.finished(planned.id, earlier_s + seconds_since(began),
+                          engine_name(planned.physics.solver), outcome->checksum);
         storage::add_to_index(list_.folder.index(list_.run, host_),
                               list_.folder.case_file(planned.id), outcome->digest);
         std::error_code none;

@@ -167,8 +167,9 @@ std::string CaseFileWriter::part_record() {
             fields.push_back({offset, H5Dget_storage_size(dataset.raw()), planes * plane_B});
         };
         if (!surface_.empty())
-            add(surface_field_, static_cast<std::uint64_t>(surface_.domain.nx * surface_.domain.ny) *
-                                   sizeof(double));
+            add(surface_field_,
+                static_cast<std::uint64_t>(surface_.domain.nx * surface_.domain.ny) *
+                    sizeof(double));
         for (const h5::Id& volume : volume_fields_)
             add(volume,
                 static_cast<std::uint64_t>(volume_.domain.nx * volume_.domain.ny) * sizeof(double));

@@ -38,8 +38,9 @@ class CaseFileWriter {
 public:
     /// Collective. Rank 0 creates the file, then all ranks open it through MPI if surface fields
     /// will be written. A team of one rank uses no MPI, and keeps a file of up to
-    /// `largest_in_memory_B` in memory until it is flushed or committed. Throws CaseFailure on all ranks (no space, no permission). `record`: that
-    /// of the file that is continued, see part_record(). `volume`: whether begin_volume() follows.
+    /// `largest_in_memory_B` in memory until it is flushed or committed. Throws CaseFailure on all
+    /// ranks (no space, no permission). `record`: that of the file that is continued, see
+    /// part_record(). `volume`: whether begin_volume() follows.
     CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
                    Beginning beginning = Beginning::fresh, const std::string& record = "",
                    HasVolume volume = HasVolume::no);
@@ -96,11 +97,11 @@ private:
     Comm team_;
     SurfaceLayout surface_;
     VolumeLayout volume_;
-    h5::Id file_;                 // of a team of one rank, until it is committed
-    h5::Id shared_file_;          // of a larger team, while fields are written
+    h5::Id file_;        // of a team of one rank, until it is committed
+    h5::Id shared_file_; // of a larger team, while fields are written
     h5::Id surface_field_;
     std::vector<h5::Id> volume_fields_; // one per variable
-    std::vector<double> turned_;         // a plane of the volume with x contiguous
+    std::vector<double> turned_;        // a plane of the volume with x contiguous
     // Number of planes of each field that are already written: of the surface, then of the volumes.
     std::vector<std::uint64_t> planes_;
     std::vector<FieldBytes> resumed_; // the fields of the record

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/shared_text.hpp"
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 #include "storage/checksum/checksum.hpp"
@@ -11,9 +10,29 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 #include <vector>
 
 namespace shearwake::storage {
+
+/// A text of which the program keeps one copy, however often it occurs, until it ends: names of
+/// columns and reasons for empty cells, which ten thousand cases have in common. Not for use by
+/// several threads.
+class SharedText {
+public:
+    SharedText(const std::string& text = {}) : text_(&*kept().insert(text).first) {}
+    const std::string& text() const { return *text_; }
+    bool empty() const { return text_->empty(); }
+    bool operator==(std::string_view other) const { return *text_ == other; }
+
+private:
+    static std::unordered_set<std::string>& kept() {
+        static std::unordered_set<std::string> texts;
+        return texts;
+    }
+    const std::string* text_;
+};
 
 /// A scalar of a case file; NaN: no value, `note` gives the reason.
 struct IndexedScalar {

@@ -145,8 +145,8 @@ Id open_file(const std::filesystem::path& path, Access access) {
     check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "disable the sieve buffer");
     // Claims protect the files, also on file systems without locks.
     check(H5Pset_file_locking(unbuffered.raw(), false, true), "disable locks");
-    // HDF5 would reserve blocks that it returns when the file is closed: its bytes would change after
-    // a checkpoint has recorded them, and an image would be longer than the file.
+    // HDF5 would reserve blocks that it returns when the file is closed: its bytes would change
+    // after a checkpoint has recorded them, and an image would be longer than the file.
     check(H5Pset_meta_block_size(unbuffered.raw(), 0), "reserve no metadata");
     check(H5Pset_small_data_block_size(unbuffered.raw(), 0), "reserve no data");
     if (access == Access::in_memory)
@@ -182,10 +182,9 @@ Id open_shared(const std::filesystem::path& path, const Comm& comm, Access acces
     const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
     comm.before_collective();
     // The communicator is duplicated, and then the file is opened.
-    const herr_t chosen =
-        comm.size() == 1
-            ? H5Pset_file_locking(properties.raw(), false, true)
-            : H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL);
+    const herr_t chosen = comm.size() == 1
+                              ? H5Pset_file_locking(properties.raw(), false, true)
+                              : H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL);
     const hid_t raw = chosen < 0 ? -1 : H5Fopen(path.c_str(), flags, properties.raw());
     Id file;
     if (raw >= 0) file = Id(raw, H5Fclose, {}).shared();

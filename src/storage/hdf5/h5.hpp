@@ -59,8 +59,9 @@ enum class Access { create, read_write, read, in_memory };
 
 /// A file through the ordinary driver. Not collective.
 Id open_file(const std::filesystem::path& path, Access access);
-/// An existing file through MPI, or the ordinary driver on one rank. Collective; throws FileFailure on all ranks together. Collective
-/// calls on such files go through the functions for shared objects and h5_block.hpp.
+/// An existing file through MPI, or the ordinary driver on one rank. Collective; throws FileFailure
+/// on all ranks together. Collective calls on such files go through the functions for shared
+/// objects and h5_block.hpp.
 Id open_shared(const std::filesystem::path& path, const Comm& comm,
                Access access = Access::read_write);
 

@@ -38,7 +38,8 @@ public:
     void started(const std::string& id, int ranks) const;
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
-    /// `seconds`: of the case over all runs, with the time to write its file. `checksum`: the last line of the case file.
+    /// `seconds`: of the case over all runs, with the time to write its file. `checksum`: the last
+    /// line of the case file.
     void finished(const std::string& id, double seconds, const std::string& engine,
                   const std::string& checksum = "") const;
     void failed(const std::string& id, const std::string& reason, Cause cause) const;
