@@ -343,7 +343,10 @@ ReducedTables reduce(const ReduceInput& input) {
     if (plan.uncertain) write_uncertain(plan, plain, input.tables, written);
     if (!plan.adaptive.empty()) {
         written.adaptive = input.tables / (plan.name + ".adaptive.csv");
-        storage::write_file(written.adaptive, csv(adaptive_states(plan, plain).table));
+        const AdaptiveStates states = adaptive_states(plan, plain);
+        storage::write_file(written.adaptive, csv(states.table));
+        for (const auto& axis : states.axes)
+            written.points_to_add += axis.next.size();
     }
 
     std::vector<std::string> columns = {"id", "reference"};

@@ -33,6 +33,7 @@ struct ReducedTables {
     std::string first_rows;                        // of the main columns, for the terminal
     std::size_t rows = 0;
     std::size_t complete = 0;
+    std::size_t points_to_add = 0;     // of adaptive axes, according to the complete cases
     std::size_t not_valid = 0;         // complete cases whose readings are not valid
     std::vector<std::string> damaged;  // ids
     std::vector<std::string> programs; // git ids of the programs that computed the complete cases

@@ -34,6 +34,10 @@ void print_counts(const reduce::ReducedTables& written, const std::filesystem::p
                    "shearwake status {} lists the reasons\n",
                    coloured("warning:", stderr), left, written.rows, left == 1 ? "s" : "ve",
                    left == 1 ? "its row is" : "their rows are", folder.string());
+    if (written.points_to_add > 0)
+        fmt::print(stderr, "{} {} of adaptive axes {} not computed yet\n",
+                   coloured("warning:", stderr), counted(written.points_to_add, "point"),
+                   written.points_to_add == 1 ? "is" : "are");
     if (written.not_valid > 0)
         fmt::print("the readings of {} are not valid: see the column note\n",
                    counted(written.not_valid, "case"));
@@ -85,8 +89,9 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
     on_root(world, [&] {
         const reduce::ReducedTables written =
             studies::reduce_folder(schedule::folder_of_results(path), arguments.errors);
-        is_partial =
-            !written.damaged.empty() || (arguments.requires_all && written.complete < written.rows);
+        is_partial = !written.damaged.empty() ||
+                     (arguments.requires_all &&
+                      (written.complete < written.rows || written.points_to_add > 0));
         if (!arguments.json) print_counts(written, path);
         print_damaged(written);
         if (written.complete == 0)
