@@ -295,7 +295,7 @@ class HeadlineTest(InFolder):
             case.parameters["afferents"] = {"input": "carrier"}
         self.assertEqual(warnings_of.of_figure(sweep, "raster_1"), [])
         self.assertEqual(len(warnings_of.of_figure(sweep, "eta")), 2)
-        table = (folder.path / "tables" / "s.csv").read_text()
+        table = (folder.path / "tables" / "s.md").read_text()
         self.assertIn("warning: domain.extent_mm: waves return at 5.1 ms", table)
 
     def test_of_many_best_cases_the_first_are_named(self):

@@ -126,9 +126,8 @@ TEST_CASE("the order of indices is that which a file states", "[map_file]") {
     const auto read = [&] { return storage::read_map_file(path); };
     const auto scales = [](const h5::Id& file, std::array<const char*, 3> names) {
         for (unsigned n = 0; n < 3; ++n) {
-            const h5::Id scale = h5::open_dataset(file.raw(), names[n]);
-            h5::make_scale(scale, names[n]);
-            h5::attach_scale(h5::open_dataset(file.raw(), "c_s_m_s"), scale, n);
+            const h5::Scale scale(h5::open_dataset(file.raw(), names[n]), names[n]);
+            h5::attach_scale(h5::open_dataset(file.raw(), "c_s_m_s"), scale.dataset(), n);
         }
     };
     map_of(ordered, [](const h5::Id&) {});
