@@ -133,7 +133,8 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
             text += " " + one_line(text_of(row[i], 4)) + " |";
         text += "\n";
     }
-    for (std::size_t n = 0; n < table.notes.size(); ++n)
+    const bool has_notes = std::ranges::find(columns, "note") != columns.end();
+    for (std::size_t n = 0; has_notes && n < table.notes.size(); ++n)
         text += fmt::format("{}{}. {}\n", n > 0 ? "" : "\n", n + 1, one_line(table.notes[n]));
     return text;
 }

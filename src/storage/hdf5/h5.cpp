@@ -32,7 +32,7 @@ Id text_type(std::size_t length) {
 }
 
 void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
-    static const Id space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
+    static const Id& space = *new Id(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
     const Id attribute(
         H5Acreate2(object, name.c_str(), type, space.raw(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
         "create attribute " + name);
@@ -210,13 +210,14 @@ Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t
                        ? H5Screate(H5S_SCALAR)
                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                    H5Sclose, "create a dataspace");
-    // Created once: a case has more than a hundred datasets.
-    static const Id creation = [] {
+    // Created once, since a case has more than a hundred datasets, and never closed, since HDF5
+    // may end before.
+    static const Id& creation = *new Id([] {
         Id early = property(H5P_DATASET_CREATE);
         check(H5Pset_alloc_time(early.raw(), H5D_ALLOC_TIME_EARLY), "allocate early");
         check(H5Pset_fill_time(early.raw(), H5D_FILL_TIME_NEVER), "not fill");
         return early;
-    }();
+    }());
     const std::string what = "create dataset " + name;
     if (just_before) just_before();
     return Id(H5Dcreate2(parent, name.c_str(), H5T_NATIVE_DOUBLE, space.raw(), H5P_DEFAULT,

@@ -26,14 +26,14 @@ TEST_CASE("special characters in cells are quoted in CSV and Markdown", "[reduce
 
 TEST_CASE("each remark stands once below a Markdown table", "[reduce]") {
     const reduce::Table table{{"id", "note"},
-                              {{std::string("a"), std::string("waves return; no period")},
+                              {{std::string("a"), std::string("1, 2")},
                                {std::string("b"), std::string()},
-                               {std::string("c"), std::string("no <period>; waves return")}},
-                              {{"waves return", "no <period>"}, {}, {"no <period>"}}};
+                               {std::string("c"), std::string("2")}},
+                              {"waves return", "no <period>"}};
     CHECK(reduce::markdown(table, {"id", "note"}) ==
           "| id | note |\n| --- | --- |\n| a | 1, 2 |\n| b |  |\n| c | 2 |\n"
           "\n1. waves return\n2. no &lt;period>\n");
-    CHECK(reduce::csv(table).find("no <period>; waves return") != std::string::npos);
+    CHECK(reduce::csv(table) == "id,note\na,\"1, 2\"\nb,\nc,2\n");
     CHECK(reduce::markdown(table, {"id"}) == "| id |\n| --- |\n| a |\n| b |\n| c |\n");
 }
 
