@@ -192,9 +192,10 @@ class Reading(InFolder):
         path = Path("out/wrong-reference/tables/small.json")
         table = json.loads(path.read_text())
         reference = self.sweep.references[0].id
+        table["warnings"].append({"severity": "error", "key": "domain.extent_mm", "message": "waves return"})
         for row in table["cases"]:
             if row["id"] == reference:
-                row["warnings"] = [{"severity": "error", "key": "domain.extent_mm", "message": "waves return"}]
+                row["warnings"] = [len(table["warnings"])]
         path.write_text(json.dumps(table))
         sweep = shearwake.open("out/wrong-reference")
         with warnings.catch_warnings():
