@@ -227,7 +227,8 @@ def open_sweep(folder: str | os.PathLike[str]) -> Sweep:
 
 def case_of_file(path: Path) -> Case:
     """The case of a file. Raises OSError, RuntimeError, KeyError, ValueError or TypeError if it is not a case file."""
-    found = stored.attributes(path)
+    with stored.opened(path):  # refuses links to other files
+        found = stored.attributes(path)
     return Case(path, {"id": found["case_id"], "settings": json.loads(found["settings"]),
                        "is_reference": found["is_reference"] == "yes", "reference_id": found["reference_id"]})
 

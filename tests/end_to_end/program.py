@@ -132,7 +132,7 @@ def faulty_environment(**faults):
 
 
 # Programs stop themselves when their second case is computed and has not got its name yet.
-SECOND_CASE = {"PATH": "/cases/*.h5", "CALL": "rename", "STOP_AT": 2}
+SECOND_CASE = {"PATH": "/cases/*.h5$", "CALL": "rename", "STOP_AT": 2}
 
 
 def state_of(pid):

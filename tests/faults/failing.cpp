@@ -2,7 +2,7 @@
 // Loaded before the C library (LD_PRELOAD), this file makes the system fail.
 //
 // Each process counts writes, flushes and renames of files whose path contains FAULT_PATH, in which
-// * matches any text:
+// * matches any text, and $ the end:
 //   FAULT_CALL=name       counts only these calls
 //   FAULT_STOP_AT=n       the n-th stops the process before the call, until SIGCONT
 //   FAULT_HOUR_AT=n       from the n-th on, the clock that measures intervals is an hour ahead
@@ -53,7 +53,9 @@ int counts(const char* path, const char* variable = "FAULT_PATH") {
     const char* wanted = getenv(variable);
     char pattern[4096];
     if (!wanted || !path) return 0;
-    snprintf(pattern, sizeof pattern, "*%s*", wanted);
+    const int length = strlen(wanted);
+    const int ends = length > 0 && wanted[length - 1] == '$';
+    snprintf(pattern, sizeof pattern, ends ? "*%.*s" : "*%.*s*", length - ends, wanted);
     return fnmatch(pattern, path, 0) == 0;
 }
 
