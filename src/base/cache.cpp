@@ -65,7 +65,7 @@ std::string fall_back_to_cache(const fs::path& folder) {
     }
     fallback() = folder;
     return (usual ? "the cache " + usual->string() + " cannot be written: "
-                  : std::string("there is no folder for the cache (HOME is not set): ")) +
+                  : std::string("HOME is not set, so that the cache has no folder: ")) +
            folder.string() + " is used instead";
 }
 
