@@ -12,7 +12,7 @@
 
 namespace shearwake::schedule {
 
-/// Division of the world into teams of equal size; excess ranks join the last team.
+/// Division of the world into teams of equal size; ranks that are left over are idle.
 struct TeamLayout {
     int ranks_per_case = 1;
     int teams = 1;
