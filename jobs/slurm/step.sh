@@ -27,12 +27,21 @@ has_progressed() {
 }
 
 # run_step OUT RETRIES COMMAND...: requeues the job if the command was stopped early or, at most RETRIES times, if a
-# rank was killed. Exits with 3 after two starts without progress, and with the exit code of the command otherwise. The
-# exit code 75 would make some clusters requeue the job: it becomes 4.
+# rank was killed. Slurm itself requeues it if a node is lost, which counts as killed unless that start made progress.
+# Exits with 3 after two starts without progress, and with the exit code of the command otherwise. The exit code 75
+# would make some clusters requeue the job: it becomes 4.
 run_step() {
     out=$1 retries=$2 start=$1/slurm/start-$id killed=$1/slurm/killed-$id
     shift 2
+    if [ -e "$start" ] && [ ! -e "$start-ended" ] && ! has_progressed "$start"; then
+        echo "a node was lost" >>"$killed"
+        if [ "$(wc -l <"$killed")" -gt "$retries" ]; then
+            report "not started: $(wc -l <"$killed") starts ended because a rank was killed or a node was lost; submit the job again to continue"
+            return 4
+        fi
+    fi
     report "on $SLURM_JOB_NODELIST: $launch $*"
+    rm -f "$start-ended"
     [ ! -e "$start" ] || mv "$start" "$start-before"
     touch "$start"
     $launch "$@" &
@@ -45,6 +54,7 @@ run_step() {
     wait "$step"
     code=$?
     trap - USR1 TERM INT
+    touch "$start-ended"
     report "exit code $code"
     if [ "$code" -eq 75 ]; then
         code=4
@@ -57,7 +67,7 @@ run_step() {
             requeue
         fi
     elif [ "$code" -gt 128 ]; then
-        echo "$code" >>"$killed"
+        echo "exit code $code" >>"$killed"
         if [ "$(wc -l <"$killed")" -le "$retries" ]; then
             report "a rank was killed, perhaps because it exceeded the memory: retry $(wc -l <"$killed") of $retries"
             requeue

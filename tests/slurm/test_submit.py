@@ -171,6 +171,16 @@ class Submit(ProgramTest):
         self.assertEqual(self.start_step("kill -9 $$", job=2, retries=0)[2], ["requeue 9_1"])
         self.assertEqual(self.start_step("exit 6", job=3)[::2], (6, ["requeue 9_1"]))
 
+    def test_starts_that_end_with_their_node_are_retried_unless_they_make_progress(self):
+        lost = "kill -9 $PPID"  # the batch script, as with a lost node: Slurm starts it again
+        for command in (lost, lost, f"mkdir -p small/cases; touch small/cases/1.h5; {lost}", f"touch small/cases/2.h5; {lost}"):
+            self.assertEqual(self.start_step(command, retries=2)[0], -9)
+        self.assertEqual(self.start_step(lost, retries=2)[0], -9)
+        code, said, requeues = self.start_step("touch started", retries=2)
+        self.assertEqual((code, requeues), (4, []))
+        self.says(said, "not started: 3 starts ended because a rank was killed or a node was lost")
+        self.assertFalse((self.folder / "started").exists())
+
     def test_times_too_short_to_compute_are_rejected(self):
         for words in (["--warning", "0"], ["--warning", "-5"], ["--time", "0"], ["--time", "0:00"],
                       ["--time", "1-"], ["--time", "4", "--warning", "120"],
