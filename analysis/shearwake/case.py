@@ -7,6 +7,7 @@ import functools
 import html
 import json
 import math
+import re
 import tomllib
 import warnings
 from pathlib import Path
@@ -224,6 +225,12 @@ class Case:
     def parameters(self) -> dict[str, Any]:
         """All parameters of the case in SI units. Raises tomllib.TOMLDecodeError if the text is damaged."""
         return tomllib.loads(self._parameters_text or self.attributes["case"])
+
+    def parameters_text(self, *tables: str) -> str:
+        """The text of these tables of the parameters: "load.modulation.trajectory" does not include those within it. Cases with
+        equal texts have equal parameters in them; this is faster than `parameters` for thousands of cases."""
+        sections = re.split(r"\n(?=\[)", self._parameters_text or self.attributes["case"])
+        return "\n".join(s for s in sections if re.match(r"\[*([\w.]*)", s)[1] in tables)  # type: ignore[index]  # matches any text
 
     def setting(self, *keys: str, default: Any = REQUIRED) -> Any:
         """A parameter in SI units: case.setting("measure", "at_s"). Parameters of alternatives that are not used, and some that

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import operator
-import re
 from dataclasses import dataclass
 from typing import Any, Sequence
 
@@ -66,8 +65,7 @@ def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
 
 def layout_of(case: Case) -> str:
     """The part of the parameters that determines the axes of the file: cases with equal texts have equal axes."""
-    sections = re.split(r"\n(?=\[)", case._parameters_text)
-    return "\n".join(s for s in sections if s.startswith(("[domain]", "[time]", "[record]", "[measure]")))
+    return case.parameters_text("domain", "time", "record", "measure")
 
 
 class Builder:

@@ -34,10 +34,9 @@ def recordings(selection: Selection) -> list[Case]:
     """The first of the complete cases that have the same path of the focus, times and trace points according to their parameters."""
     found: dict[str, Case] = {}
     for case in ordinary(selection):
-        path = [case.setting("load", "modulation", key, default=case.id if key == "trajectory" else "")
-                for key in ("trajectory", "foci_x_m", "foci_y_m")]
-        others = [case.setting(table, default="") for table in ("time", "measure", "record")]
-        found.setdefault(str([path, others]), case)
+        path = case.parameters_text("load.modulation.trajectory") or case.id
+        foci = re.findall(r"^foci_.*", case.parameters_text("load.modulation"), re.MULTILINE)
+        found.setdefault(str([path, foci, case.parameters_text("time", "measure", "record")]), case)
     return list(found.values())
 
 

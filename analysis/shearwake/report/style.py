@@ -11,6 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
@@ -201,13 +203,12 @@ def legend_strip(figure: Any, handles: list) -> None:
 def save(figure: Any, path: Path) -> None:
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     finish(figure)
+    figure.set(dpi=DPI, facecolor="white")  # the layout measures texts at this resolution
     if layout := figure.get_layout_engine():
-        before = figure.dpi
-        figure.set_dpi(DPI)  # of the texts that it measures
-        layout.execute(figure)  # without the additional drawing of savefig
-        figure.set_dpi(before)
+        layout.execute(figure)
         figure.set_layout_engine("none")  # the PDF has the same places
-    figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
+    # Without savefig(), which draws each figure twice.
+    FigureCanvasAgg(figure).print_png(path, pil_kwargs={"compress_level": 3})
     if PDF:
-        figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
+        FigureCanvasPdf(figure).print_pdf(path.with_suffix(".pdf"), metadata={"CreationDate": None})
     plt.close(figure)
