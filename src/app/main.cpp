@@ -236,12 +236,20 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     }
 }
 
+/// Whether the command computes, in which case it needs MPI.
+bool computes(int argc, char** argv) {
+    constexpr std::string_view names[] = {"run",     "reduce", "optimise", "converge",
+                                          "fit",     "serve",  "evaluate", "measure",
+                                          "respond", "kwave",  "bench",    "lens"};
+    return argc > 1 && std::ranges::find(names, std::string_view(argv[1])) != std::end(names);
+}
+
 } // namespace
 } // namespace shearwake::app
 
 int main(int argc, char** argv) {
     shearwake::h5::never_tidy_up();
-    return shearwake::guarded_main(argc, argv, [&](const shearwake::Comm& world) {
-        return shearwake::app::program(argc, argv, world);
-    });
+    return shearwake::guarded_main(
+        argc, argv, shearwake::app::computes(argc, argv),
+        [&](const shearwake::Comm& world) { return shearwake::app::program(argc, argv, world); });
 }

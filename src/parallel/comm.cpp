@@ -56,8 +56,10 @@ struct Layout {
 Layout layout_of(std::size_t mine, const Comm& comm) {
     const long count = static_cast<long>(mine);
     std::vector<long> counts(static_cast<std::size_t>(comm.size()));
+    counts[0] = count;
     comm.before_collective();
-    checked(MPI_Allgather(&count, 1, MPI_LONG, counts.data(), 1, MPI_LONG, comm.raw()));
+    if (comm.size() > 1)
+        checked(MPI_Allgather(&count, 1, MPI_LONG, counts.data(), 1, MPI_LONG, comm.raw()));
     count_of(static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0L)));
     return Layout(counts);
 }
@@ -65,7 +67,9 @@ Layout layout_of(std::size_t mine, const Comm& comm) {
 void reduce(std::span<double> values, MPI_Op operation, const Comm& comm) {
     const int count = count_of(values.size());
     comm.before_collective();
-    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), count, MPI_DOUBLE, operation, comm.raw()));
+    if (comm.size() > 1)
+        checked(
+            MPI_Allreduce(MPI_IN_PLACE, values.data(), count, MPI_DOUBLE, operation, comm.raw()));
 }
 
 double reduced(double value, MPI_Op operation, const Comm& comm) {
@@ -75,19 +79,23 @@ double reduced(double value, MPI_Op operation, const Comm& comm) {
 
 int reduced(int value, MPI_Op operation, const Comm& comm) {
     comm.before_collective();
-    checked(MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, operation, comm.raw()));
+    if (comm.size() > 1)
+        checked(MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, operation, comm.raw()));
     return value;
 }
 
 } // namespace
 
 Comm::Comm(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
+    if (shared_->handle == MPI_COMM_NULL) return;
     checked(MPI_Comm_rank(shared_->handle, &rank_));
     checked(MPI_Comm_size(shared_->handle, &size_));
 }
 
 Comm Comm::world() {
-    return Comm(std::make_shared<Shared>(Shared{MPI_COMM_WORLD}));
+    int has_mpi = 0;
+    MPI_Initialized(&has_mpi);
+    return Comm(std::make_shared<Shared>(Shared{has_mpi != 0 ? MPI_COMM_WORLD : MPI_COMM_NULL}));
 }
 
 int Comm::agree(int failed) const {
@@ -140,6 +148,7 @@ void Comm::before_collective() const {
 }
 
 Comm Comm::split(int color) const {
+    if (raw() == MPI_COMM_NULL) return *this;
     MPI_Comm part = MPI_COMM_NULL;
     before_collective();
     checked(MPI_Comm_split(raw(), color, rank_, &part));
@@ -147,6 +156,7 @@ Comm Comm::split(int color) const {
 }
 
 Comm Comm::split_by_machine() const {
+    if (raw() == MPI_COMM_NULL) return *this;
     MPI_Comm part = MPI_COMM_NULL;
     before_collective();
     checked(MPI_Comm_split_type(raw(), MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &part));
@@ -167,7 +177,7 @@ Comm Comm::owned(MPI_Comm part) {
 
 void Comm::barrier() const {
     before_collective();
-    checked(MPI_Barrier(raw()));
+    if (size_ > 1) checked(MPI_Barrier(raw()));
 }
 
 double Comm::sum(double value) const {
@@ -205,7 +215,7 @@ void Comm::broadcast_in_place(std::span<T> values, int from) const {
         const auto part = values.subspan(start, std::min(piece, values.size() - start));
         const int count = count_of(part.size());
         before_collective();
-        checked(MPI_Bcast(part.data(), count, type_of<T>(), from, raw()));
+        if (size_ > 1) checked(MPI_Bcast(part.data(), count, type_of<T>(), from, raw()));
     }
 }
 
@@ -218,6 +228,7 @@ std::string Comm::broadcast(std::string text, int from) const {
 template <Sendable T>
 std::vector<T> Comm::all_gather(std::span<const T> mine) const {
     const Layout layout = layout_of(mine.size(), *this);
+    if (size_ == 1) return {mine.begin(), mine.end()};
     std::vector<T> all(layout.total);
     const int count = count_of(mine.size());
     before_collective();
@@ -229,6 +240,7 @@ std::vector<T> Comm::all_gather(std::span<const T> mine) const {
 template <Sendable T>
 std::vector<T> Comm::gather(std::span<const T> mine) const {
     const Layout layout = layout_of(mine.size(), *this);
+    if (size_ == 1) return {mine.begin(), mine.end()};
     std::vector<T> all(is_root() ? layout.total : 0);
     const int count = count_of(mine.size());
     before_collective();
@@ -245,6 +257,10 @@ void Comm::all_to_all(std::span<const T> sent, std::span<const std::ptrdiff_t> s
     if (out.total > sent.size() || in.total > received.size())
         throw Error("all-to-all: the counts exceed the size of a buffer");
     before_collective();
+    if (size_ == 1 && out.total == in.total) {
+        std::ranges::copy(sent.first(out.total), received.begin());
+        return;
+    }
     checked(MPI_Alltoallv(sent.data(), out.counts.data(), out.offsets.data(), type_of<T>(),
                           received.data(), in.counts.data(), in.offsets.data(), type_of<T>(),
                           raw()));

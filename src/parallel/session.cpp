@@ -46,7 +46,8 @@ std::string with_causes(const std::exception& error) {
 
 /// Replaces closed standard streams by /dev/null or /dev/full, so that no file opened later reuses
 /// their descriptors. Ignores SIGPIPE, so that writing to a closed pipe fails instead of ending the
-/// program.
+/// program. Ignores SIGXFSZ as well, so that a file above a limit of its size is an error of the
+/// file.
 void secure_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) {
@@ -58,6 +59,7 @@ void secure_streams() {
             }
         }
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 /// The text of an error; on a terminal "error:" precedes it, unless it marks its errors itself.
@@ -151,6 +153,9 @@ int with_output_written(int code) {
 [[noreturn]] void abort_all(int rank, const std::string& what) {
     fmt::print(stderr, "shearwake: internal error on rank {}: {}\n", rank, what);
     std::fflush(stderr);
+    int has_mpi = 0;
+    MPI_Initialized(&has_mpi);
+    if (has_mpi == 0) std::_Exit(static_cast<int>(ExitCode::internal));
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::internal));
     std::abort();
 }
@@ -212,16 +217,19 @@ double seconds_since_start() {
     return seconds_since(began);
 }
 
-int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
+int guarded_main(int argc, char** argv, bool needs_mpi,
+                 const std::function<ExitCode(const Comm&)>& program) {
     seconds_since_start();
     secure_streams();
-    if (is_inside_of_rank()) {
+    // The ranks of a launcher are one program, of which rank 0 prints.
+    const bool has_mpi = needs_mpi || has_launcher();
+    if (has_mpi && is_inside_of_rank()) {
         fmt::print(stderr,
                    "a rank of another MPI program has started this run, which cannot join it. {}\n",
                    remedy);
         return static_cast<int>(ExitCode::usage);
     }
-    if (initialise_mpi(argc, argv) != MPI_SUCCESS) {
+    if (has_mpi && initialise_mpi(argc, argv) != MPI_SUCCESS) {
         fmt::print(stderr, "shearwake: MPI cannot be initialised\n");
         return static_cast<int>(ExitCode::environment);
     }
@@ -243,7 +251,7 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
         abort_all(world.rank(), "an exception of unknown type");
     }
     code = world.max(with_output_written(code));
-    MPI_Finalize();
+    if (has_mpi) MPI_Finalize();
     return code;
 }
 
@@ -262,6 +270,7 @@ std::string mpi_version() {
 
 void sleeping_barrier(const Comm& comm) {
     comm.before_collective();
+    if (comm.size() == 1) return;
     MPI_Request request = MPI_REQUEST_NULL;
     int code = MPI_Ibarrier(comm.raw(), &request);
     for (int done = 0; code == MPI_SUCCESS;) {
