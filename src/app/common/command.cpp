@@ -68,7 +68,7 @@ void add_ranks_per_case(CLI::App& command, int& ranks) {
 
 void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
     add_ranks_per_case(command, arguments.ranks_per_case);
-    add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS",
+    add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS|D-HH:MM",
               "start no case that cannot finish within this time (default: the limit of the "
               "Slurm job)");
     command.add_flag("--allow-mixed", arguments.allow_mixed,

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// Seconds of a time in the format [days-][[hours:]minutes:]seconds, which Slurm uses as well.
+/// Seconds of a time in the format [[hours:]minutes:]seconds or days-hours[:minutes[:seconds]],
+/// which Slurm uses as well.
 std::optional<double> seconds_in(const std::string& text) {
     std::size_t at = 0;
     const auto number = [&]() -> std::optional<double> {
@@ -32,22 +33,22 @@ std::optional<double> seconds_in(const std::string& text) {
         if (at == begin || at - begin > 9) return std::nullopt;
         return std::stod(text.substr(begin, at - begin));
     };
-    double days = 0.0;
+    std::optional<double> days;
     std::vector<double> parts;
     do {
         const auto part = number();
         if (!part) return std::nullopt;
-        if (at < text.size() && text[at] == '-' && parts.empty() && days == 0.0)
+        if (at < text.size() && text[at] == '-' && parts.empty() && !days)
             days = *part;
         else
             parts.push_back(*part);
     } while (at < text.size() && (text[at] == ':' || text[at] == '-') && ++at > 0);
     if (at != text.size() || parts.empty() || parts.size() > 3) return std::nullopt;
-    if (days > 0.0 && parts.size() != 3) return std::nullopt;
+    if (days) parts.resize(3, 0.0); // minutes and seconds
     double seconds = 0.0;
     for (const double part : parts)
         seconds = 60.0 * seconds + part;
-    return 86400.0 * days + seconds;
+    return 86400.0 * days.value_or(0.0) + seconds;
 }
 
 /// The first line of the output of a command; empty if it cannot be run.
@@ -84,7 +85,7 @@ double parse_walltime(const std::string& text) {
     if (!seconds || *seconds <= 0.0)
         throw UsageError("--walltime " + text +
                          ": must be seconds or days-hours:minutes:seconds, for example 5400, "
-                         "1:30:00 or 2-00:00:00");
+                         "1:30:00 or 2-00:00");
     return *seconds;
 }
 
@@ -122,8 +123,10 @@ std::sig_atomic_t now_s() {
 }
 
 void on_signal(int signal) {
-    // The batch system, its script and mpirun may all forward the same SIGUSR1.
-    const bool repeated = signal == SIGUSR1 && now_s() - last_signal_s <= 2;
+    // The batch system, its script and mpirun may all forward the same signal, and the kernel sends
+    // SIGXCPU every second.
+    const bool repeated = signal == SIGXCPU || ((signal == SIGUSR1 || signal == SIGUSR2) &&
+                                                now_s() - last_signal_s <= 2);
     if (stop_signalled != 0 && !repeated) {
         std::signal(signal, SIG_DFL);
         std::raise(signal);
@@ -152,8 +155,9 @@ void watch_for_stop_signals(const Comm& world) {
     Comm::mark_progress();
     may_be_blocked = world.size() > 1 ? 1 : 0;
     if (may_be_blocked != 0) std::signal(SIGALRM, on_alarm);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
-        std::signal(signal, on_signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGHUP})
+        if (std::signal(signal, on_signal) == SIG_IGN && signal == SIGHUP)
+            std::signal(SIGHUP, SIG_IGN); // nohup
 }
 
 bool stop_requested() {

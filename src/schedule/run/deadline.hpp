@@ -9,16 +9,18 @@
 
 namespace shearwake::schedule {
 
-/// Installs handlers by which SIGINT, SIGTERM and SIGUSR1 request an orderly stop: running cases
-/// write a checkpoint, or are abandoned after 10 s if their engine has none, and no further cases
-/// are started. A rank that others block ends some seconds later. A second signal ends the program
-/// immediately, except for a SIGUSR1 within two seconds of the first.
+/// Installs handlers by which SIGINT, SIGTERM, SIGHUP and the warnings of batch systems (SIGUSR1,
+/// SIGUSR2, SIGXCPU) request an orderly stop: running cases write a checkpoint, or are abandoned
+/// after 10 s if their engine has none, and no further cases are started. A rank that others block
+/// ends some seconds later. A second signal ends the program immediately, except for a SIGXCPU, and
+/// a SIGUSR1 or SIGUSR2 within two seconds of the first. SIGHUP remains ignored below nohup.
 void watch_for_stop_signals(const Comm& world);
 
 /// Whether this rank has received such a signal.
 bool stop_requested();
 
-/// Seconds of "90", "1:30", "2:00:00" or "1-12:00:00". Throws UsageError for anything else.
+/// Seconds of "90", "1:30", "2:00:00", "1-12", "1-12:00" or "1-12:00:00". Throws UsageError for
+/// anything else.
 double parse_walltime(const std::string& text);
 
 /// The time at which a run must have ended, given by --walltime, by the limit of its Slurm job, or

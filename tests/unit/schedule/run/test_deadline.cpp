@@ -20,7 +20,9 @@ TEST_CASE("a walltime is given in seconds or as Slurm writes it", "[deadline]") 
     CHECK(schedule::parse_walltime("1:30") == 90.0);
     CHECK(schedule::parse_walltime("2:00:01") == 7201.0);
     CHECK(schedule::parse_walltime("1-12:00:00") == 129600.0);
-    for (const char* wrong : {"", "0", "-5", "1-12", "1:2:3:4", "1h", "1:", ":1", "UNLIMITED", "1 ",
+    CHECK(schedule::parse_walltime("1-12:30") == 131400.0);
+    CHECK(schedule::parse_walltime("0-2") == 7200.0);
+    for (const char* wrong : {"", "0", "-5", "1-", "1:2:3:4", "1h", "1:", ":1", "UNLIMITED", "1 ",
                               "99999999999", "1-1-1:00:00"})
         CHECK_THROWS_AS(schedule::parse_walltime(wrong), UsageError);
 }
