@@ -6,6 +6,7 @@
 #include "engines/pstd/scheme/stepper.hpp"
 #include "kwave/run.hpp"
 #include "parallel/comm.hpp"
+#include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <filesystem>
@@ -166,5 +167,13 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
 template <class Real>
 void write_records(const OutputFile& output, const pstd::Recorder& recorder, const Input& input,
                    const pstd::Stepper<Real>& stepper, const Comm& team);
+
+/// The name of the checkpoint before the last one. Not collective.
+std::filesystem::path previous_checkpoint(const std::filesystem::path& checkpoint);
+
+/// The last checkpoint of this owner, or the previous one with a note if the last one is damaged;
+/// empty if there is none. Throws UsageError if there are only others. Not collective.
+std::filesystem::path usable_checkpoint(const std::filesystem::path& checkpoint,
+                                        const storage::CheckpointOwner& owner);
 
 } // namespace shearwake::kwave

@@ -23,6 +23,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <vector>
 #include <xxhash.h>
 
 namespace shearwake::kwave {
@@ -233,23 +234,21 @@ public:
         for (const auto& [name, value] : job_.input.integers)
             if (name.size() == 2 && name[0] == 'N') writer.put(name, static_cast<double>(value));
         write(writer);
+        on_root(job_.world, [&] {
+            if (std::filesystem::exists(path_))
+                std::filesystem::rename(path_, previous_checkpoint(path_));
+        });
         writer.commit(owner_, {});
     }
-    /// A checkpoint of another run is an error.
+    /// Uses the previous checkpoint if the last one is damaged. A checkpoint of another run is an
+    /// error.
     bool restore(const std::function<void(const StateReader&)>& read) override {
         if (path_.empty()) return false;
-        bool exists = false;
-        on_root(job_.world, [&] {
-            if (!(exists = std::filesystem::exists(path_))) return;
-            storage::CheckpointFacts facts;
-            if (const std::string error = storage::checkpoint_error(path_, owner_, facts);
-                !error.empty())
-                throw UsageError(
-                    fmt::format("{} {}; it must be a checkpoint of the same input file and options",
-                                path_.string(), error));
-        });
-        if (!job_.world.broadcast(exists)) return false;
-        storage::CheckpointFileReader reader(path_, job_.world);
+        std::string used;
+        on_root(job_.world, [&] { used = usable_checkpoint(path_, owner_).string(); });
+        used = job_.world.broadcast(std::move(used));
+        if (used.empty()) return false;
+        storage::CheckpointFileReader reader(used, job_.world);
         read(reader);
         reader.close();
         print(job_.world, fmt::format("resumed after step {}", field_.step()));
@@ -286,7 +285,8 @@ template <class Real>
 void write_output(const Job& job, const pstd::Stepper<Real>& stepper,
                   const pstd::Recorder& recorder) {
     const Arguments& arguments = job.arguments;
-    const std::filesystem::path part = arguments.output.string() + ".part";
+    std::filesystem::path part;
+    if (job.world.is_root()) part = storage::part_path(arguments.output);
     const double memory_B = job.world.sum(pipeline::peak_memory_B());
     try {
         fail_together(job.world, [&] {
@@ -337,8 +337,10 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     phases.stepping_s = phases.next();
     field.recorder().finish();
     write_output(job, field.stepper(), field.recorder());
-    if (!stops && !arguments.checkpoint.empty() && world.is_root())
+    if (!stops && !arguments.checkpoint.empty() && world.is_root()) {
         std::filesystem::remove(arguments.checkpoint);
+        std::filesystem::remove(previous_checkpoint(arguments.checkpoint));
+    }
     print(world, stops
                      ? fmt::format("stopped after step {}; repeat the command to resume from {}",
                                    field.step(), arguments.checkpoint.string())
@@ -346,6 +348,16 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                                    seconds_since(phases.began),
                                    1e-6 * job.points() * static_cast<double>(steps - leg.first()) /
                                        std::max(phases.stepping_s, 1e-9)));
+}
+
+/// With the exit code of k-Wave's programs; states that the output is not that of this run.
+[[noreturn]] void end_run(const Arguments& arguments, const Error& error) {
+    std::error_code ignored;
+    const bool is_older = std::filesystem::exists(arguments.output, ignored);
+    throw UsageError(
+        error.what() +
+            (is_older ? "; " + arguments.output.string() + " is of an earlier run" : std::string()),
+        ExitCode::internal);
 }
 
 } // namespace
@@ -358,6 +370,15 @@ ExitCode run(const Arguments& given, const Comm& world) {
     Phases phases;
     try {
         check_arguments(arguments);
+    } catch (const Error& error) {
+        end_run(arguments, error);
+    }
+    std::vector<std::unique_ptr<storage::FileLock>> locks;
+    on_root(world, [&] {
+        for (const auto* path : {&arguments.output, &arguments.checkpoint})
+            if (!path->empty()) locks.push_back(std::make_unique<storage::FileLock>(*path));
+    });
+    try {
         if (arguments.gpu >= 0) print(world, "note: -g is ignored: there is no GPU version");
         if (arguments.threads > 0 && arguments.threads != world.size())
             print(world, fmt::format("note: the run uses {} of the {} threads of -t: start {} "
@@ -368,7 +389,9 @@ ExitCode run(const Arguments& given, const Comm& world) {
         // functions read it without regard to the exit code. The output of an earlier leg states
         // its last step.
         on_root(world, [&] {
-            if (arguments.checkpoint.empty() || !std::filesystem::exists(arguments.checkpoint))
+            if (arguments.checkpoint.empty() ||
+                !(std::filesystem::exists(arguments.checkpoint) ||
+                  std::filesystem::exists(previous_checkpoint(arguments.checkpoint))))
                 std::filesystem::remove(arguments.output);
         });
         if (!arguments.checkpoint.empty()) schedule::watch_for_stop_signals(world);
@@ -379,12 +402,7 @@ ExitCode run(const Arguments& given, const Comm& world) {
                 run_with<double>(arguments, world, phases);
         });
     } catch (const Error& error) { // thrown on all ranks
-        std::error_code ignored;
-        const bool is_older = std::filesystem::exists(arguments.output, ignored);
-        throw UsageError(error.what() +
-                             (is_older ? "; " + arguments.output.string() + " is of an earlier run"
-                                       : std::string()),
-                         ExitCode::internal);
+        end_run(arguments, error);
     }
     return ExitCode::done;
 }

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -52,6 +53,11 @@ public:
     void flush() const {
         if (::fsync(fd_) != 0) refuse("cannot flush", path_, errno);
     }
+    /// CIFS, sshfs and others do not have this operation for folders.
+    void flush_folder() const {
+        if (::fsync(fd_) != 0 && errno != EINVAL && errno != ENOTSUP)
+            refuse("cannot flush", path_, errno);
+    }
     void commit() {
         const int fd = std::exchange(fd_, -1);
         if (::close(fd) != 0) refuse("cannot close", path_, errno);
@@ -64,7 +70,7 @@ private:
 
 void flush_directory(const fs::path& path) {
     const fs::path parent = path.parent_path();
-    Descriptor(parent.empty() ? fs::path(".") : parent, O_RDONLY | O_DIRECTORY).flush();
+    Descriptor(parent.empty() ? fs::path(".") : parent, O_RDONLY | O_DIRECTORY).flush_folder();
 }
 
 /// Gives a flushed file its final name.
@@ -198,6 +204,28 @@ double free_bytes(const fs::path& path) {
     struct statvfs info {};
     if (::statvfs(path.c_str(), &info) != 0) refuse("cannot query", path, errno);
     return static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize);
+}
+
+FileLock::FileLock(const fs::path& file) : path_(file.string() + ".lock") {
+    struct stat held {
+    }, named{};
+    do { // again if the process that held it has just removed it
+        if (fd_ >= 0) ::close(fd_);
+        fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (fd_ < 0) refuse("cannot open", path_, errno);
+        if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            ::close(fd_);
+            throw UsageError(fmt::format("another process is writing {}; wait for its end, or "
+                                         "choose another file",
+                                         file.string()));
+        }
+    } while (::fstat(fd_, &held) != 0 || ::stat(path_.c_str(), &named) != 0 ||
+             held.st_ino != named.st_ino);
+}
+
+FileLock::~FileLock() {
+    ::unlink(path_.c_str());
+    ::close(fd_);
 }
 
 } // namespace shearwake::storage

@@ -89,4 +89,20 @@ void publish(const std::filesystem::path& part, const std::filesystem::path& pat
 /// Free space for this user in bytes.
 double free_bytes(const std::filesystem::path& path);
 
+/// Excludes other processes that write the same file, by a lock of `<file>.lock`. File systems
+/// without locks exclude none.
+class FileLock {
+public:
+    /// Throws UsageError (usage) if another process holds it, and UsageError (environment) if the
+    /// lock cannot be created.
+    explicit FileLock(const std::filesystem::path& file);
+    ~FileLock();
+    FileLock(const FileLock&) = delete;
+    FileLock& operator=(const FileLock&) = delete;
+
+private:
+    std::filesystem::path path_;
+    int fd_ = -1;
+};
+
 } // namespace shearwake::storage

@@ -50,7 +50,7 @@ class Errors(KWaveTest):
     def test_failed_resumption_names_the_older_output(self):
         self.run_file(DATA / "homogeneous_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3")
         said = self.run_file(DATA / "dirichlet_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3", expect=1)
-        self.says(said, "must be a checkpoint of the same input file and options; ", "out.h5 is of an earlier run")
+        self.says(said, "must be an undamaged checkpoint of the same input file and options", "out.h5 is of an earlier run")
         with h5py.File(self.folder / "out.h5") as out:
             self.assertEqual((out["t_index"][0, 0, 0], out["Nt"][0, 0, 0]), (3, 120))
 

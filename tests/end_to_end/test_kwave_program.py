@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`shearwake kwave` reproduces k-Wave's results from its elastic input files."""
 import functools
+import io
 import shutil
 import signal
 import subprocess
@@ -160,7 +161,7 @@ class Program(KWaveTest):
                 self.assertEqual(checkpoint.attrs["file_type"], b"checkpoint")
             with h5py.File(self.folder / "out.h5") as out:
                 self.assertEqual((out["t_index"][0, 0, 0], out["p"].shape), (40 * (leg + 1), (1, 140, 9)))
-        self.assertIn("must be a checkpoint of the same input file and options",
+        self.assertIn("belongs to another case; it must be an undamaged checkpoint of the same input file and options: remove ",
                       self.run_file(file, "-p", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40", expect=1))
         self.kill(self.start_and_stop("kwave", "-i", file, "-o", "out.h5", *records, "--checkpoint_file", "c.h5",
                                       "--checkpoint_interval", "99", faults={"PATH": "/out.h5", "STOP_AT": 20}))
@@ -172,6 +173,40 @@ class Program(KWaveTest):
                     numpy.testing.assert_allclose(out[name][()], complete[name][()], rtol=0, atol=1e-6 * numpy.abs(complete[name][()]).max())
                 else:
                     numpy.testing.assert_array_equal(out[name][()], complete[name][()], name)
+
+    def test_the_previous_checkpoint_is_used_if_the_last_one_is_damaged(self):
+        file, words = DATA / "stress_lossy_input.h5", ("--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")
+        self.run_file(file)
+        expected = (self.folder / "out.h5").read_bytes()
+        self.run_file(file, *words)
+        self.run_file(file, *words)
+        last, previous = (self.folder / name for name in ("c.h5", "c.h5.previous"))
+        complete = last.read_bytes()
+        last.write_bytes(complete[:-100])
+        self.says(self.run_file(file, *words), "c.h5 does not end in its checksum: it was truncated", "c.h5.previous is used", "resumed after step 40")
+        for path in (last, previous):
+            path.write_bytes(complete[:-100])
+        self.says(self.run_file(file, *words, expect=1), "truncated", "remove ", "c.h5.previous to start from the beginning")
+        last.unlink()
+        previous.write_bytes(complete)  # a run was killed between two names
+        for _ in range(2):
+            self.run_file(file, *words)
+        with h5py.File(io.BytesIO(expected)) as complete, h5py.File(self.folder / "out.h5") as out:
+            numpy.testing.assert_array_equal(out["p"][()], complete["p"][()])
+        self.assertEqual([path.name for path in self.folder.glob("c.h5*")], [])
+
+    def test_a_second_run_with_the_same_output_or_checkpoint_is_refused(self):
+        file = DATA / "stress_lossy_input.h5"
+        first = self.start_and_stop("kwave", "-i", file, "-o", "out.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40",
+                                    faults={"PATH": "/c.h5", "STOP_AT": 3})
+        files = {path: path.read_bytes() for path in self.folder.iterdir()}
+        for words in (("-o", "out.h5"), ("-o", "other.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")):
+            done = self.shearwake("kwave", "-i", file, *words, expect=2)
+            self.says(done.said, "another process is writing")
+        self.assertEqual({path: path.read_bytes() for path in self.folder.iterdir()}, files)
+        self.signal_and_continue(first)
+        self.says(first.communicate(timeout=PATIENCE_s)[0], "stopped after step 40")
+        self.assertEqual([path.name for path in self.folder.glob("*.lock")], [])
 
     def test_termination_saves_a_checkpoint(self):
         def longer(file):
