@@ -31,7 +31,7 @@ def write_map(path, x_m, y_m, z_m, **properties):
     for name, values in properties.items():
         if np.shape(values) != shape:
             raise ValueError(f"{name} has the shape {np.shape(values)}; the coordinates require {shape}")
-    with h5py.File(path, "w") as file:
+    with h5py.File(path, "w", locking=False) as file:
         for name, values in coordinates.items():
             file[name] = np.asarray(values, dtype=float)
             file[name].attrs["units"] = "m"

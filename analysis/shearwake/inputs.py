@@ -22,7 +22,7 @@ def open_self_contained(path: Path) -> h5py.File:
     """Opens an HDF5 file for reading. Raises OSError, and BadLink if one of its links leads to another file, or if the values of
     a dataset are in other files."""
     require_regular(path)
-    file = h5py.File(path, "r")
+    file = h5py.File(path, "r", locking=False)
     try:
         if error := file.id.links.visit(lambda name, link: problem_of_link(file, name, link.type), info=True):
             raise error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,8 @@ def opened(path: Path, open_file: Callable[[Path], h5py.File] = open_self_contai
         raise
     except (OSError, RuntimeError, TypeError, AttributeError, ValueError) as error:  # of h5py, for other contents
         lines = str(error).splitlines()
+        if "unable to lock file" in str(error):
+            raise OSError(f"{path} is locked by another program: {lines[0]}") from error
         raise Damaged(f"{path} is not a valid case file: {lines[0] if lines else type(error).__name__}") from error
 
 
@@ -54,7 +57,7 @@ def plain(value: Any) -> Any:
 def attributes(path: Path, names: Sequence[str] = ()) -> dict[str, Any]:
     """The attributes of the root group, or those of these names. Raises OSError, Damaged and KeyError."""
     require_regular(path)
-    with opened(path, h5py.File) as file:  # links to other files do not affect attributes
+    with opened(path, functools.partial(h5py.File, mode="r", locking=False)) as file:  # links to other files do not affect attributes
         return {name: plain(file.attrs[name]) for name in names or file.attrs}
 
 

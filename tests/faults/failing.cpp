@@ -16,6 +16,8 @@
 // Others:
 //   FAULT_LOCKS=e         locks fail with this error (-1: all are granted), namely those
 //   FAULT_LOCKS_IN=path   of files whose path contains this
+//   FAULT_FOLDERS=e       flushes of folders fail with this error
+//   FAULT_CHMOD=e         changes of permissions fail with this error
 //   FAULT_CLOCK=s         the time of day is wrong by s seconds from the 20th reading on
 //   FAULT_RANK=r          only MPI rank r is affected
 #include <cerrno>
@@ -133,6 +135,11 @@ ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
 }
 
 int fsync(int fd) {
+    struct stat info {};
+    if (number("FAULT_FOLDERS") > 0 && fstat(fd, &info) == 0 && S_ISDIR(info.st_mode)) {
+        errno = static_cast<int>(number("FAULT_FOLDERS"));
+        return -1;
+    }
     const int f = fate(fd_counts(fd), "fsync");
     if (f == 2) end();
     return f ? failed() : REAL(fsync)(fd);
@@ -142,6 +149,21 @@ int rename(const char* from, const char* to) {
     const int f = fate(counts(to), "rename");
     if (f == 2) end();
     return f ? failed() : REAL(rename)(from, to);
+}
+
+int chmod(const char* path, mode_t mode) {
+    errno = static_cast<int>(number("FAULT_CHMOD"));
+    return errno > 0 ? -1 : REAL(chmod)(path, mode);
+}
+
+int fchmod(int fd, mode_t mode) {
+    errno = static_cast<int>(number("FAULT_CHMOD"));
+    return errno > 0 ? -1 : REAL(fchmod)(fd, mode);
+}
+
+int fchmodat(int folder, const char* path, mode_t mode, int flags) {
+    errno = static_cast<int>(number("FAULT_CHMOD"));
+    return errno > 0 ? -1 : REAL(fchmodat)(folder, path, mode, flags);
 }
 
 int flock(int fd, int operation) {

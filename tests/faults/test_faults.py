@@ -247,6 +247,26 @@ class Failing(FaultTest):
         self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
         self.assertEqual(rows[good]["status"], "complete")
 
+    def test_file_systems_without_locks_permissions_and_flushes_of_folders_suffice(self):
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        rows = table_bytes(self.out)
+        refused_locks = 524  # ENOTSUPP, which NFS returns, is not among the errors of errno
+        for folders, locks in ((errno.EINVAL, errno.ENOLCK), (errno.ENOTSUP, refused_locks)):
+            with self.subTest(folders=folders, locks=locks):
+                shutil.rmtree(self.out)
+                env = faulty_environment(FOLDERS=folders, CHMOD=errno.EPERM, LOCKS=locks, LOCKS_IN="/")
+                for words, ranks in ((("run", "job.toml"), 2), (("reduce", self.out), 1), (("report", self.out), 1), (("verify", self.out), 1)):
+                    done = subprocess.run(command(*words, ranks=ranks), cwd=self.folder, env=env, check=False, capture_output=True,
+                                          encoding="utf-8", timeout=PATIENCE_s)
+                    self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertEqual(table_bytes(self.out), rows)
+                self.assertTrue((self.out / "report" / "index.html").exists())
+        done = subprocess.run(command("run", "job.toml", "--out", "broken"), cwd=self.folder, env=faulty_environment(FOLDERS=errno.EIO),
+                              check=False, capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
+        self.assertEqual(done.returncode, 6, done.stdout + done.stderr)
+        self.says(done.stdout + done.stderr, "cannot flush", os.strerror(errno.EIO))
+
     @pytest.mark.long
     def test_removal_of_the_folder_during_a_run_is_reported(self):
         self.write_job(LONG)

@@ -129,7 +129,7 @@ def write_input(path: Path, study: Study) -> None:
                       **layer_factors(study, axis)})
     put_sources(study, integers, reals)
     put_sensor(study, integers, reals)
-    with h5py.File(path, "w") as file:
+    with h5py.File(path, "w", locking=False) as file:
         for name, text in (("file_type", "input"), ("major_version", "1"), ("minor_version", "2"), ("created_by", "shearwake"),
                            ("creation_date", f"{datetime.now():%d-%b-%Y-%H-%M-%S}"), ("file_description", "elastic study")):
             file.attrs.create(name, np.bytes_(text))

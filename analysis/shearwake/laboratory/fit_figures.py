@@ -86,7 +86,7 @@ def draw_dispersion(folder: Path, fit: dict, noise_m_s: float) -> None:
 def main(folder: Path) -> int:
     try:
         about = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
-        with h5py.File(folder / "fit.h5", "r") as file:
+        with h5py.File(folder / "fit.h5", "r", locking=False) as file:
             fit = {name: file[name][()] for name in ("x", "y", "time", "measured", "predicted", "residual_rms", "weight")}
         draw_residuals(folder, fit, about["is_line"])
         draw_correlations(folder, about)

@@ -218,7 +218,7 @@ def fields_of(struct: Any) -> dict[str, Any]:
 def write_hdf5(path: Path, scan: Scan) -> None:
     """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. Since MATLAB reverses the order of indices,
     velocity is stored as (time, point) and is velocity(point, time) there."""
-    with h5py.File(path, "w", userblock_size=512) as file:
+    with h5py.File(path, "w", userblock_size=512, locking=False) as file:
         arrays = {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s,
                   "quality": scan.quality, "trigger_delay": scan.trigger_delay_s,
                   "direction_x": scan.direction[0], "direction_y": scan.direction[1],
