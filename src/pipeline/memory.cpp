@@ -8,6 +8,7 @@
 #include "pipeline/surface_recorder.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
@@ -41,24 +42,16 @@ double available_B() {
     return unknown;
 }
 
-/// The smallest limit of the control group (version 2) of this program and its parents.
-double left_in_group_B() {
-    std::ifstream file("/proc/self/cgroup");
-    double left = unknown;
-    for (std::string line; std::getline(file, line);) {
-        if (!line.starts_with("0::/")) continue;
-        const std::filesystem::path top = "/sys/fs/cgroup";
-        std::filesystem::path group = (top / line.substr(4)).lexically_normal();
-        for (int depth = 0; depth < 32 && group.string().starts_with(top.string()); ++depth) {
-            const double limit = number_in(group / "memory.max");
-            if (limit < unknown) {
-                const double used = number_in(group / "memory.current");
-                left = std::min(left, limit - (used < unknown ? used : 0.0));
-            }
-            group = group.parent_path();
-        }
-    }
-    return std::max(left, 0.0);
+/// The memory that Slurm grants to all ranks on this machine, in MiB in its variables; 0 grants
+/// all.
+double granted_by_slurm_B() {
+    const auto value = [](const char* name) {
+        const char* text = std::getenv(name);
+        const double number = text ? std::strtod(text, nullptr) : 0.0;
+        return number > 0.0 ? number : unknown;
+    };
+    return 1048576.0 * std::min(value("SLURM_MEM_PER_NODE"),
+                                value("SLURM_MEM_PER_CPU") * value("SLURM_CPUS_ON_NODE"));
 }
 
 /// The memory that `ulimit -v` leaves to this program.
@@ -72,9 +65,36 @@ double left_of_own_limit_B() {
 
 } // namespace
 
+double left_in_group_B(std::istream& groups, const std::filesystem::path& root) {
+    double left = unknown;
+    for (std::string line; std::getline(groups, line);) { // number:controllers:path
+        const auto first = line.find(':'), second = line.find(':', first + 1);
+        if (second == std::string::npos) continue;
+        const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+        const bool has_version_2 = controllers == ",,";
+        if (!has_version_2 && controllers.find(",memory,") == std::string::npos) continue;
+        const std::filesystem::path top = has_version_2 ? root : root / "memory";
+        std::filesystem::path group = (top / line.substr(second + 2)).lexically_normal();
+        for (int depth = 0; depth < 32 && group.string().starts_with(top.string()); ++depth) {
+            const double limit =
+                number_in(group / (has_version_2 ? "memory.max" : "memory.limit_in_bytes"));
+            if (limit < unknown) {
+                const double used =
+                    number_in(group / (has_version_2 ? "memory.current" : "memory.usage_in_bytes"));
+                left = std::min(left, limit - (used < unknown ? used : 0.0));
+            }
+            group = group.parent_path();
+        }
+    }
+    return std::max(left, 0.0);
+}
+
 double memory_per_rank_B(const Comm& world) {
     const Comm machine = world.split_by_machine();
-    const double shared = std::min(available_B(), left_in_group_B()) / machine.size();
+    std::ifstream groups("/proc/self/cgroup");
+    const double shared =
+        std::min({available_B(), left_in_group_B(groups, "/sys/fs/cgroup"), granted_by_slurm_B()}) /
+        machine.size();
     return world.min(std::min(shared, left_of_own_limit_B()));
 }
 

@@ -6,16 +6,23 @@
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
 
+#include <filesystem>
+#include <istream>
 #include <string>
 #include <vector>
 
 namespace shearwake::pipeline {
 
 /// Memory in bytes that each rank may use: the free memory of the machine, limited by the control
-/// group of a batch system or container, divided among the ranks on the machine, and at most the
-/// limit of `ulimit -v`. Infinity if unknown. Collective; the minimum over all machines, equal on
-/// all ranks.
+/// group of a batch system or container and by Slurm's variables, divided among the ranks on the
+/// machine, and at most the limit of `ulimit -v`. Infinity if unknown. Collective; the minimum over
+/// all machines, equal on all ranks.
 double memory_per_rank_B(const Comm& world);
+
+/// What the limits of a control group, of version 1 or 2, and of its parents leave in bytes;
+/// infinity without a limit. `groups` has the format of /proc/self/cgroup, `root` is the folder in
+/// which the groups are mounted. Not collective.
+double left_in_group_B(std::istream& groups, const std::filesystem::path& root);
 
 /// The peak memory of this rank so far. Not collective.
 double peak_memory_B();
