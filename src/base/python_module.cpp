@@ -34,24 +34,14 @@ int exit_code_of(pid_t child) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// Exit code of a program run without a shell and without output; -1 if it could not be started.
-int run_silently(const std::vector<std::string>& command) {
-    std::fflush(nullptr);
-    const pid_t child = ::fork();
-    if (child < 0) return -1;
-    if (child > 0) return exit_code_of(child);
-    if (!std::freopen("/dev/null", "w", stdout) || !std::freopen("/dev/null", "w", stderr))
-        ::_exit(127);
-    replace_process(command);
-}
-
-/// Makes the package importable by a child. PYTHONSAFEPATH omits the working folder, in which a
-/// file may have the name of a module.
+/// Makes the package importable by a child, if there is a folder. PYTHONSAFEPATH omits the working
+/// folder, in which a file may have the name of a module.
 void set_search_path(const std::filesystem::path& folder) {
+    ::setenv("PYTHONSAFEPATH", "1", 1);
+    if (folder.empty()) return;
     const char* own = std::getenv("PYTHONPATH");
     const std::string path = own && *own ? folder.string() + ":" + own : folder.string();
     ::setenv("PYTHONPATH", path.c_str(), 1);
-    ::setenv("PYTHONSAFEPATH", "1", 1);
 }
 
 /// Lets the kernel end this child when its parent ends, also by a signal.
@@ -94,18 +84,37 @@ std::string all_of(const std::vector<std::string>& names) {
     return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
+/// Why this Python cannot be used: the last line of its error; empty if it can.
+std::string import_error(const std::string& python, const std::vector<std::string>& modules) {
+    const std::string check =
+        "import sys\n"
+        "if sys.version_info < (3, 11): sys.exit('it is Python %d.%d, and 3.11 is needed' % "
+        "sys.version_info[:2])\n";
+    std::string errors;
+    if (run_program({python, "-c", check + fmt::format("import {}", fmt::join(modules, ", "))}, {},
+                    &errors) == 0)
+        return "";
+    const auto end = errors.find_last_not_of(" \n");
+    if (end == std::string::npos) return "it cannot be started";
+    errors.resize(end + 1);
+    return errors.substr(errors.rfind('\n') + 1);
+}
+
 /// The first Python that has the packages.
 std::string find_python(const PythonPackages& packages) {
     std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
     if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
         candidates.insert(candidates.begin(), chosen);
-    for (const std::string& python : candidates)
-        if (run_silently(
-                {python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))}) == 0)
-            return python;
+    std::vector<std::string> reasons;
+    for (const std::string& python : candidates) {
+        const std::string reason = import_error(python, packages.modules);
+        if (reason.empty()) return python;
+        reasons.push_back(python + ": " + reason);
+    }
     throw UsageError(fmt::format("{} a Python with {} (Debian: {}); set SHEARWAKE_PYTHON to choose "
-                                 "another Python",
-                                 packages.purpose, all_of(packages.modules), packages.debian),
+                                 "another Python\n  {}",
+                                 packages.purpose, all_of(packages.modules), packages.debian,
+                                 fmt::join(reasons, "\n  ")),
                      ExitCode::environment);
 }
 
