@@ -2,9 +2,11 @@
 """Finds and runs the program `shearwake`."""
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -81,6 +83,15 @@ def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | N
     if prefix and not shutil.which(prefix[0]):
         raise ProgramNotFound(f"{prefix[0]} is not on the PATH; several ranks need it (Debian: openmpi-bin)")
     return [*prefix, find(), *arguments]
+
+
+LIBRARY = ctypes.CDLL(None)
+PR_SET_PDEATHSIG = 1  # of prctl(2)
+
+
+def stop_with_caller() -> None:
+    """For `preexec_fn`: the kernel requests an orderly stop of the program when the thread that has started it ends, also by a signal."""
+    LIBRARY.prctl(PR_SET_PDEATHSIG, signal.SIGUSR1)
 
 
 def start(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | None = None, stdin: int = subprocess.DEVNULL,

@@ -89,7 +89,7 @@ def run_and_watch(arguments: Sequence[str], ranks: int, launch: Sequence[str] | 
         with open(said, "w", encoding="utf-8") as text:
             # In a group of its own, so that the interrupt of a terminal does not kill it before it has stopped.
             process = program.start([*arguments, "--log-json", str(log)], ranks, launch, stdout=text, stderr=text,
-                                    start_new_session=True)
+                                    start_new_session=True, preexec_fn=program.stop_with_caller)
         try:
             watch(process, log, report)
         except BaseException:

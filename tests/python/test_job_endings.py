@@ -34,21 +34,24 @@ class Endings(InFolder):
         Path("out/stopped/STOP").unlink()
         self.assertTrue(all(case.is_complete for case in made.run().every_case))
 
-    def test_an_interrupted_run_stops_in_an_orderly_way_and_is_resumed(self):
+    def test_a_run_stops_in_an_orderly_way_when_its_caller_is_interrupted_or_killed_and_is_resumed(self):
         Path("long.toml").write_text(program.LONG.replace('"small"', '"long"'))
-        text = "import shearwake; shearwake.Job('long.toml').run(progress=print)"
-        caller = subprocess.Popen([sys.executable, "-c", text], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, env={
-            **program.faulty_environment(**program.SECOND_CASE), "PYTHONPATH": str(Path(shearwake.__file__).parents[1])})
-        self.addCleanup(caller.stderr.close)
-        self.addCleanup(self.kill, caller)
-        self.wait_for_stop(caller)
-        self.signal_and_continue(caller, signal.SIGINT, forwarded=signal.SIGUSR1)
-        cases = Path("out/long/cases")
-        _, said = caller.communicate(timeout=program.PATIENCE_s)
-        self.assertIn("KeyboardInterrupt", said)
-        self.assertEqual(list(Path("out/long").rglob("*.part")), [])
-        complete = {path.stem: path.stat().st_mtime_ns for path in cases.glob("*.h5")}
-        self.assertEqual(len(complete), 2)
-        self.assertTrue(all(case.is_complete for case in shearwake.Job("long.toml").run().every_case))
-        for name, written in complete.items():  # not computed again
-            self.assertEqual((cases / f"{name}.h5").stat().st_mtime_ns, written)
+        for number, folder in ((signal.SIGINT, "interrupted"), (signal.SIGKILL, "killed")):
+            with self.subTest(folder):
+                text = f"import shearwake; shearwake.Job('long.toml').run(out={folder!r}, progress=print)"
+                caller = subprocess.Popen([sys.executable, "-c", text], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, env={
+                    **program.faulty_environment(**program.SECOND_CASE), "PYTHONPATH": str(Path(shearwake.__file__).parents[1])})
+                self.addCleanup(caller.stderr.close)
+                self.addCleanup(self.kill, caller)
+                self.wait_for_stop(caller)
+                programs = program.stopped(caller.pid)
+                self.signal_and_continue(caller, number, forwarded=signal.SIGUSR1)
+                _, said = caller.communicate(timeout=program.PATIENCE_s)
+                self.assertIn("KeyboardInterrupt" if number == signal.SIGINT else "", said)
+                self.wait_for(lambda: not any(map(program.alive, programs)), "the program to end")
+                self.assertEqual(list(Path(folder).rglob("*.part")), [])
+                complete = {path: path.stat().st_mtime_ns for path in Path(folder, "cases").glob("*.h5")}
+                self.assertEqual(len(complete), 2)
+                self.assertTrue(all(case.is_complete for case in shearwake.Job("long.toml").run(out=folder).every_case))
+                for path, written in complete.items():  # not computed again
+                    self.assertEqual(path.stat().st_mtime_ns, written)

@@ -57,6 +57,10 @@ def structure(item: Any, name: str) -> Structure:
     for field in KNOWN[name]:
         value = attribute(item, field)
         if value is not None and np.size(value) > 0:  # an empty array as in MATLAB
+            if np.iscomplexobj(value):
+                if np.any(np.imag(value)):
+                    raise BadInput(f"{name}.{field} contains complex numbers; pass their real part if that is meant")
+                value = np.real(value)
             fields[field] = value if isinstance(value, str) else list(value) if field == "record" else np.asarray(value, dtype=float)
     return Structure(fields, name)
 
@@ -124,15 +128,18 @@ def read_results(file: h5py.File, study: Study, records: Iterable[str], order: s
 
 def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool) -> None:
     """Runs the program and shows its progress on one line. Raises ProgramError with its message."""
-    with program.start(arguments, ranks, launch, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
-                       errors="replace") as running:
-        assert running.stdout and running.stderr
+    with (tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors,
+          program.start(arguments, ranks, launch, stdout=subprocess.PIPE, stderr=errors, encoding="utf-8", errors="replace",
+                        preexec_fn=program.stop_with_caller) as running):
+        assert running.stdout
         try:
             for line in running.stdout:
                 share = line[:4].strip()
                 if progress and share.isdigit() and line[4:6] == " %":
                     print(f"\r[{'#' * (int(share) // 5):<20}] {share:>3} %", end="", flush=True)
-            said = running.stderr.read()
+            running.wait()
+            errors.seek(0)
+            said = errors.read()
         except BaseException:
             running.terminate()
             raise
@@ -235,7 +242,7 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
         write_input(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
                   "--output_precision", "double", *flags_of(study.sensor_fields)], ranks, launch, progress)
-        with h5py.File(f"{folder}/out.h5", "r") as file:
+        with h5py.File(f"{folder}/out.h5", "r", locking=False) as file:
             is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
             return read_results(file, study, study.sensor_fields, order if is_mask else "F")
 
