@@ -40,20 +40,22 @@ bool CsvReader::next() {
         line_ = next_line_;
         text_ = trimmed(rest_.substr(0, rest_.find('\n')));
         if (text_.empty() || text_.front() == '#') {
+            comment_ = text_.empty() ? text_ : trimmed(text_.substr(1));
             rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size() - 1) + 1);
             ++next_line_;
             continue;
         }
-        cells_.clear();
-        const std::size_t other = text_.find_first_of(";\t");
-        if (columns_ == 0 && text_.find(',') == text_.npos && other != text_.npos)
-            separator_ = text_[other];
-        do {
-            if (cells_.size() == most_csv_cells)
-                throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
-            cells_.push_back(cell());
-        } while (consume(separator_));
-        consume('\r');
+        const std::string_view row = rest_;
+        read_cells();
+        if (columns_ == 0 && has_commented_header()) {
+            rest_ = comment_;
+            read_cells();
+            rest_ = row;
+            text_ = comment_;
+            --line_;
+            check_row();
+            return true;
+        }
         if (!rest_.empty() && !consume('\n'))
             throw CsvError(next_line_, "a quoted cell that continues after its closing quote");
         check_row();
@@ -61,6 +63,25 @@ bool CsvReader::next() {
         return true;
     }
     return false;
+}
+
+void CsvReader::read_cells() {
+    cells_.clear();
+    const std::size_t other = text_.find_first_of(";\t");
+    if (columns_ == 0 && text_.find(',') == text_.npos && other != text_.npos)
+        separator_ = text_[other];
+    do {
+        if (cells_.size() == most_csv_cells)
+            throw CsvError(line_, fmt::format("more than {} cells", most_csv_cells));
+        cells_.push_back(cell());
+    } while (consume(separator_));
+    consume('\r');
+}
+
+bool CsvReader::has_commented_header() const {
+    const auto is_number = [](const std::string& cell) { return number_in(cell).has_value(); };
+    return !comment_.empty() && std::ranges::all_of(cells_, is_number) &&
+           std::ranges::count(comment_, separator_) + 1 == std::ssize(cells_);
 }
 
 void CsvReader::check_row() {

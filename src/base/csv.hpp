@@ -23,7 +23,8 @@ constexpr std::size_t most_csv_cells = 100'000, longest_csv_cell = 100'000;
 /// Takes one row after the other off a CSV text (RFC 4180). A byte order mark, blanks around cells,
 /// empty lines and lines that begin with # are passed over. The cells are separated by semicolons
 /// or tabs if the first row contains them and no comma; decimal commas, also those that divide
-/// cells, are errors. Throws CsvError.
+/// cells, are errors. A comment directly before a first row of numbers is the first row if it has
+/// as many cells, as numpy.savetxt writes the names of columns. Throws CsvError.
 class CsvReader {
 public:
     explicit CsvReader(std::string_view text);
@@ -37,12 +38,15 @@ public:
 
 private:
     bool consume(char c);
+    void read_cells();
+    bool has_commented_header() const;
     void check_row();
     std::string cell();
     std::string quoted_cell();
     [[noreturn]] void refuse_length() const;
 
     std::string_view rest_, text_;
+    std::string_view comment_; // the line before the row, without #
     char separator_ = ',';
     std::size_t columns_ = 0; // of the first row
     std::size_t line_ = 0, next_line_ = 1;

@@ -123,10 +123,14 @@ class Drivers(ProgramTest):
         (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,100\n700,80\n", encoding="utf-8")
         self.write_job(changed((SWEEP, 'list = "cases.csv"')))
         self.says(self.shearwake("plan", "job.toml").said, "4 cases")  # each peak has a reference
-        (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,nan\n", encoding="utf-8")
-        self.says(self.shearwake("check", "job.toml", expect=3).said, "line 2", 'the value of load.peak_Pa is "nan"')
-        (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500\n", encoding="utf-8")
-        self.says(self.shearwake("check", "job.toml", expect=3).said, "has 1 values, but the first line names 2 keys")
+        (self.folder / "cases.csv").write_text(f"# measured on Monday\n# {LOAD},load.peak_Pa\n500,100\n700,80\n", encoding="utf-8")  # numpy.savetxt
+        self.says(self.shearwake("plan", "job.toml").said, "4 cases")
+        for text, *said in ((f"{LOAD},load.peak_Pa\n500,nan\n", "line 2", 'the value of load.peak_Pa is "nan"'),
+                            (f"{LOAD},load.peak_Pa\n500\n", "has 1 values, but the first line names 2 keys"),
+                            (f"{LOAD},load.peak_Pa,{LOAD}\n500,100,600\n", "line 1", f"names {LOAD} twice"),
+                            (f",{LOAD}\n0,500\n", "line 1", "index=False"), (f"Unnamed: 0,{LOAD}\n0,500\n", "line 1", "index=False")):
+            (self.folder / "cases.csv").write_text(text, encoding="utf-8")
+            self.says(self.shearwake("check", "job.toml", expect=3).said, *said)
 
     def test_the_population_job_is_sampled_from_published_values(self):
         said = self.shearwake("plan", ROOT / "jobs" / "uncertain-skin.toml", "-S", "uncertain.samples=4").said

@@ -191,10 +191,17 @@ NodePtr parse_toml(std::string_view text, const std::string& file_name,
     } catch (const toml::parse_error& problem) {
         // toml++ reports a corrupted name for a duplicate key.
         const bool again = problem.description().find("cannot redefine") != std::string_view::npos;
+        const bool is_divided =
+            problem.description().find("inline table") != std::string_view::npos &&
+            problem.description().find("'\\n'") != std::string_view::npos;
         const auto number = decimal_comma_at(text, problem.source().begin);
         if (number)
             diagnostics.error(place(problem.source(), file),
                               fmt::format("write decimal numbers with a point: {}", *number));
+        else if (is_divided)
+            diagnostics.error(place(problem.source(), file),
+                              "a table in braces continues on the next line, which TOML 1.1 "
+                              "permits and TOML 1.0 does not; write it on one line");
         else
             diagnostics.error(
                 place(problem.source(), file),

@@ -303,6 +303,12 @@ Listed read_cases(std::string_view csv, const Place& at, DiagnosticList& diagnos
             if (row.cells().size() > most_listed_keys)
                 return fmt::format("exceeds the limit of {} keys", most_listed_keys);
             for (const std::string& key : row.cells()) {
+                if (key.empty() || key == "Unnamed: 0")
+                    return "has a column without a key; pandas writes its index as such a column, "
+                           "unless index=False is given to to_csv()";
+                if (std::ranges::find(listed.axis.keys, key, &SweptKey::key) !=
+                    listed.axis.keys.end())
+                    return fmt::format("names {} twice", key);
                 const auto path = case_path({key, at, nullptr}, "sweep.list", diagnostics);
                 listed.axis.keys.push_back({key, path.value_or(Path{}), at, {}});
             }

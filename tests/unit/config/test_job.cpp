@@ -168,6 +168,9 @@ TEST_CASE("invalid TOML is reported once with its location", "[job]") {
     const Texts found = diagnostics_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
     REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:14:11: error: this is not valid TOML: "));
+    const Texts divided = diagnostics_of("schema = 1\nload = {\n  peak_Pa = 1.0,\n}\n");
+    REQUIRE(divided.size() == 1);
+    CHECK(divided[0].find("write it on one line") != std::string::npos);
 }
 
 TEST_CASE("a duplicate key is reported with its line", "[job]") {
