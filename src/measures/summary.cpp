@@ -218,8 +218,8 @@ public:
             }
             if (std::isnan(peak_Hz) && !is_periodic())
                 reason = fmt::format("the spectrum is largest at the edge of the range: no peak "
-                                     "between {:.3g} and 2000 Hz",
-                                     1.0 / duration_s);
+                                     "between {:.3g} and {:.4g} Hz",
+                                     1.0 / duration_s, std::min(frequencies.back(), 0.5 / dt_s));
         }
         columns_.add(name, peak_Hz, reason, where_);
     }
