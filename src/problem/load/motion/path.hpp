@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/field.hpp"
 #include "base/vectors.hpp"
 #include "problem/load/motion/lissajous.hpp"
 
