@@ -90,9 +90,9 @@ def open_case(path: str | os.PathLike[str]) -> h5py.File:
     return open_self_contained(Path(path))
 
 
-def sealed(value: Any, end: str = "\n") -> str:
+def sealed(value: Any, end: str = "\n", indent: int | None = None) -> str:
     """The JSON text of an object with its checksum, which covers the text and its `end`."""
-    text = json.dumps(value)
+    text = json.dumps(value, indent=indent)
     return f'{text[:-1]},"checksum":"{xxhash.xxh3_64((text + end).encode()).hexdigest()}"}}{end}'
 
 

@@ -8,10 +8,11 @@ import json
 import math
 import os
 import signal
+import socket
 import subprocess
 import threading
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,17 +90,22 @@ class Engine:
             print(engine.evaluate("jobs/mach-cone.toml").value("eta_at_1"))
 
     A job contains one case ([sweep], [uncertain] and [table] are ignored) and refers to no files. Several threads may share an
-    engine. `ranks` and `launch` are those of `Job.run`, `time_limit_s` ends a case that takes longer."""
+    engine. `ranks` and `launch` are those of `Job.run`, `time_limit_s` ends a case that takes longer, and
+    `options` are further arguments of `shearwake serve`."""
 
-    def __init__(self, ranks: int = 1, *, launch: Sequence[str] | None = None, time_limit_s: float | None = None) -> None:
+    def __init__(self, ranks: int = 1, *, launch: Sequence[str] | None = None, time_limit_s: float | None = None,
+                 options: Sequence[str] = ()) -> None:
         limit = [] if time_limit_s is None else ["--time-limit", f"{time_limit_s:g}"]
-        self._options: tuple[list[str], int, Sequence[str] | None] = (["serve", *limit], ranks, launch)
+        self._options: tuple[list[str], int, Sequence[str] | None] = (["serve", *limit, *options], ranks, launch)
         self._lock, self._number = threading.Lock(), 0
         self._start()
 
     def _start(self) -> None:
         self._process = program.start(*self._options, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                       start_new_session=True)
+        assert self._process.stdin and self._process.stdout
+        self._requests: IO[bytes] = self._process.stdin
+        self._answers: IO[bytes] = self._process.stdout
         self._errors = b""
         self._reader = threading.Thread(target=self._read_errors, daemon=True)
         self._reader.start()
@@ -117,22 +123,20 @@ class Engine:
 
     def close(self) -> None:
         """Ends the process."""
-        assert self._process.stdin and self._process.stdout
         with contextlib.suppress(OSError):  # it has ended
-            self._process.stdin.close()
+            self._requests.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(10)
         self._kill()
 
     def _kill(self) -> None:
-        assert self._process.stdin and self._process.stdout
         if self._process.poll() is None:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)  # with the ranks of mpirun
         self._process.wait()
         with contextlib.suppress(OSError):
-            self._process.stdin.close()
-        self._process.stdout.close()
+            self._requests.close()
+        self._answers.close()
 
     def evaluate(self, job: Source | Job = None, /, **tables: Any) -> Evaluation:
         """Computes the first case of a job, given as for `Job`. If the call is interrupted, the process is ended, and the next call
@@ -143,19 +147,25 @@ class Engine:
         if message["type"] == "result":
             warn_of_invalid([message["warnings"]], f"case {message['case']} is", stacklevel=3)
             return Evaluation(message, content)
-        found = [Diagnostic(d["severity"], "<Job>", d["line"], d["column"], d["message"]) for d in message.get("diagnostics", [])]
-        lines = "\n".join(str(d) for d in found if d.severity == "error")
-        raise program.error_of(EXIT_CODES.get(message.get("code", ""), 1), lines or message.get("message", ""), found)
+        raise error_in(message, "<Job>")
 
-    def request(self, job: str) -> tuple[dict[str, Any], bytes]:
-        """Sends the text of a job and returns the answer (docs/reference/serve.md) with its arrays. Raises ProgramError if the
-        process has ended, which the next request starts again."""
+    def describe(self, job: str, overrides: Sequence[tuple[str, str]] = (), name: str = "<Job>") -> dict[str, Any]:
+        """The answer `description` of the program to the text of a job with overrides (docs/reference/serve.md). Raises JobError
+        with all errors, in which the job is called `name`."""
+        message, _ = self.request(job, type="describe", overrides=overrides)
+        if message["type"] != "description":
+            raise error_in(message, name)
+        return message
+
+    def request(self, job: str, type: str = "compute", **members: Any) -> tuple[dict[str, Any], bytes]:
+        """Sends the text of a job, with further members of the request, and returns the answer (docs/reference/serve.md) with its
+        arrays. Raises ProgramError if the process has ended, which the next request starts again."""
         with self._lock:
-            if self._process.poll() is not None:
+            if self._has_ended():
                 self._start()
             self._number += 1
             try:
-                self._send({"type": "compute", "id": self._number, "job": job})
+                self._send({"type": type, "id": self._number, "job": job, **members})
                 while (answer := self._receive())[0].get("id", self._number) != self._number:
                     pass  # of an earlier request, whose call was interrupted
                 return answer
@@ -174,23 +184,24 @@ class Engine:
                 self._errors = (self._errors + line)[-10_000:]
 
     def _send(self, message: Mapping[str, Any]) -> None:
-        assert self._process.stdin
         try:
-            self._process.stdin.write(json.dumps(message).encode() + b"\n")
-            self._process.stdin.flush()
+            self._requests.write(json.dumps(message).encode() + b"\n")
+            self._requests.flush()
         except (OSError, ValueError):
             raise self._ended() from None
 
     def _receive(self) -> tuple[dict[str, Any], bytes]:
-        assert self._process.stdout
         try:
-            message: dict[str, Any] = json.loads(self._process.stdout.readline())
-            content = self._process.stdout.read(message.get("bytes", 0))
+            message: dict[str, Any] = json.loads(self._answers.readline())
+            content = self._answers.read(message.get("bytes", 0))
         except ValueError:
             raise self._ended() from None
         if len(content) != message.get("bytes", 0):
             raise self._ended()
         return message, content
+
+    def _has_ended(self) -> bool:
+        return self._process.poll() is not None
 
     def _ended(self) -> ProgramError:
         try:
@@ -200,3 +211,44 @@ class Engine:
         self._reader.join(1)
         text = self._errors.decode("utf-8", "replace").strip()
         return program.error_of(code if code > 0 else 6, text or "the engine has ended; make a new shearwake.Engine")
+
+
+class ParentEngine(Engine):
+    """The program that has started this process, which answers on the socket with this descriptor."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._lock, self._number = threading.Lock(), 0
+        with socket.socket(fileno=descriptor) as end:
+            self._answers, self._requests = end.makefile("rb"), end.makefile("wb")
+        self.hello = self._receive()[0]
+
+    def __repr__(self) -> str:
+        return "<shearwake.ParentEngine>"
+
+    def close(self) -> None:
+        """Ends the requests."""
+        for stream in (self._requests, self._answers):
+            with contextlib.suppress(OSError):
+                stream.close()
+
+    def _kill(self) -> None:
+        self.close()
+
+    def _has_ended(self) -> bool:
+        return False
+
+    def _ended(self) -> ProgramError:
+        return program.error_of(6, "the program has ended")
+
+
+def diagnostics_in(message: Mapping[str, Any], name: str) -> list[Diagnostic]:
+    """The errors and warnings of an answer about a job with this name."""
+    return [Diagnostic(d["severity"], name if d["file"] == "job" else d["file"], d["line"], d["column"], d["message"])
+            for d in message.get("diagnostics", [])]
+
+
+def error_in(message: Mapping[str, Any], name: str) -> ProgramError:
+    """The exception of an answer `error`."""
+    found = diagnostics_in(message, name)
+    lines = "\n".join(str(d) for d in found if d.severity == "error")
+    return program.error_of(EXIT_CODES.get(message.get("code", ""), 1), lines or message.get("message", ""), found)

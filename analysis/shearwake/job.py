@@ -249,14 +249,14 @@ class Job:
         sweep.warn_of_invalid(sweep.every_case)
         return sweep
 
-    def optimise(self, ranks: int = 1, *, out: str | os.PathLike[str] | None = None, launch: Sequence[str] | None = None,
-                 options: Sequence[str] = ()) -> Sweep:
+    def optimise(self, ranks: int = 1, *, out: str | os.PathLike[str] | None = None, progress: bool | Callable[[Progress], None] = False,
+                 launch: Sequence[str] | None = None, options: Sequence[str] = ()) -> Sweep:
         """Finds the best modulation of each case of a job with [optimise], and opens the output folder; its `optima` is the table.
         `out` is by default out/NAME.optimise; the other arguments are those of run(). Raises JobError and the errors of run()."""
         folder = Path(out) if out is not None else Path("out") / f"{self.name}.optimise"
         with self._file() as path:
             try:
-                run_and_watch(["optimise", str(path), "--out", str(folder), *options], ranks, launch, False)
+                run_and_watch(["optimise", str(path), "--out", str(folder), *options], ranks, launch, progress)
             except ProgramError as error:
                 if error.exit_code == 3:
                     self._check(path)

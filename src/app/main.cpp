@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "config/job.hpp"
 #include "parallel/session.hpp"
+#include "pipeline/provenance.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <CLI/CLI.hpp>
@@ -218,13 +219,13 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     CLI::App app("shearwake: parameter sweeps of mid-air ultrasound haptics on viscoelastic skin");
     app.require_subcommand(1);
     app.footer("shearwake --help explains the exit codes."); // of each command
-    app.set_version_flag("--version", full_version_text());
+    app.set_version_flag("--version", pipeline::version_text());
 #define SHEARWAKE_ADD_COMMAND(name) add_##name(app, action);
     SHEARWAKE_COMMANDS(SHEARWAKE_ADD_COMMAND)
 #undef SHEARWAKE_ADD_COMMAND
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",
-             [] { return full_version_text() + "\n"; });
+             [] { return pipeline::version_text() + "\n"; });
     app.footer(footer + exit_code_list());
     app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     try {

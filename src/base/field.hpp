@@ -50,7 +50,7 @@ struct Range {
 //         ...
 //     }
 //
-// Everything else is derived from it: config reads the fields from a job (config/read_fields.hpp),
+// Everything else is derived from it: config reads the fields (config/sections/read_fields.hpp),
 // canonical_text writes them and case_id hashes this text (problem/case/text_walk.hpp), `shearwake
 // keys` lists them (config/keys/key_table.hpp), and a test changes each of them. A walk provides
 //

@@ -4,13 +4,17 @@
 #include "base/error.hpp"
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <poll.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -136,6 +140,8 @@ std::filesystem::path find_package() {
 
 } // namespace
 
+const PythonPackages table_packages = {
+    "estimates of the error need", {"numpy", "h5py", "xxhash"}, "python3-h5py python3-xxhash"};
 const PythonPackages figure_packages = {"figures need",
                                         {"numpy", "h5py", "matplotlib", "xxhash"},
                                         "python3-h5py python3-matplotlib python3-xxhash"};
@@ -148,12 +154,121 @@ const PythonPackages scan_packages = {"scans need",
                                       {"numpy", "h5py", "scipy", "matplotlib", "xxhash"},
                                       "python3-h5py python3-matplotlib python3-scipy "
                                       "python3-xxhash"};
+const PythonPackages study_packages = {"optimise needs",
+                                       {"numpy", "h5py", "scipy", "tomli_w", "xxhash"},
+                                       "python3-h5py python3-scipy python3-tomli-w "
+                                       "python3-xxhash"};
+
+void require_python(const PythonPackages& packages) {
+    find_python(packages);
+}
 
 int run_python_module(const std::string& module, const std::vector<std::string>& arguments,
                       const PythonPackages& packages, std::string* errors) {
     std::vector<std::string> command = {find_python(packages), "-m", module};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return run_program(command, find_package(), errors);
+}
+
+namespace {
+
+volatile std::sig_atomic_t client_process = 0;
+
+void interrupt_client(int) {
+    if (client_process > 0) ::kill(client_process, SIGINT);
+}
+
+/// What a client changes before its module begins.
+void prepare_client() {
+    ::setpgid(0, 0); // a terminal interrupts this program only, which interrupts its client
+    sigset_t blocked;
+    ::sigemptyset(&blocked);
+    ::sigaddset(&blocked, SIGINT);
+    ::sigprocmask(SIG_BLOCK, &blocked, nullptr);
+    std::signal(SIGINT, SIG_DFL);
+    // Threads of small products of matrices would only compete with the ranks.
+    for (const char* threads : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"})
+        ::setenv(threads, "1", 0);
+}
+
+} // namespace
+
+PythonClient::PythonClient(const std::string& module, const std::vector<std::string>& arguments,
+                           const PythonPackages& packages) {
+    std::vector<std::string> command = {find_python(packages), "-m", module};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const std::filesystem::path modules = find_package();
+    std::array<int, 2> ends{-1, -1};
+    std::fflush(nullptr);
+    const pid_t self = ::getpid();
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0) child_ = ::fork();
+    if (child_ < 0)
+        throw UsageError(fmt::format("{} cannot be started: {}", module, std::strerror(errno)),
+                         ExitCode::environment);
+    if (child_ == 0) {
+        end_with_parent(self);
+        prepare_client();
+        set_search_path(modules);
+        command.push_back(fmt::format("--engine={}", ::dup(ends[1])));
+        replace_process(command);
+    }
+    ::close(ends[1]);
+    socket_ = ends[0];
+    client_process = child_;
+}
+
+PythonClient::~PythonClient() {
+    ::close(socket_);
+    if (child_ <= 0) return;
+    ::kill(child_, SIGTERM);
+    exit_code();
+}
+
+std::optional<std::string> PythonClient::request(const std::function<bool()>& stops) {
+    constexpr int patience_ms = 100;
+    for (;;) {
+        if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
+            const std::string line = received_.substr(0, end);
+            received_.erase(0, end + 1);
+            return line;
+        }
+        if (stops()) return std::nullopt;
+        pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
+        if (::poll(&waiting, 1, patience_ms) <= 0) continue;
+        std::array<char, 65536> block{};
+        const ssize_t count = ::read(socket_, block.data(), block.size());
+        if (count <= 0) return std::nullopt;
+        received_.append(block.data(), static_cast<std::size_t>(count));
+    }
+}
+
+void PythonClient::answer(const std::string& line) const {
+    std::fflush(nullptr); // what the module prints next follows
+    const std::string text = line + "\n";
+    for (std::size_t sent = 0; sent < text.size();) {
+        const ssize_t count = ::send(socket_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+        if (count <= 0) return; // it has ended, which request() reports
+        sent += static_cast<std::size_t>(count);
+    }
+}
+
+std::FILE* PythonClient::open_answers() const {
+    return ::fdopen(::dup(socket_), "w");
+}
+
+void PythonClient::interrupt_by_signals() {
+    struct sigaction action {};
+    action.sa_handler = interrupt_client;
+    action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU})
+        ::sigaction(signal, &action, nullptr);
+}
+
+int PythonClient::exit_code() {
+    const int code = child_ > 0 ? exit_code_of(child_) : -1;
+    client_process = 0;
+    child_ = -1;
+    return code;
 }
 
 } // namespace shearwake

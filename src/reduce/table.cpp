@@ -5,6 +5,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "measures/measure_table.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
@@ -167,16 +168,18 @@ Errors read_errors(const std::filesystem::path& path) {
     Errors errors;
     if (!std::filesystem::exists(path)) return errors;
     try {
-        const auto root = nlohmann::json::parse(storage::read_file(path));
+        const auto root =
+            nlohmann::json::parse(storage::unseal(storage::read_file(path)).value_or(""));
         for (const auto& c : root.at("cases")) {
             auto& found = errors[c.at("id").get<std::string>()];
             for (const auto& [column, entry] : c.at("columns").items())
                 if (entry.at("error").is_number()) found[column] = entry.at("error").get<double>();
         }
-    } catch (const nlohmann::json::exception& error) {
-        throw UsageError(fmt::format("{} is not a result of shearwake converge: {}; rerun "
-                                     "shearwake converge",
-                                     path.string(), error.what()),
+    } catch (const nlohmann::json::exception&) {
+        throw UsageError(fmt::format("{} is not a table of errors, or is damaged: it is truncated "
+                                     "or does not match its checksum; rerun shearwake converge, or "
+                                     "shearwake measure for a scan",
+                                     path.string()),
                          ExitCode::environment);
     }
     return errors;

@@ -16,16 +16,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <unistd.h>
 
 namespace shearwake::serve {
 namespace {
 
-/// A request to compute the first case of a job.
-struct Request {
-    long id = 0;
-    std::string job; // TOML
-};
+using Received = nlohmann::json;
 
 /// Longest line of a request. It limits the memory of a job and of its reading.
 constexpr std::size_t longest_request_B = 1'000'000;
@@ -37,8 +32,8 @@ public:
     Inbox(int descriptor, Output& output)
         : input_(descriptor, longest_request_B), output_(output) {}
 
-    /// Waits for a request; nothing if the input has ended.
-    std::optional<Request> wait();
+    /// Waits for the line of a valid request; nothing if the input has ended.
+    std::optional<std::string> wait();
     /// Reads without waiting, a few hundred times per second at most, and returns whether the
     /// active request must end: because of a newer one, of a message `cancel`, or of the end of the
     /// input.
@@ -52,12 +47,14 @@ private:
 
     LineInput input_;
     Output& output_;
-    std::optional<Request> newest_;
+    struct Waiting {
+        long id = 0;
+        std::string line;
+    };
+    std::optional<Waiting> newest_;
     std::string reason_; // to end the active request; empty: none
     std::chrono::steady_clock::time_point listened_;
 };
-
-using Received = nlohmann::json;
 
 constexpr auto between_looks = std::chrono::milliseconds(3);
 constexpr std::int64_t largest_id = (std::int64_t{1} << 53) - 1; // exact in every JSON parser
@@ -78,11 +75,44 @@ std::string text_of(const Received& message, const char* key) {
     return found != message.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-std::optional<Request> Inbox::wait() {
+/// Not an object if the line is not one.
+Received message_in(const std::string& line) {
+    return Received::parse(
+        line, [](int depth, Received::parse_event_t, const Received&) { return depth <= deepest; },
+        false);
+}
+
+/// What is wrong with a request; empty: nothing. Reads it into `request`.
+std::string problem_of(const Received& message, Request& request) {
+    const std::string type = text_of(message, "type");
+    request.id = id_of(message);
+    request.job = text_of(message, "job");
+    request.describes = type == "describe";
+    if (type != "compute" && !request.describes)
+        return "the \"type\" of a request must be \"compute\", \"describe\" or \"cancel\"";
+    if (request.id < 0) return "the request needs an \"id\", an integer from 0 to 2^53 - 1";
+    if (request.job.empty())
+        return "the request needs a \"job\", a text in the format of job files";
+    try {
+        if (message.contains("overrides"))
+            for (const auto& [key, value] :
+                 message["overrides"].get<std::vector<std::pair<std::string, std::string>>>())
+                request.overrides.push_back({key, value});
+        if (message.contains("arrays"))
+            request.arrays = message["arrays"].get<std::vector<std::string>>();
+    } catch (const Received::exception&) {
+        return "\"overrides\" must be a list of pairs of texts [KEY, VALUE], and \"arrays\" a list "
+               "of names";
+    }
+    return {};
+}
+
+std::optional<std::string> Inbox::wait() {
     while (!newest_ && !input_.has_ended() && !output_.has_failed())
         listen(-1);
-    std::optional<Request> next;
-    if (!input_.has_ended() && !output_.has_failed()) std::swap(next, newest_);
+    std::optional<std::string> next;
+    if (newest_ && !input_.has_ended() && !output_.has_failed()) next = std::move(newest_->line);
+    if (next) newest_.reset();
     reason_.clear();
     return next;
 }
@@ -110,35 +140,26 @@ void Inbox::handle(const Line& line) {
         return;
     }
     if (line.text.find_first_not_of(" \t\r") == std::string::npos) return;
-    const Received message = Received::parse(
-        line.text,
-        [](int depth, Received::parse_event_t, const Received&) { return depth <= deepest; },
-        false);
+    const Received message = message_in(line.text);
     if (!message.is_object()) {
         output_.error(-1, bad_request, "the request is not a JSON object on one line");
         return;
     }
-    const long id = id_of(message);
-    const std::string type = text_of(message, "type");
-    if (type == "cancel") {
+    if (text_of(message, "type") == "cancel") {
         if (newest_) output_.message("cancelled", newest_->id, {{"reason", "it was cancelled"}});
         newest_.reset();
         reason_ = "it was cancelled";
         return;
     }
-    std::string problem;
-    if (id < 0) problem = "the request needs an \"id\", an integer from 0 to 2^53 - 1";
-    if (type != "compute") problem = "the \"type\" of a request must be \"compute\" or \"cancel\"";
-    Request request{id, text_of(message, "job")};
-    if (problem.empty() && request.job.empty())
-        problem = "the request needs a \"job\", a text in the format of job files";
+    Request request;
+    const std::string problem = problem_of(message, request);
     if (!problem.empty()) {
-        output_.error(id, bad_request, problem);
+        output_.error(request.id, bad_request, problem);
         return;
     }
     if (newest_)
         output_.message("cancelled", newest_->id, {{"reason", "a newer request has arrived"}});
-    newest_ = std::move(request);
+    newest_ = Waiting{request.id, line.text};
 }
 
 void greet(Output& output, const Limits& limits, int ranks) {
@@ -154,7 +175,7 @@ void greet(Output& output, const Limits& limits, int ranks) {
                       {"seconds", limits.time_s}}}});
 }
 
-/// Computes a request and answers it. `inbox` is null on all ranks but the root. Collective.
+/// Executes a request and answers it. `inbox` is null on all ranks but the root. Collective.
 void answer_request(const Request& request, Solver& solver, const Limits& limits, Inbox* inbox,
                     Output& output, const Comm& world) {
     const auto began = Clock::now();
@@ -165,7 +186,10 @@ void answer_request(const Request& request, Solver& solver, const Limits& limits
     nlohmann::ordered_json diagnostics = nlohmann::ordered_json::array();
     bool is_complete = false;
     try {
-        is_complete = solver.compute(request.job, interrupt, answer);
+        if (request.describes)
+            answer.members = describe(request, solver.files());
+        else
+            is_complete = solver.compute(request, interrupt, answer);
     } catch (const config::BadJob& bad) {
         code = "bad_job";
         text = bad.what();
@@ -181,8 +205,11 @@ void answer_request(const Request& request, Solver& solver, const Limits& limits
     if (!code.empty())
         output.message("error", request.id,
                        {{"code", code}, {"message", text}, {"diagnostics", diagnostics}});
+    else if (request.describes)
+        output.message("description", request.id, answer.members);
     else if (is_complete)
-        output.result(request.id, std::move(answer.members), answer.groups, answer.frames);
+        output.result(request.id, std::move(answer.members), answer.groups, answer.frames,
+                      [&](const std::string& name) { return request.wants(name); });
     else if (inbox->reason().empty())
         output.error(request.id, "time_limit",
                      fmt::format("the case was ended after {:.3g} s, the limit of --time-limit",
@@ -198,21 +225,21 @@ ExitCode serve_command(const ServeArguments& arguments, const Comm& world) {
     limits.memory_per_rank_B =
         std::min(1e6 * arguments.memory_MB, pipeline::memory_per_rank_B(world));
     limits.time_s = arguments.time_limit_s;
-    Solver solver(limits, world);
-    Output output;
+    Solver solver(limits, arguments.files, world);
+    Output output(arguments.output);
     std::optional<Inbox> inbox;
     if (world.is_root()) {
-        inbox.emplace(STDIN_FILENO, output);
+        inbox.emplace(arguments.input, output);
         greet(output, limits, world.size());
     }
     for (;;) {
-        std::optional<Request> request;
-        if (inbox) request = inbox->wait();
+        std::optional<std::string> line;
+        if (inbox) line = inbox->wait();
         sleeping_barrier(world); // a request may be hours away
-        if (!world.broadcast(request.has_value())) return ExitCode::done;
-        Request shared = request.value_or(Request{});
-        shared.job = world.broadcast(std::move(shared.job));
-        answer_request(shared, solver, limits, inbox ? &*inbox : nullptr, output, world);
+        if (!world.broadcast(line.has_value())) return ExitCode::done;
+        Request request;
+        problem_of(message_in(world.broadcast(line.value_or(""))), request);
+        answer_request(request, solver, limits, inbox ? &*inbox : nullptr, output, world);
     }
 }
 

@@ -9,6 +9,7 @@
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -18,13 +19,6 @@ namespace shearwake::serve {
 namespace {
 
 using Object = nlohmann::ordered_json;
-
-/// The job without its sweep: a request computes one case.
-config::Job read_request(const std::string& text) {
-    const std::vector<config::Override> without_axes = {
-        {"sweep", "{}"}, {"uncertain", "{}"}, {"table", "{}"}};
-    return config::read_job(text, "job", without_axes);
-}
 
 /// Throws UsageError with the errors about the afferents.
 void check_receptors(const Case& c) {
@@ -69,16 +63,31 @@ Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,
 
 } // namespace
 
-Solver::Solver(const Limits& limits, const Comm& world) : limits_(limits), world_(world) {}
+config::TextLoader texts_in(const std::filesystem::path& files) {
+    if (files.empty()) return nullptr;
+    return [files](const std::string& file) {
+        return storage::read_file(files / file, storage::largest_user_text_B);
+    };
+}
 
-pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
+config::Job read_request(const Request& request, const std::filesystem::path& files) {
+    std::vector<config::Override> overrides = request.overrides;
+    for (const char* axes : {"sweep", "uncertain", "table"})
+        overrides.push_back({axes, "{}"});
+    return config::read_job(request.job, "job", overrides, nullptr, texts_in(files));
+}
+
+Solver::Solver(const Limits& limits, std::filesystem::path files, const Comm& world)
+    : limits_(limits), files_(std::move(files)), world_(world) {}
+
+pipeline::CasePlan Solver::suitable_plan(const Case& c, bool with_frames) const {
     if (!std::holds_alternative<LayeredOptions>(c.solver))
         throw UsageError(fmt::format("solver.engine: serve computes with engine \"layered\" only, "
                                      "not with \"{}\"; use run",
                                      engine_name(c.solver)));
     const double values = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) *
                           static_cast<double>(c.time.frames);
-    if (!(values <= limits_.values))
+    if (with_frames && !(values <= limits_.values))
         throw UsageError(fmt::format("the case has {} x {} points and {} frames, {:.3g} values; "
                                      "serve computes at most {:.3g}",
                                      c.domain.nx, c.domain.ny, c.time.frames, values,
@@ -89,7 +98,7 @@ pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
         throw UsageError(
             fmt::format("the receptors need {:.3g} operations; serve computes at most {:.3g}",
                         receptors, limits_.receptor_operations));
-    const double frames_B = 2.0 * values * sizeof(float);
+    const double frames_B = with_frames ? 2.0 * values * sizeof(float) : 0.0;
     const double needed_B = plan.needs.memory_per_rank_B() + frames_B;
     if (!(needed_B <= limits_.memory_per_rank_B))
         throw UsageError(fmt::format("the case needs {:.2f} GB per rank; serve uses at most {:.2f} "
@@ -98,31 +107,35 @@ pipeline::CasePlan Solver::suitable_plan(const Case& c) const {
     return plan;
 }
 
-bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answer) {
+bool Solver::compute(const Request& request, Interrupt& interrupt, Answer& answer) {
     const auto began = Clock::now();
-    const config::Job job = read_request(text);
-    const PlannedCase& planned = job.plan.cases.front();
+    const bool with_frames = request.wants("u_z");
+    const config::Job job = read_request(request, files_);
+    PlannedCase planned = job.plan.cases.front();
+    if (!request.wants_receptors()) planned.physics.afferents.reset();
     const Case& c = planned.physics;
     if (!engine_) engine_ = engines::make_engine(LayeredOptions{});
-    const pipeline::CasePlan plan = suitable_plan(c);
+    const pipeline::CasePlan plan = suitable_plan(c, with_frames);
     check_receptors(c);
     pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
     pipeline::record_receptors(c, plan.receptors, recorder);
     FrameCollector collector(c, world_, recorder, rows_);
-    fail_together(world_, [&] { engine_->run(c, world_, collector, &interrupt); });
+    engines::Observer& observer =
+        with_frames ? static_cast<engines::Observer&>(collector) : recorder;
+    fail_together(world_, [&] { engine_->run(c, world_, observer, &interrupt); });
     if (interrupt.stop()) return false;
     pipeline::CaseResults results;
     fail_together(world_, [&] {
         recorder.finish();
         results = pipeline::case_results(planned, recorder, plan.receptors, world_);
-        collector.gather(frames_);
+        if (with_frames) collector.gather(frames_);
     });
     on_root(world_, [&] {
         answer.members = description(planned);
         answer.members["warnings"] = warnings_of(c, recorder, results.afferents);
         answer.members["seconds"] = seconds_since(began);
         answer.groups = std::move(results.groups);
-        answer.frames = {frames_, c.time.frames, c.domain.nx, c.domain.ny};
+        if (with_frames) answer.frames = {frames_, c.time.frames, c.domain.nx, c.domain.ny};
     });
     return true;
 }

@@ -1,17 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "config/job.hpp"
 #include "engines/engine.hpp"
 #include "pipeline/memory.hpp"
 #include "problem/case/volume.hpp"
 #include "serve/streams.hpp"
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace shearwake::serve {
+
+/// A request about the first case of a job.
+struct Request {
+    long id = 0;
+    bool describes = false; // the job, without computing
+    std::string job;        // TOML
+    std::vector<config::Override> overrides;
+    std::optional<std::vector<std::string>> arrays; // names of those that are sent; none: all
+
+    bool wants(const std::string& array) const {
+        return !arrays || std::ranges::find(*arrays, array) != arrays->end();
+    }
+    bool wants_receptors() const {
+        return !arrays || std::ranges::any_of(*arrays, [](const std::string& name) {
+            return name.starts_with("afferents/");
+        });
+    }
+};
+
+/// Reads the texts to which jobs refer from this folder; null without a folder.
+config::TextLoader texts_in(const std::filesystem::path& files);
+
+/// The first case of a job, without its sweep. Throws BadJob. Not collective.
+config::Job read_request(const Request& request, const std::filesystem::path& files);
+
+/// The members of the answer `description`: times and vibrometer of the case, and the distributions
+/// of [uncertain]. Throws BadJob. Not collective.
+nlohmann::ordered_json describe(const Request& request, const std::filesystem::path& files);
 
 /// Keeps the surface of all frames in single precision and passes everything on to another
 /// observer.
@@ -57,18 +89,20 @@ struct Answer {
 class Solver {
 public:
     /// Not collective.
-    Solver(const Limits& limits, const Comm& world);
+    Solver(const Limits& limits, std::filesystem::path files, const Comm& world);
+    const std::filesystem::path& files() const { return files_; }
     /// Computes the first case of a job. Returns false if it was interrupted. Throws on all ranks
     /// together: BadJob for a job with errors, UsageError for one that exceeds the limits, and
     /// CaseFailure. Collective.
-    bool compute(const std::string& job, Interrupt& interrupt, Answer& answer);
+    bool compute(const Request& request, Interrupt& interrupt, Answer& answer);
 
 private:
     /// The plan of the case. Throws UsageError if the case exceeds the limits. Not collective; all
     /// ranks come to the same result.
-    pipeline::CasePlan suitable_plan(const Case& c) const;
+    pipeline::CasePlan suitable_plan(const Case& c, bool with_frames) const;
 
     Limits limits_;
+    std::filesystem::path files_;
     const Comm& world_;
     std::unique_ptr<engines::Engine> engine_;
     std::vector<float> rows_, frames_; // of this rank; of all ranks, on rank 0

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cerrno>
-#include <cstdio>
 #include <fmt/format.h>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -47,8 +46,9 @@ void Output::message(const std::string& type, long request, const Json& members)
     Json line = {{"type", type}};
     if (request >= 0) line["id"] = request;
     line.update(members);
-    fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-    std::fflush(stdout);
+    // A reader that has ended is no error here, see has_failed().
+    std::fputs((line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n').c_str(), stream_);
+    std::fflush(stream_);
 }
 
 void Output::error(long request, const std::string& code, const std::string& text) {
@@ -56,14 +56,16 @@ void Output::error(long request, const std::string& code, const std::string& tex
 }
 
 void Output::result(long request, Json members, const std::vector<VariableGroup>& groups,
-                    const Frames& frames) {
+                    const Frames& frames, const std::function<bool(const std::string&)>& wanted) {
     Json columns = Json::object(), arrays = Json::array();
-    arrays.push_back({{"name", "u_z"},
-                      {"type", "float32"},
-                      {"dimensions", {"time", "x", "y"}},
-                      {"shape", {frames.count, frames.nx, frames.ny}},
-                      {"units", "m"},
-                      {"meaning", "normal displacement of the surface, positive into the tissue"}});
+    if (wanted("u_z"))
+        arrays.push_back(
+            {{"name", "u_z"},
+             {"type", "float32"},
+             {"dimensions", {"time", "x", "y"}},
+             {"shape", {frames.count, frames.nx, frames.ny}},
+             {"units", "m"},
+             {"meaning", "normal displacement of the surface, positive into the tissue"}});
     std::size_t bytes = frames.u_z_m.size_bytes();
     std::vector<const std::vector<double>*> values;
     for (const VariableGroup& group : groups) {
@@ -74,8 +76,9 @@ void Output::result(long request, Json members, const std::vector<VariableGroup>
                                           {"units", variable.units},
                                           {"meaning", variable.long_name},
                                           {"note", variable.note}};
-            } else {
-                arrays.push_back(described(group, variable, lengths));
+            } else if (Json array = described(group, variable, lengths);
+                       wanted(array["name"].get<std::string>())) {
+                arrays.push_back(std::move(array));
                 values.push_back(&variable.values);
                 bytes += variable.values.size() * sizeof(double);
             }
@@ -84,15 +87,15 @@ void Output::result(long request, Json members, const std::vector<VariableGroup>
     members["arrays"] = std::move(arrays);
     members["bytes"] = bytes + 1; // Open MPI 5 forwards output up to its last newline only
     message("result", request, members);
-    std::fwrite(frames.u_z_m.data(), 1, frames.u_z_m.size_bytes(), stdout);
+    std::fwrite(frames.u_z_m.data(), 1, frames.u_z_m.size_bytes(), stream_);
     for (const std::vector<double>* array : values)
-        std::fwrite(array->data(), sizeof(double), array->size(), stdout);
-    std::fputc('\n', stdout);
-    std::fflush(stdout);
+        std::fwrite(array->data(), sizeof(double), array->size(), stream_);
+    std::fputc('\n', stream_);
+    std::fflush(stream_);
 }
 
 bool Output::has_failed() const {
-    return std::ferror(stdout) != 0;
+    return std::ferror(stream_) != 0;
 }
 
 std::vector<Line> LineInput::read(int patience_ms) {

@@ -6,6 +6,7 @@
 #include "problem/case/case.hpp"
 #include "problem/case/volume.hpp"
 
+#include <cstdio>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
@@ -68,19 +69,24 @@ struct Frames {
     std::ptrdiff_t count = 0, nx = 0, ny = 0;
 };
 
-/// Writes messages to the standard output. Not collective: rank 0 calls it.
+/// Writes messages. Not collective: rank 0 calls it.
 class Output {
 public:
+    explicit Output(std::FILE* stream) : stream_(stream) {}
     /// One line with a JSON object of type `type`, and its request unless it is negative.
     void message(const std::string& type, long request, const nlohmann::ordered_json& members);
     /// The message `error` with its code and its text for users.
     void error(long request, const std::string& code, const std::string& text);
     /// The message `result`: the members, the scalars and the list of arrays, followed by the bytes
-    /// of the arrays and a newline.
+    /// of the arrays that are `wanted` and a newline.
     void result(long request, nlohmann::ordered_json members,
-                const std::vector<VariableGroup>& groups, const Frames& frames);
+                const std::vector<VariableGroup>& groups, const Frames& frames,
+                const std::function<bool(const std::string&)>& wanted);
     /// Whether the output cannot be written any more, for example because its reader has ended.
     bool has_failed() const;
+
+private:
+    std::FILE* stream_;
 };
 
 } // namespace shearwake::serve

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake converge: estimated errors compared with much finer runs, resuming, error columns."""
 import csv
+import fcntl
 import json
 
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, changed, started, without_reference
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, started, without_reference
+
+from shearwake.studies import converge
 
 # Coarse in space and small in extent, so that all errors are large enough to be measured.
 COARSE = without_reference(
@@ -33,9 +36,44 @@ def rows(folder, name="small"):
         return list(csv.DictReader(file))
 
 
+# Of the earlier implementation in C++.
+FROZEN = {"coarse": (COARSE, "1"), "half": (HALF_SPACE, "1"),
+          "spectral": (without_reference(SPECTRAL, ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "400"))), "1"),
+          "reference": (changed(("spacing_mm = 1.5", "spacing_mm = 2.0"), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"),
+                                ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000"))), "2")}
+
+
 class Converge(ProgramTest):
     def studied(self):
         return json.loads((self.out / "converge" / "converge.json").read_text(encoding="utf-8"))["cases"]
+
+    def test_the_documents_equal_the_frozen_ones(self):
+        frozen = json.loads((ROOT / "tests" / "data" / "studies" / "converge.json").read_text(encoding="utf-8"))
+        for name, (job, cases) in FROZEN.items():
+            self.write_job(job)
+            self.shearwake("converge", "job.toml", "--out", name, "--cases", cases, "--quiet")
+            found = json.loads((self.folder / name / "converge" / "converge.json").read_text(encoding="utf-8"))["cases"]
+            for case, expected in zip(found, frozen[name], strict=True):
+                columns = case.pop("columns")
+                self.assertEqual(list(columns), list(expected["columns"]))
+                for column, entry in expected.pop("columns").items():
+                    with self.subTest(job=name, case=case["id"], column=column):
+                        # Kernels of other processors add in another order.
+                        delta = 1e-9 * max(abs(entry["value"]), 1.0)
+                        self.assertAlmostEqual(columns[column]["value"], entry["value"], delta=delta)
+                        self.assertEqual(list(columns[column]["changes"]), list(entry["changes"]))
+                        for refinement, change in entry["changes"].items():
+                            self.assertAlmostEqual(columns[column]["changes"][refinement], change, delta=delta)
+                        self.assertAlmostEqual(columns[column]["error"], entry["error"], delta=5.0 * delta)
+                self.assertEqual(case, expected)
+
+    def test_the_function_returns_the_estimates_and_reports_progress(self):
+        path, reports = self.write_job(COARSE), []
+        [case] = converge(path, out=self.folder / "out", cases=1, progress=reports.append)
+        self.assertEqual([refinement.name for refinement in case.refinements], ["spacing", "time", "domain"])
+        self.assertEqual((reports[-1].done, reports[-1].total), (4, 4))
+        document = json.loads((self.folder / "out" / "converge" / "converge.json").read_text(encoding="utf-8"))
+        self.assertEqual(document["cases"][0]["columns"]["eta_at_1"]["error"], case.columns["eta_at_1"].error)
 
     def test_the_estimates_cover_the_difference_from_a_much_finer_run(self):
         self.write_job(COARSE)
@@ -181,6 +219,18 @@ class Converge(ProgramTest):
         self.assertEqual(rows(self.out), [first, second])
         table = json.loads((self.out / "tables" / "small.json").read_text(encoding="utf-8"))
         self.assertIn("estimated numerical error of eta_at_1", [c["meaning"] for c in table["columns"]])
+        errors = self.out / "converge" / "converge.json"
+        errors.write_text(errors.read_text().replace("0.0", "0.1", 1))
+        self.says(self.shearwake("reduce", "--errors", self.out, expect=6).said, "does not match its checksum")
+
+    def test_a_second_study_in_the_folder_is_rejected(self):
+        self.write_job(COARSE)
+        locks = self.out / "converge" / "locks"
+        locks.mkdir(parents=True)
+        with open(locks / "study", "w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.says(self.shearwake("converge", "job.toml", "--cases", "1", expect=2).said, "being used by another shearwake converge")
+        self.assertEqual([path.name for path in locks.parent.iterdir()], ["locks"])
 
     def test_unknown_cases_are_rejected(self):
         self.write_job(COARSE)

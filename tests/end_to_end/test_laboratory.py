@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A virtual experiment is exported, measured, fitted and compared; damaged data are refused with a reason."""
 import csv
+import fcntl
 import json
 import re
+import signal
+import subprocess
+import time
 
 import h5py
 import numpy as np
@@ -10,11 +14,12 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from program import ROOT, ProgramTest
+from program import PATIENCE_s, ROOT, ProgramTest, command, environment
 
 from shearwake.laboratory.dispersion import curves, line_coordinates
 from shearwake.laboratory.scan import Scan
 from shearwake.laboratory.scan_files import read_scan, write_scan
+from shearwake.studies import fit
 
 C_S, VISCOSITY = 2.5, 0.3
 
@@ -63,6 +68,12 @@ samples = 2
 "vibrometer.trigger_delay_ms" = { distribution = "normal", mean = 0.0, sd = 1.0 }
 """
 
+UNCERTAIN_LOSS = """
+[uncertain]
+samples = 2
+"medium.layer[1].loss.tau_us" = { distribution = "lognormal", median = 60.0, geometric_sd = 3.0 }
+"medium.layer[1].loss.exponent" = { distribution = "uniform", min = 0.1, max = 0.999 }
+"""
 FRACTIONAL = 'loss = {{ law = "fractional", tau_us = {tau}, exponent = {exponent} }}'
 LAYERS = ((8e-3, 1000.0, 1500.0, 2.2), (10e-3, 1000.0, 1500.0, 4.4))  # of jobs/gel-dispersion.toml
 
@@ -182,6 +193,73 @@ class Scans(LaboratoryTest):
 
 
 class Fit(LaboratoryTest):
+    def check_frozen(self, name, found, share=0.05):
+        """Compares fit.json with the result of the earlier implementation in C++ on Ceres, which ended within 1e-6 of the least cost:
+        within 0.1 standard errors of the minimum with 9660 samples, 0.4 with 168000. Estimates differ by at most `share` of a
+        standard error."""
+        expected = json.loads((ROOT / "tests" / "data" / "studies" / "fit.json").read_text(encoding="utf-8"))[name]
+        for key, entry in expected["estimates"].items():
+            estimate, delta = found["estimates"][key], share * entry["standard_error"]
+            with self.subTest(key=key):
+                self.assertAlmostEqual(estimate["value"], entry["value"], delta=delta)
+                self.assertAlmostEqual(estimate["standard_error"] / entry["standard_error"], 1.0, delta=0.02)
+                for ours, theirs in zip(estimate["interval_95"], entry["interval_95"]):
+                    self.assertAlmostEqual(ours, theirs, delta=2.0 * delta)
+                np.testing.assert_allclose(estimate["bounds"], entry["bounds"], rtol=1e-12)
+        np.testing.assert_allclose(found["correlations"], expected["correlations"], atol=0.02)
+        self.assertEqual((found["points"], found["outliers"]), (expected["points"], expected["outliers"]))
+        self.assertAlmostEqual(found["noise_m_s"] / expected["noise_m_s"], 1.0, delta=1e-3)
+        for ours, theirs in zip(found["simpler_laws"], expected["simpler_laws"], strict=True):
+            self.assertEqual((ours["law"], ours["suffices"]), (theirs["law"], theirs["suffices"]))
+            self.assertAlmostEqual(ours["bic_change"] / theirs["bic_change"], 1.0, delta=1e-3)
+
+    @pytest.mark.long
+    def test_the_virtual_experiment_gives_the_frozen_estimates(self):
+        jobs = ROOT / "jobs"
+        self.shearwake("run", jobs / "virtual-experiment.toml", "--out", self.folder / "out")
+        case = next((self.folder / "out" / "cases").glob("*.h5"))
+        self.shearwake("fit", jobs / "read-back.toml", "--data", case, "--out", self.folder / "fit")
+        # Ceres ended 0.0033 above the least cost, 0.08 standard errors away.
+        self.check_frozen("virtual-experiment", json.loads((self.folder / "fit" / "fit.json").read_text()), share=0.1)
+
+    def test_an_interrupted_fit_resumes_with_its_predictions(self):
+        job, case = self.scanned(LINE)
+        job.write_text(LINE + UNCERTAIN.replace('"medium.layer[1].', '# "'))  # pressure and delay only
+        reports = []
+
+        def interrupt(progress):
+            reports.append(progress)
+            if progress.predictions == 4:
+                raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            fit(job, case, out=self.folder / "fit", progress=interrupt)
+        fitted = fit(job, case, out=self.folder / "fit", progress=reports.append)
+        self.assertEqual(reports[-1].computed, reports[-1].predictions - 4)
+        self.assertAlmostEqual(fitted.estimates["load.peak_Pa"].value, 100.0, delta=0.1)
+        # A damaged prediction is computed again.
+        path = next((self.folder / "fit" / "evaluations").iterdir())
+        content = path.read_bytes()
+        path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+        again = fit(job, case, out=self.folder / "fit", progress=reports.append)
+        self.assertEqual((reports[-1].computed, again.document), (1, fitted.document))
+        with open(self.folder / "fit" / "lock", "w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.says(self.shearwake("fit", job, "--data", case, "--out", self.folder / "fit", expect=2).said,
+                      "being used by another shearwake fit")
+
+    def test_an_interrupted_command_ends_with_exit_code_75(self):
+        job, case = self.scanned(LINE)
+        job.write_text(LINE + UNCERTAIN)
+        process = subprocess.Popen(command("fit", job, "--data", case, "--out", self.folder / "fit"), env=environment(),
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        deadline = time.monotonic() + PATIENCE_s
+        while not list((self.folder / "fit").glob("evaluations/*")) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, text = process.communicate(timeout=PATIENCE_s)
+        self.assertEqual((process.returncode, text), (75, "the fit was interrupted; rerun the command to resume it\n"))
+
     @pytest.mark.long
     def test_a_noisy_line_gives_the_material_back(self):
         job, case = self.scanned(LINE)
@@ -190,6 +268,7 @@ class Fit(LaboratoryTest):
         out = self.folder / "fit"
         text = self.shearwake("fit", job, "--data", data, "--out", out, ranks=2).stdout
         found = json.loads((out / "fit.json").read_text())
+        self.check_frozen("line", found)
         estimates = found["estimates"]
         c_s, viscosity = (estimates[f"medium.layer[1].{key}"] for key in ("c_s_m_s", "viscosity_Pa_s"))
         self.assertTrue(found["converged"], text)
@@ -235,6 +314,7 @@ class Fit(LaboratoryTest):
 "medium.layer[1].c_s_m_s" = { distribution = "uniform", min = 1.5, max = 4.0 }
 "medium.layer[1].thickness_mm" = { distribution = "normal", mean = 11.0, sd = 3.0, min = 5.0, max = 20.0 }
 """)
+        self.check_frozen("fractional", found)
         for key, value in truth.items():
             estimate = found["estimates"][f"medium.layer[1].{key}"]
             with self.subTest(key=key, **estimate):
@@ -250,12 +330,7 @@ class Fit(LaboratoryTest):
         self.assertEqual([(one["law"], one["suffices"]) for one in found["simpler_laws"]], [("Kelvin-Voigt", True)])
 
     def fractional_fit(self, job, data, uncertain):
-        job.write_text(LINE.replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=60.0, exponent=0.7)) + """
-[uncertain]
-samples = 2
-"medium.layer[1].loss.tau_us" = { distribution = "lognormal", median = 60.0, geometric_sd = 3.0 }
-"medium.layer[1].loss.exponent" = { distribution = "uniform", min = 0.1, max = 0.999 }
-""" + uncertain)
+        job.write_text(LINE.replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=60.0, exponent=0.7)) + UNCERTAIN_LOSS + uncertain)
         out = self.folder / "fit"
         self.shearwake("fit", job, "--data", data, "--out", out, ranks=2)
         return json.loads((out / "fit.json").read_text())

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake optimise: the optimum is reproduced by its case, the bound by NumPy alone, and the study is resumed."""
 import csv
+import fcntl
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,8 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shearwake
-from program import ROOT, ProgramTest, changed
+from program import PATIENCE_s, ROOT, ProgramTest, alive, changed, descendants
 from scipy.interpolate import RegularGridInterpolator
+from shearwake.checksum import read_json, sealed
 
 STEADY = """
 schema = 1
@@ -94,13 +98,22 @@ settled_after_ms = 4.0
 """
 
 
+FROZEN = json.loads((ROOT / "tests" / "data" / "studies" / "optimise.json").read_text(encoding="utf-8"))["studies"]
+# Columns that are determined by cases which do not depend on the search.
+DETERMINED = ("eta_unmodulated_1", "eta_sm_1", "strength_sm_1", "sm_frequency_Hz", "sm_deviation_m_s", "sm_phase_deg", "uniformity_unmodulated_1",
+              "uniformity_sm_1")
+
+
 class Optimise(ProgramTest):
     def job(self, *changes):
         self.write_job(changed(*changes, text=STEADY))
 
     def rows(self, out="out/best.optimise"):
         with open(self.folder / out / "optimise" / "table.csv", encoding="utf-8") as file:
-            return [{k: float(v) if v and k not in ("case", "valid") else v for k, v in row.items()} for row in csv.DictReader(file)]
+            rows = list(csv.DictReader(file))
+        names = list(rows[0])
+        numbers = names[names.index("strength_at_least_1"):names.index("valid")]
+        return [{k: float(v) if v and k in numbers else v for k, v in row.items()} for row in rows]
 
     def verify(self, out="out/best.optimise"):
         return subprocess.run([sys.executable, ROOT / "scripts" / "verify_certificate.py", self.folder / out],
@@ -132,7 +145,7 @@ class Optimise(ProgramTest):
     def test_a_steady_optimum_is_reproduced_exported_and_below_a_verified_bound(self):
         self.job()
         said = self.shearwake("optimise", "job.toml", ranks=2).said
-        self.says(said, "eta_optimum_1", "eta_ceiling_1", "optima: ")
+        self.says(said, "[1/4] comparison with SM-STM", "[4/4] cases of the results", "best AM-STM | best SM-STM | optimum | upper bound", "optima: ")
         rows = self.rows()
         self.check_rows(rows)
         self.assertEqual([row["strength_at_least_1"] for row in rows], [0.7, 0.9])
@@ -144,12 +157,18 @@ class Optimise(ProgramTest):
         self.assertEqual((found.returncode, found.stdout.count("verified")), (0, 2), found.stdout + found.stderr)
         self.check_waveform(rows[0])
         self.check_report()
-        # The bound of a changed certificate is refused.
+        # A changed bound is refused, whether it is smaller or greater than the certificate's own.
         [path, _] = sorted((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json"))
-        optimum = json.loads(path.read_text(encoding="utf-8"))
-        optimum["ceiling"]["eta"] *= 0.98
-        path.write_text(json.dumps(optimum), encoding="utf-8")
-        self.assertEqual(self.verify().returncode, 1)
+        text = path.read_text(encoding="utf-8")
+        optimum = json.loads(text)
+        bound = optimum["ceiling"]["eta"]
+        for factor, reason in ((0.98, "which is not less than"), (1.01, "its certificate proves a smaller one")):
+            optimum["ceiling"]["eta"] = bound * factor
+            path.write_text(json.dumps(optimum), encoding="utf-8")
+            refused = self.verify()
+            self.assertEqual(refused.returncode, 1)
+            self.says(refused.stdout, reason, "table.csv has")
+        path.write_text(text, encoding="utf-8")
 
     def check_report(self):
         self.shearwake("report", "out/best.optimise")
@@ -250,6 +269,50 @@ class Optimise(ProgramTest):
         self.assertEqual(self.rows(), rows)
         self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
                   "contains the optima of another job")
+        self.check_damage(out)
+
+    def check_damage(self, out):
+        """Files of the study whose bytes have changed are refused by name, and so are optima that the cases do not have."""
+        for path in (next(out.glob("optimise/*.forms.json")), next(out.glob("optimise/*.strength-0.9.json"))):
+            text = path.read_text(encoding="utf-8")
+            place = text.index("0.") + 2
+            path.write_text(text[:place] + str((int(text[place]) + 1) % 10) + text[place + 1:], encoding="utf-8")
+            self.says(self.shearwake("optimise", "job.toml", "--quiet", expect=6).said, f"{path.name} is damaged", "remove it")
+            path.write_text(text, encoding="utf-8")
+        # Forms with a valid checksum that are not those of the cases.
+        [path], table = out.glob("optimise/*.forms.json"), (out / "optimise/table.csv").read_text(encoding="utf-8")
+        forms = read_json(path.read_text(encoding="utf-8"))
+        path.write_text(sealed({**forms, "numerator": (1.1 * np.array(forms["numerator"])).tolist()}), encoding="utf-8")
+        for optimum in out.glob("optimise/*.strength-*.json"):
+            optimum.unlink()
+        self.says(self.shearwake("optimise", "job.toml", "--quiet", expect=6).said, "by its quadratic forms", "no table is written")
+        self.assertEqual((out / "optimise/table.csv").read_text(encoding="utf-8"), table)
+
+    def test_a_second_study_in_the_same_folder_is_refused_while_the_first_is_active(self):
+        self.job(*TRANSIENT, ONE)
+        self.shearwake("optimise", "job.toml", "--quiet")
+        with open(self.folder / "out/best.optimise/optimise/locks/folder", "a", encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            second = self.shearwake("optimise", "job.toml", expect=2).said
+        self.says(second, "another optimise is active in out/best.optimise")
+        self.assertEqual(len(second.strip().splitlines()), 1)
+        self.shearwake("optimise", "job.toml", "--quiet")
+
+    def test_an_interrupt_ends_the_search_and_its_processes(self):
+        self.job(PLAIN, ("starts = 4", "starts = 10000"))
+        process = self.start("optimise", "job.toml")
+        said = ""
+        while "[3/4]" not in said:
+            line = process.stdout.readline()
+            self.assertTrue(line, said)
+            said += line
+        self.wait_for(lambda: len(descendants(process.pid)) >= 2, "the module and its worker")
+        pids = descendants(process.pid)
+        os.killpg(process.pid, signal.SIGINT)
+        said, _ = process.communicate(timeout=PATIENCE_s)
+        self.assertEqual(process.returncode, 75)
+        self.says(said, "the search was stopped", "shearwake optimise job.toml")
+        self.wait_for(lambda: not any(map(alive, pids)), "the module to end")
 
     def test_an_optimum_is_not_valid_if_its_waves_return(self):
         for extent, valid in (("96.0, 64.0", "yes"), ("56.0, 36.0", "no")):
@@ -350,6 +413,34 @@ class Optimise(ProgramTest):
                                   capture_output=True, text=True, check=False, cwd=self.folder)
         self.assertEqual(compared.returncode, 0, compared.stdout + compared.stderr)
         self.says(compared.stdout, "10 rows: 0 exceed")
+
+    def test_bounds_are_those_of_the_stored_table_and_optima_are_not_lower(self):
+        self.check_frozen("bounds-sm")
+
+    @pytest.mark.long
+    def test_bounds_are_those_of_all_stored_tables_and_optima_are_not_lower(self):
+        for name in FROZEN:
+            with self.subTest(job=name):
+                self.check_frozen(name)
+
+    def check_frozen(self, name):
+        study = FROZEN[name]
+        overrides = [word for text in study["overrides"] for word in ("-S", text)]
+        self.shearwake("optimise", ROOT / "jobs" / f"{name}.toml", *overrides, "--quiet", "--out", name, ranks=2)
+        rows = self.rows(name)
+        self.assertEqual(self.verify(name).returncode, 0)
+        self.assertEqual([list(row) for row in rows], [list(row) for row in study["rows"]])
+        for row, stored in zip(rows, study["rows"]):
+            self.assertEqual((row["case"], row["valid"]), (stored["case"], stored["valid"]))
+            for column in DETERMINED:  # nine digits in the table
+                self.assertEqual(row[column] == "", stored[column] == "", column)
+                self.assertAlmostEqual(row[column] or 0.0, stored[column] or 0.0, delta=2e-9 * abs(stored[column] or 0.0))
+            # The largest eta of a grid; the stored table has none where the unmodulated load missed a strength of 1 by rounding.
+            self.assertGreaterEqual(row["eta_am_1"], stored["eta_am_1"] * (1.0 - 2e-9))
+            # Another local search may end elsewhere, but not lower: 1e-5 is far below the distance from the bound.
+            self.assertGreaterEqual(row["eta_optimum_1"], stored["eta_optimum_1"] - 1e-5)
+            if name not in ("best-motion", "best-circle"):  # the motion of the job, not that of a search
+                self.assertAlmostEqual(row["eta_ceiling_1"] / stored["eta_ceiling_1"], 1.0, delta=1e-4)  # of the bisection
 
     def test_jobs_that_cannot_be_optimised_are_rejected(self):
         self.job((STEADY[STEADY.index("[optimise]"):], ""))

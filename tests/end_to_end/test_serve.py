@@ -95,6 +95,42 @@ class Serve(ProgramTest):
             swept, _ = server.compute(one(more='[sweep]\n"load.peak_Pa" = { linspace = [1, 100, 10000] }\n'))
             self.assertEqual(swept["case"], plain["case"])
 
+    def test_overrides_and_a_choice_of_arrays_belong_to_a_request(self):
+        job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0]]\n")
+        with Server() as server:
+            expected, _ = server.compute(job.replace("peak_Pa = 100.0", "peak_Pa = 70.0"))
+            found, arrays = server.receive_until(server.send(job, overrides=[["load.peak_Pa", "70"]], arrays=["vibrometer/velocity"]))
+            self.assertEqual((found["case"], columns(found)), (expected["case"], columns(expected)))
+            self.assertEqual([(name, array.shape) for name, array in arrays.items()], [("vibrometer/velocity", (1, 41))])
+            wrong, _ = server.receive_until(server.send(job, overrides=["load.peak_Pa=70"]))
+            self.assertEqual((wrong["code"], "list of pairs" in wrong["message"]), ("bad_request", True))
+
+    def test_a_job_is_described_with_its_vibrometer_and_its_distributions(self):
+        job = one(more="""[vibrometer]
+file = "points.csv"
+tilt_deg = 30.0
+trigger_delay_ms = 2.0
+[uncertain]
+samples = 2
+"load.peak_Pa" = { distribution = "normal", mean = 100.0, sd = 10.0 }
+"load.modulation.speed_m_s" = { distribution = "uniform", min = 2.0, max = 4.0 }
+""")
+        (self.folder / "points.csv").write_text("x_mm,y_mm\n1,2\n3,4\n")
+        with Server() as server:
+            self.assertEqual(server.receive_until(server.send(job, type="describe"))[0]["code"], "bad_job")  # names a file
+        with Server("--files", self.folder) as server:
+            found, _ = server.receive_until(server.send(job, type="describe", overrides=[["load.peak_Pa", "3"]]))
+            case = server.compute(job.replace("100.0\nfoot", "3.0\nfoot"))[0]["case"]
+        self.assertEqual((found["type"], found["case"], found["engine"], found["periodic"]), ("description", case, "layered", False))
+        self.assertAlmostEqual(found["duration_s"], 4e-3, delta=1e-15)
+        self.assertAlmostEqual(found["vibrometer"]["trigger_delay_s"], 2e-3, delta=1e-15)
+        numpy.testing.assert_allclose(found["vibrometer"]["direction"], [0.5, 0.0, 0.75 ** 0.5], atol=1e-15)
+        peak, speed = found["uncertain"]
+        self.assertEqual((peak["key"], peak["median"], speed["prior"]), ("load.peak_Pa", 100.0, None))
+        self.assertAlmostEqual(peak["prior"]["sd"], 10.0, delta=1e-4)  # quantiles with six digits
+        self.assertAlmostEqual(speed["low"], 2.0, delta=1e-8)
+        self.assertIn("load.peak_Pa is uncertain", found["diagnostics"][0]["message"])
+
     def test_a_request_ends_after_the_time_limit(self):
         with Server("--time-limit", "0.05") as server:
             message, _ = server.compute(LARGE)

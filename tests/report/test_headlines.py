@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the report states as its result, and the warnings that it prints: readings that are not valid, missing
 cases, numerical parameters, numerical errors."""
-import json
 import math
 from unittest import mock
 
 from synthetic import AM, PHYSICS, Folder, InFolder, Page, case_id, plain
 
+from shearwake.checksum import sealed
 from shearwake.report import answer, layout, load, sample, validity, warnings_of
 from shearwake.report.figures import fig_measures
 from shearwake.report.page import curve_chart, opening
@@ -33,7 +33,7 @@ class HeadlineTest(InFolder):
     def errors(self, folder, errors):
         """The errors of eta of some cases, as `shearwake converge` stores them."""
         (folder.path / "converge").mkdir()
-        (folder.path / "converge" / "converge.json").write_text(json.dumps({"schema": 1, "cases": [
+        (folder.path / "converge" / "converge.json").write_text(sealed({"schema": 1, "cases": [
             {"id": i, "columns": {"eta_period_1": {"error": e}}} for i, e in errors.items()]}))
 
     def test_a_reading_that_is_not_valid_is_not_a_result(self):

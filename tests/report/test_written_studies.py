@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The headlines of the studies in written_studies, which state what an expert states about a job and its table."""
-import json
 import math
 import re
 import tomllib
@@ -9,6 +8,7 @@ from pathlib import Path
 import pytest
 from synthetic import SCALARS, Folder, case_id, plain
 
+from shearwake.checksum import sealed
 from shearwake.report import load
 from shearwake.report.page import opening
 from shearwake.report.summary import summary
@@ -59,7 +59,7 @@ def selection_of(study, root):
             errors.append({"id": identity, "columns": {study["columns"][0]: {"error": case["error"]}}})
     if errors:
         (folder.path / "converge").mkdir()
-        (folder.path / "converge" / "converge.json").write_text(json.dumps({"schema": 1, "cases": errors}))
+        (folder.path / "converge" / "converge.json").write_text(sealed({"schema": 1, "cases": errors}))
     folder.save()
     for name in ("adaptive", "statistics"):
         rows = study.get(name)

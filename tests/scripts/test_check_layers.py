@@ -91,9 +91,10 @@ REJECTED = [
     ({"src/lower/hidden.inc": HIGHER + "\n"}, "source files end in .cpp"),
     (lower_lists("PRIVATE upper"), "upper is listed as PRIVATE, but is not used"), (lower_lists("PRIVATE nothing"), "neither a component nor"),
     ({**lower_lists("PRIVATE upper"), **low(HIGHER)}, "lower -> upper -> lower"),
+    (low("int x; // see lower/gone.hpp"), "low.cpp:5: the comment names lower/gone.hpp, which does not exist"),
     ({**PYTHON, "analysis/shearwake/sub/plot.py": "from ..case import plot\n"}, "case.py -> sub/plot.py -> case.py"),
 ]
-ACCEPTED = [{}, ENGINE, PYTHON, low("// " + HIGHER), low(f"/*\n{HIGHER}\n*/"), low(f'const char* text = R"x(\n{HIGHER}\n)x";'),
+ACCEPTED = [{}, ENGINE, PYTHON, low("// " + HIGHER), low("// as lower/low.cpp and NAME.cpp"), low(f"/*\n{HIGHER}\n*/"), low(f'const char* text = R"x(\n{HIGHER}\n)x";'),
             {**OPTIONS, "src/engines/toy/toy.cpp": ENGINE["src/engines/toy/toy.cpp"] + "struct ToyOptions;\n"},
             {**OPTIONS, **low("// as ToyOptions")}]
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts a scan for `shearwake measure` and `shearwake fit`.
+"""Converts a scan for `shearwake measure`, and aligns one for `shearwake fit`.
 
 Usage: python3 -m shearwake.laboratory.measure_scan DATA REQUEST PREFIX
-REQUEST is a JSON document of the program. Writes PREFIX.json and PREFIX.f64 (doubles of this machine).
-With "grid": displacements of the surface at the frames, (repetition, frame, x, y); repetition 0 are the data, the others have
-noise of the measured strength added and leave out a tenth of the points. Without "grid": velocities (point, sample) of the
-points with a signal. Exit 0: written; 2: the scan cannot be used; 6: a file cannot be read or written.
+REQUEST is a JSON document of the program. Writes PREFIX.json and PREFIX.f64 (doubles of this machine): displacements of the surface
+at the frames, (repetition, frame, x, y). Repetition 0 are the data, the others have noise of the measured strength added and leave
+out a tenth of the points. Exit 0: written; 2: the scan cannot be used; 6: a file cannot be read or written.
 """
 import hashlib
 import json
@@ -18,7 +17,7 @@ import numpy as np
 
 from .scan import BadScan, Scan
 from .scan_files import read_scan
-from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, is_line, noise_m_s, one_period
+from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, noise_m_s, one_period
 
 USAGE, ENVIRONMENT = 2, 6
 LEFT_OUT = 0.1
@@ -142,31 +141,26 @@ def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) 
     return about, (repetition(n) for n in range(request["repetitions"] + 1))
 
 
+def aligned_scan(data: str | Path, request: dict) -> tuple[Scan, Alignment, np.ndarray, str]:
+    """A scan with its alignment, the points that are used, and the SHA-256 of the file. Raises BadScan and OSError."""
+    scan = read_scan(data)
+    if request.get("outwards"):
+        scan = scan.along_z(z_outwards=True)
+    if request["periodic"]:
+        scan = scan.with_rate_of(request["period_s"])
+    return scan, Alignment(scan, request), usable_points(scan, request), hashlib.sha256(Path(data).read_bytes()).hexdigest()
+
+
 def main(data: str, request_file: str, prefix: str) -> int:
     try:
         request = json.loads(Path(request_file).read_text(encoding="utf-8"))
-        scan = read_scan(data)
-        if request.get("outwards"):
-            scan = scan.along_z(z_outwards=True)
-        if request["periodic"]:
-            scan = scan.with_rate_of(request["period_s"])
-        alignment = Alignment(scan, request)
-        good = usable_points(scan, request)
-        content = Path(data).read_bytes()
-        about = {"data": str(data), "sha256": hashlib.sha256(content).hexdigest(), "rate_Hz": float(scan.rate_Hz),
-                 "samples": len(scan.time_s), "start_s": float(scan.time_s[0]), "points": int(np.count_nonzero(good))}
+        scan, alignment, good, sha256 = aligned_scan(data, request)
+        more, repetitions = surfaces(scan, good, alignment, request)
         with open(f"{prefix}.f64", "wb") as file:
-            if "grid" in request:
-                more, repetitions = surfaces(scan, good, alignment, request)
-                for repetition in repetitions:
-                    for frames in repetition:
-                        file.write(np.ascontiguousarray(frames, dtype=float).tobytes())
-            else:
-                noise = noise_m_s(scan.velocity_m_s[good])
-                more = {"x_m": scan.x_m[good].tolist(), "y_m": scan.y_m[good].tolist(), "delay_s": float(alignment.delay_s),
-                        "direction": [float(v) for v in alignment.direction], "noise_m_s": float(np.median(noise)),
-                        "is_line": bool(len(scan.x_m) > 1 and is_line(scan.x_m, scan.y_m)), "notes": alignment.notes}
-                file.write(np.ascontiguousarray(scan.velocity_m_s[good], dtype=float).tobytes())
+            for repetition in repetitions:
+                for frames in repetition:
+                    file.write(np.ascontiguousarray(frames, dtype=float).tobytes())
+        about = {"data": str(data), "sha256": sha256}
         Path(f"{prefix}.json").write_text(json.dumps({**about, **more}), encoding="utf-8")
     except BadScan as error:
         print(f"{data}: {error}", file=sys.stderr)

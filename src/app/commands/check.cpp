@@ -7,7 +7,7 @@
 #include "pipeline/memory.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/run/run.hpp"
-#include "studies/optimise/study.hpp"
+#include "studies/optimise/optimise.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -49,7 +49,7 @@ void print_json(const CheckArguments& arguments, const std::optional<config::Job
 /// Why `optimise` would reject the job; empty if it would not, or if there is nothing to optimise.
 std::string optimise_error(const config::Job& job) {
     try {
-        if (job.optimise) optimise::optimised_cases(job.plan, *job.optimise);
+        if (job.optimise) optimise::require_optimisable(job.plan, *job.optimise);
     } catch (const UsageError& error) {
         return error.what();
     }

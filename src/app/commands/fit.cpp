@@ -1,28 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/laboratory/laboratory.hpp"
-
 #include "app/commands/commands.hpp"
+#include "parallel/agree.hpp"
+#include "serve/serve.hpp"
+
+#include <cstdio>
+#include <optional>
 
 namespace shearwake::app {
 namespace {
 
-ExitCode fit_command(const laboratory::ScanArguments& arguments, const Comm& world) {
-    require_library("fit");
-    return laboratory::fit_job(arguments, world);
+constexpr double unlimited = 1e9; // s, MB
+
+/// Computes what the module requests, on all ranks. It prints its own messages, and its exit code
+/// is that of the command. Collective.
+ExitCode execute_fit(const PythonCommand& command, const std::vector<std::string>& arguments,
+                     const Comm& world) {
+    std::optional<PythonClient> client;
+    std::FILE* answers = stdout;
+    on_root(world, [&] {
+        client.emplace(command.module, arguments, command.packages);
+        answers = client->open_answers();
+    });
+    PythonClient::interrupt_by_signals();
+    const std::filesystem::path job = std::filesystem::absolute(arguments.front());
+    serve::serve_command({.time_limit_s = unlimited,
+                          .memory_MB = unlimited,
+                          .files = job.parent_path(),
+                          .input = client ? client->requests() : -1,
+                          .output = answers},
+                         world);
+    int status = 0;
+    on_root(world, [&] {
+        std::fclose(answers);
+        status = client->exit_code();
+        if (status < 0) throw UsageError(command.failure, ExitCode::environment);
+    });
+    return static_cast<ExitCode>(status);
 }
 
 } // namespace
 
 void add_fit(CLI::App& app, Action& action) {
-    auto [command, arguments] = add_command<laboratory::ScanArguments>(
+    CLI::App& command = add_python_command(
         app, action, "fit", "estimate the keys of [uncertain] of a job from a measured scan",
-        fit_command);
-    command
-        .add_option("JOB", arguments.job,
-                    "job file (TOML); the distributions of [uncertain] are bounds and priors")
+        {.module = "shearwake.studies.fitting",
+         .rejection = "",
+         .failure = "the fit was ended by a signal",
+         .packages = scan_packages,
+         .execute = execute_fit});
+    pass_option(command, "JOB",
+                "job file (TOML); the distributions of [uncertain] are bounds and priors")
         ->required();
-    add_scan(command, "--data", arguments.data)->type_name("DATA");
-    add_scan_options(command, arguments);
+    pass_option(command, "--data", scan_texts::data, "DATA")->required();
+    pass_option(command, "-S", "override a key of the job: -S load.peak_Pa=200", "KEY=VALUE")
+        ->take_all();
+    pass_option(command, "--least-quality", scan_texts::least_quality, "Q")
+        ->check(CLI::Range(0.0, 1.0));
+    pass_flag(command, "--outwards", scan_texts::outwards);
+    pass_option(command, "--out", scan_texts::out, "DIR");
 }
 
 } // namespace shearwake::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "kwave/run.hpp"
+#include "pipeline/provenance.hpp"
 
 namespace shearwake::app {
 
@@ -80,7 +81,7 @@ void add_kwave(CLI::App& app, Action& action) {
     add_value(command, "-t", arguments.threads, "N",
               "ranks that kspaceFirstOrder-elastic starts; otherwise ignored with a note")
         ->check(CLI::Range(1, 1000000));
-    command.set_version_flag("--version", full_version_text());
+    command.set_version_flag("--version", pipeline::version_text());
     add_value(command, "-g", arguments.gpu, "N", "ignored with a note: number of a GPU");
 }
 

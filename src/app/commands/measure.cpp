@@ -50,11 +50,15 @@ void add_measure(CLI::App& app, Action& action) {
     auto [command, arguments] = add_command<MeasureArguments>(
         app, action, "measure",
         "compute the table and the figures of a measured scan of the surface", measure_command);
-    add_scan(command, "DATA", arguments.data);
+    command.add_option("DATA", arguments.data, scan_texts::data)->required();
     add_value(command, "--options", arguments.job, "JOB",
               "job with the load that was played, the grid, the times, and [vibrometer]")
         ->required();
-    add_scan_options(command, arguments);
+    add_overrides(command, arguments.overrides);
+    add_value(command, "--least-quality", arguments.least_quality, "Q", scan_texts::least_quality)
+        ->check(CLI::Range(0.0, 1.0));
+    command.add_flag("--outwards", arguments.outwards, scan_texts::outwards);
+    add_value(command, "--out", arguments.out, "DIR", scan_texts::out);
     add_value(command, "--fit", arguments.fit, "FILE",
               "fit.json of shearwake fit, whose estimates (alignment, material) replace the "
               "values of the job");

@@ -20,8 +20,6 @@ void add_run(CLI::App& app, Action& action) {
     add_value(command, "--checkpoint-steps", arguments.checkpoints.steps, "N",
               "write a checkpoint every N steps in addition (default 0: never)")
         ->check(CLI::NonNegativeNumber);
-    add_value(command, "--log-json", arguments.log_json, "FILE",
-              "append progress to this file as lines of JSON");
     command.add_flag("--extend", arguments.extend,
                      "accept a folder with another plan of the same name: keep the cases that this "
                      "job contains, compute the others");

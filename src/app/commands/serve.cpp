@@ -16,6 +16,11 @@ void add_serve(CLI::App& app, Action& action) {
     add_value(command, "--memory", arguments.memory_MB, "MB",
               "memory per rank in MB that a request may use (default 2000)")
         ->check(CLI::Range(50.0, 1e9));
+    add_value(
+        command, "--files", arguments.files, "DIR",
+        "allow jobs to refer to text files, whose paths are relative to this folder (default: "
+        "jobs cannot refer to files)")
+        ->check(CLI::ExistingDirectory);
 }
 
 } // namespace shearwake::app

@@ -3,31 +3,13 @@
 
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/provenance.hpp"
-#include "studies/laboratory/least_squares.hpp"
-#include "studies/optimise/search/search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
 
 namespace shearwake::app {
-namespace {
-
-struct Library {
-    std::string_view command, name, debian, root;
-    bool exists;
-};
-
-std::array<Library, 2> optional_libraries() {
-    return {{{"fit", "Ceres Solver", "libceres-dev", "Ceres", laboratory::can_fit},
-             {"optimise", "NLopt", "libnlopt-dev", "NLopt", optimise::can_search}}};
-}
-
-} // namespace
-
 void add_text(CLI::App& app, Action& action, const std::string& name, const std::string& what,
               const std::function<std::string()>& text) {
     app.add_subcommand(name, what)->callback([=, &action] {
@@ -71,32 +53,14 @@ void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
     add_value(command, "--walltime", arguments.walltime, "S|H:MM:SS|D-HH:MM",
               "start no case that cannot finish within this time (default: the limit of the "
               "Slurm job)");
+    add_value(command, "--log-json", arguments.log_json, "FILE",
+              "append progress to this file as lines of JSON");
     command.add_flag("--allow-mixed", arguments.allow_mixed,
                      "continue in a folder with results of another version of the program");
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--force", arguments.force,
                      "run although the estimates exceed the memory, the disk or the time limit");
     command.add_flag("--quiet", arguments.quiet, "print only errors");
-}
-
-CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesystem::path& data) {
-    return command
-        .add_option(name, data,
-                    "scan: UFF 58 (ASCII or binary), MATLAB (5 or 7.3), CSV, HDF5 or a case file")
-        ->required();
-}
-
-void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments) {
-    add_overrides(command, arguments.overrides);
-    add_value(command, "--least-quality", arguments.least_quality, "Q",
-              "ignore points below this quality, 0 to 1 (default 0: only those without a "
-              "signal)")
-        ->check(CLI::Range(0.0, 1.0));
-    command.add_flag("--outwards", arguments.outwards,
-                     "z and positive velocities of DATA point out of the skin, as those of most "
-                     "scanners do (default: into the skin)");
-    add_value(command, "--out", arguments.out, "DIR",
-              "output folder (default: named after the job, in out)");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& json) {
@@ -116,35 +80,19 @@ CLI::Validator one_of(const std::vector<std::string>& values) {
         fmt::format("{{{}}}", fmt::join(values, ",")));
 }
 
-void require_library(const std::string& command) {
-    for (const Library& library : optional_libraries())
-        if (library.command == command && !library.exists)
-            throw UsageError(
-                fmt::format("this shearwake was built without {0}, which {1} needs; install {0} "
-                            "(Debian: {2}), configure with -D{3}_ROOT=FOLDER if it is in a folder "
-                            "of its own, and build again",
-                            library.name, command, library.debian, library.root),
-                ExitCode::environment);
-}
-
-std::string full_version_text() {
-    std::string text = pipeline::version_text();
-    for (const Library& library : optional_libraries())
-        if (!library.exists)
-            text += fmt::format("\nmissing   {}: built without {}", library.command, library.name);
-    return text;
-}
-
 namespace {
 
-/// Arguments first, then options as --name=value.
+/// Arguments first, then options as --name=value, or those of one letter as -S value.
 std::vector<std::string> given_arguments(const CLI::App& command) {
     std::vector<std::string> arguments, options;
     for (const CLI::Option* option : command.get_options()) {
         if (option->count() == 0) continue;
         const std::string value = fmt::format("{}", fmt::join(option->results(), ","));
         if (option->get_lnames().empty()) {
-            arguments.push_back(value);
+            for (const std::string& name : option->get_snames())
+                for (const std::string& result : option->results())
+                    options.insert(options.end(), {"-" + name, result});
+            if (option->get_snames().empty()) arguments.push_back(value);
             continue;
         }
         const std::string name = "--" + option->get_lnames().front();
@@ -171,7 +119,7 @@ CLI::App& add_python_command(CLI::App& app, Action& action, const std::string& n
     CLI::App* declared = app.add_subcommand(name, text);
     declared->callback([=, &action] {
         action = [=](const Comm& world) {
-            return execute(command, given_arguments(*declared), world);
+            return command.execute(command, given_arguments(*declared), world);
         };
     });
     return *declared;

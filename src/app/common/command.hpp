@@ -5,7 +5,6 @@
 #include "base/python_module.hpp"
 #include "parallel/comm.hpp"
 #include "schedule/run/run.hpp"
-#include "studies/laboratory/laboratory.hpp"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -64,10 +63,6 @@ void add_elsewhere(CLI::App& command, schedule::Target& target);
 void add_ranks_per_case(CLI::App& command, int& ranks);
 /// The options of a command that runs the cases of a study.
 void add_study_options(CLI::App& command, schedule::RunArguments& arguments);
-/// The scan of a user: `name` is that of the argument or of the option.
-CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesystem::path& data);
-/// -S, --least-quality and --out of a command that reads a scan.
-void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments);
 /// --json, for a document instead of text.
 CLI::Option* add_json(CLI::App& command, bool& json);
 
@@ -75,12 +70,23 @@ CLI::Option* add_json(CLI::App& command, bool& json);
 /// which the shell completes them.
 CLI::Validator one_of(const std::vector<std::string>& values);
 
-// Commands whose library may be missing when the program is built: fit, optimise.
+/// Texts of the options of commands that read a scan.
+namespace scan_texts {
+constexpr const char *data = "scan: UFF 58 (ASCII or binary), MATLAB (5 or 7.3), CSV, HDF5 or a "
+                             "case file",
+                     *least_quality = "ignore points below this quality, 0 to 1 (default 0: only "
+                                      "those without a signal)",
+                     *outwards =
+                         "z and positive velocities of DATA point out of the skin, as those "
+                         "of most scanners do (default: into the skin)",
+                     *out = "output folder (default: named after the job, in out)";
+} // namespace scan_texts
 
-/// Throws UsageError if the program was built without the library of the command.
-void require_library(const std::string& command);
-/// The versions of the program and its libraries, and the commands that this build lacks.
-std::string full_version_text();
+struct PythonCommand;
+
+/// Executes such a command. Collective; rank 0 does the work.
+ExitCode execute(const PythonCommand& command, const std::vector<std::string>& arguments,
+                 const Comm& world);
 
 /// A command that a module of the Python package executes.
 struct PythonCommand {
@@ -92,6 +98,7 @@ struct PythonCommand {
         [](const std::vector<std::string>&) { return std::vector<std::string>{}; };
     const PythonPackages& packages = figure_packages;
     ExitCode result = ExitCode::some_cases_failed; // an exit code that is no error
+    decltype(&app::execute) execute = app::execute;
 };
 
 /// Declares such a command, to which options can be added. The module receives the arguments and
@@ -102,9 +109,5 @@ CLI::App& add_python_command(CLI::App& app, Action& action, const std::string& n
 CLI::Option* pass_option(CLI::App& command, const std::string& name, const std::string& text,
                          const std::string& type = "TEXT");
 void pass_flag(CLI::App& command, const std::string& name, const std::string& text);
-
-/// Executes such a command. Collective; rank 0 does the work.
-ExitCode execute(const PythonCommand& command, const std::vector<std::string>& arguments,
-                 const Comm& world);
 
 } // namespace shearwake::app

@@ -17,13 +17,13 @@ struct LowPass {
     Block b, a1, a2, a3;
 };
 
-/// Weights of the positive and negative parts of a current, see neural/fibre/neuron.hpp.
+/// Weights of the positive and negative parts of a current, see neural/fibre/fibre.hpp.
 struct CurrentWeights {
     Block static_positive, static_negative, rate_positive, rate_negative, jerk_positive,
         jerk_negative;
 };
 
-/// Kernels of the functions of neural/fibre/neuron.hpp. A block is one sample of eight afferents.
+/// Kernels of the functions of neural/fibre/fibre.hpp. A block is one sample of eight afferents.
 struct NeuronKernels {
     /// sum[k] = sum over the lines of gain * values[k - delay], 0 before the delay; `samples`
     /// values each.

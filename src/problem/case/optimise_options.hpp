@@ -3,7 +3,6 @@
 
 #include "base/field.hpp"
 
-#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -33,12 +32,6 @@ struct OptimiseOptions {
     double update_rate_Hz = 0.0;                              // 0: no export
     int bits = 8;
     bool operator==(const OptimiseOptions&) const = default;
-
-    bool is_robust_strength(double strength) const {
-        return robust_strengths.empty() ||
-               std::find(robust_strengths.begin(), robust_strengths.end(), strength) !=
-                   robust_strengths.end();
-    }
 };
 
 /// What is found, and under which constraints.

@@ -24,11 +24,11 @@ constexpr auto patience_with_others = std::chrono::minutes(1);
 
 /// Whether a run creates files or folders of this name.
 bool is_ours(const std::string& name) {
-    constexpr std::array names = {"cases",     "job.toml", "plan.json",        "STOP",
-                                  "slurm",     "failed",   "checkpoints",      "locks",
-                                  "tables",    "converge", "converge.json",    "converge.md",
-                                  "basis",     "optimise", "robustness",       "uncertainty.json",
-                                  "scan.json", "scan.f64", "scan-request.json"};
+    constexpr std::array names = {"cases",     "job.toml", "plan.json",         "STOP",
+                                  "slurm",     "failed",   "checkpoints",       "locks",
+                                  "tables",    "converge", "converge.json",     "converge.md",
+                                  "basis",     "optimise", "robustness",        "uncertainty.json",
+                                  "scan.json", "scan.f64", "scan-request.json", "refinements.json"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
     if (name.starts_with("progress.") && name.ends_with(".json")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");

@@ -77,9 +77,9 @@ std::vector<std::string> runs_in(const fs::path& locks) {
 
 } // namespace
 
-FolderLock::FolderLock(const fs::path& locks, std::chrono::milliseconds patience)
-    : fd_(::open((locks / "folder").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    if (fd_ < 0) refuse(locks / "folder");
+FolderLock::FolderLock(const fs::path& locks, std::chrono::milliseconds patience, const char* name)
+    : fd_(::open((locks / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    if (fd_ < 0) refuse(locks / name);
     const auto end = std::chrono::steady_clock::now() + patience;
     while (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK && !is_refused_) {
         is_refused_ = std::chrono::steady_clock::now() >= end;

@@ -21,8 +21,9 @@ namespace shearwake::storage {
 /// locks exclude none. Not collective.
 class FolderLock {
 public:
-    /// Waits at most for the time `patience`.
-    FolderLock(const std::filesystem::path& locks, std::chrono::milliseconds patience);
+    /// Waits at most for the time `patience`. Locks of different names are independent.
+    FolderLock(const std::filesystem::path& locks, std::chrono::milliseconds patience,
+               const char* name = "folder");
     ~FolderLock();
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;

@@ -7,7 +7,6 @@
 #include "problem/case/plan.hpp"
 #include "schedule/run/run.hpp"
 
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,10 +32,6 @@ Case without_fields(Case c);
 /// with twice the domain. Each keeps all other parameters, and the measured region. Not collective.
 std::vector<Refinement> refinements(const Case& c);
 
-/// The estimated error of the unrefined value, given the change of the value by the refinement:
-/// |change| r^p / (r^p - 1) with the order p and the ratio r (Richardson), |change| without order.
-double estimated_error(double change, const Refinement& refinement);
-
 /// A case whose convergence is studied.
 struct StudiedCase {
     const PlannedCase* planned = nullptr; // in the plan of the sweep
@@ -56,44 +51,17 @@ struct RefinedPlan {
 /// must outlive the result. Not collective.
 RefinedPlan refined_plan(const Plan& plan, std::span<const std::string> only, std::size_t count);
 
-/// Column -> value of one case; NaN: empty.
-using Values = std::map<std::string, double>;
-
-/// How one column of one case changes.
-struct ColumnChange {
-    std::string column;
-    double value = 0.0;
-    std::vector<double> changes; // per refinement, refined minus unrefined; NaN: not computed
-    double error = 0.0;          // 1.5 times the sum of the estimated errors; NaN: unknown
-};
-
-struct CaseChange {
-    const StudiedCase* studied = nullptr;
-    std::vector<ColumnChange> columns; // in alphabetical order
-    bool is_complete = false;          // all refinements have results
-    bool is_valid = true;              // no stored warning rules the readings out
-};
-
-/// Compares the refined cases with the unrefined ones. Columns that count samples do not converge,
-/// and the changes of a largest sample do not show what lies between samples: both are omitted.
-/// `values` maps ids to the values of complete cases. Not collective.
-std::vector<CaseChange> changes_of(const RefinedPlan& refined,
-                                   const std::map<std::string, Values>& values);
-
-/// As JSON, schema 1 (docs/reference/results.md): refinements with their orders, changes, errors.
-std::string json_text(const std::string& job, const std::vector<CaseChange>& changes);
-
-/// As Markdown, one table per case with the columns of `shown`.
-std::string markdown_text(const std::vector<CaseChange>& changes,
-                          const std::vector<std::string>& shown);
+/// The studied cases and their refinements as JSON, from which shearwake.studies.convergence
+/// estimates the errors.
+std::string json_text(const RefinedPlan& refined);
 
 /// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.
 struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
 };
 
-/// The command `converge`: computes refined cases in the subfolder `converge` and estimates the
-/// errors of all columns. Collective over the world.
+/// The command `converge`: computes refined cases in the subfolder `converge`, and lets
+/// shearwake.studies.convergence estimate the errors of all columns. Collective over the world.
 ExitCode converge_job(const ConvergeArguments& arguments, const Comm& world);
 
 } // namespace shearwake::converge

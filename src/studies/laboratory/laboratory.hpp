@@ -13,20 +13,12 @@
 
 namespace shearwake::laboratory {
 
-/// A scan of a user and the job that describes it.
-struct ScanArguments : schedule::JobArguments {
-    std::filesystem::path data;
-    std::filesystem::path out; // empty: out/<job name>.fit
+/// A scan of a user, the job that describes it, and the output folder, which is by default
+/// out/<job name>.measure.
+struct MeasureArguments : schedule::JobArguments {
+    std::filesystem::path data, out;
     double least_quality = 0.0;
-    bool outwards = false; // z and positive velocities of the scan point out of the skin
-};
-
-/// The command `fit`: estimates the keys of [uncertain] from a measured scan. Collective over the
-/// world.
-ExitCode fit_job(const ScanArguments& arguments, const Comm& world);
-
-/// Arguments of `measure`, of which `out` is by default out/<job name>.measure.
-struct MeasureArguments : ScanArguments {
+    bool outwards = false;            // z and positive velocities of the scan point out of the skin
     std::filesystem::path fit;        // fit.json, whose estimates override the job; empty: none
     double high_pass_Hz = 0.0;        // 0: none
     std::string gaps = "interpolate"; // interpolate, mask

@@ -197,7 +197,7 @@ void write_uncertainty(const Measurement& measured, const ConvertedData& data) {
                        {"repetitions", data.repetitions - 1},
                        {"notes", data.notes},
                        {"cases", Json::array({{{"id", measured.id}, {"columns", entries}}})}};
-    storage::write_file(measured.folder.uncertainty(), root.dump(2) + "\n");
+    storage::write_file(measured.folder.uncertainty(), storage::seal(root.dump(2) + "\n"));
 }
 
 /// A warning if the measures refer to an area that the scan does not cover; empty if it does.
@@ -261,7 +261,7 @@ Measurement measure(const MeasureArguments& arguments, const Comm& world) {
     ConvertedData data;
     on_root(world, [&] {
         schedule::prepare_output(result.folder, measured.job);
-        warn_of_overrides(arguments, false);
+        warn_of_overrides(arguments);
         convert_scan(arguments.data, request_of(arguments, measured), prefix);
     });
     together(world, [&] { data = read_surface(prefix); });

@@ -1,18 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/optimise_study.hpp"
+#include "studies/optimise/optimise.hpp"
 
+#include "base/python_module.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/run/run.hpp"
+#include "parallel/session.hpp"
+#include "schedule/run/deadline.hpp"
 #include "storage/files.hpp"
+#include "storage/journal/claims.hpp"
+#include "storage/journal/plan_file.hpp"
 #include "studies/optimise/study.hpp"
+#include "studies/tables.hpp"
 
-#include <chrono>
+#include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 namespace shearwake::optimise {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double most_of_knots_B = 2.5e9; // on the disk at the same time
 
 Study read_study(const schedule::RunArguments& arguments, const Comm& world) {
     config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
@@ -29,130 +38,263 @@ Study read_study(const schedule::RunArguments& arguments, const Comm& world) {
             .options = options,
             .cases = std::move(cases),
             .folder = folder,
-            .files = {folder.optimise()},
             .run = std::move(run)};
 }
 
-/// Creates the folder of the study or checks that an existing one belongs to this study. Not
-/// collective.
-void prepare(const Study& study) {
-    const std::string identity = study_text(study.job.plan, study.options);
-    const fs::path path = study.files.identity();
-    if (fs::exists(path)) {
-        if (storage::read_file(path) == identity) return;
-        throw UsageError(
-            fmt::format("{} contains the optima of another job or of other options of [optimise]; "
-                        "choose another folder with --out, or remove this one",
-                        study.files.root.string()));
+/// The number of the optimised case and the id of a case without envelope, and its knots.
+struct KnotSet {
+    std::size_t number = 0;
+    Case physics;
+    std::string id;
+    Knots knots;
+};
+
+std::vector<KnotSet> knot_sets(const Study& study, const Json& request) {
+    std::vector<KnotSet> sets;
+    for (const Json& variant : request.value("forms", Json::array())) {
+        const auto number = variant.at("case").get<std::size_t>();
+        const Case c = case_of(study, variant).value();
+        Knots knots = study.cases.at(number).knots;
+        knots.interval_s = variant.at("interval_s").get<double>();
+        sets.push_back({number, c, case_id(c), knots});
     }
-    storage::make_directory(study.files.root);
-    storage::write_file(path, identity);
+    return sets;
 }
 
-/// Each rank computes the optima of some cases and strengths that are not known. Collective.
-void compute_optima(const Study& study, const std::vector<std::vector<MotionChange>>& motions,
-                    const Comm& world) {
-    const std::size_t count = study.cases.size() * study.options.strengths.size();
-    const auto start = std::chrono::steady_clock::now();
-    std::size_t done = 0; // by this rank; the turns of all ranks are equal
-    together(world, [&] {
-        std::size_t turn = 0;
-        for (std::size_t i = 0; i < study.cases.size(); ++i)
-            for (std::size_t s = 0; s < study.options.strengths.size(); ++s) {
-                const double strength = study.options.strengths[s];
-                const bool is_mine = turn++ % static_cast<std::size_t>(world.size()) ==
-                                     static_cast<std::size_t>(world.rank());
-                const fs::path path = study.files.optimum(study.cases[i], strength);
-                if (!is_mine || fs::exists(path)) continue;
-                const MovedCase base = moved_case(study.cases, i, {}).value();
-                const MovedCase moved = moved_case(study.cases, i, motions[i][s]).value();
-                storage::write_file(
-                    path,
-                    optimum_text(base.id, moved.id,
-                                 optimum(study.cases[i], known_forms(study, base), motions[i][s],
-                                         known_forms(study, moved), strength, study.options)));
-                ++done;
-                const double elapsed_s =
-                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-                if (world.is_root() && !study.run.quiet && turn < count)
-                    fmt::print(stderr, "optimum {} of {}, about {:.0f} s remain\n", turn, count,
-                               elapsed_s * static_cast<double>(count - turn) /
-                                   (static_cast<double>(done) * static_cast<double>(world.size())));
-            }
-    });
-}
-
-/// Whether the optima of all cases and strengths are known, so that no motion needs to be searched.
-/// Collective.
-bool has_optima(const Study& study, const Comm& world) {
-    bool is_missing = false;
-    on_root(world, [&] {
-        for (const OptimisedCase& c : study.cases)
-            for (const double strength : study.options.strengths)
-                is_missing = is_missing || !fs::exists(study.files.optimum(c, strength));
-    });
-    return !world.broadcast(is_missing);
-}
-
-/// The optima of all cases and strengths on every rank. Collective.
-Optima read_optima(const Study& study, const Comm& world) {
-    Optima results{.cases = study.cases, .optima = {}, .moved = {}, .sm = {}};
-    for (std::size_t i = 0; i < study.cases.size(); ++i) {
-        results.optima.emplace_back();
-        results.moved.emplace_back();
-        for (const double strength : study.options.strengths) {
-            const fs::path path = study.files.optimum(study.cases[i], strength);
-            std::string text;
-            on_root(world, [&] { text = storage::read_file(path); });
-            text = world.broadcast(std::move(text));
-            results.optima.back().push_back(read_optimum(text, path.string()));
-            results.moved.back().push_back(
-                moved_case(study.cases, i, results.optima.back().back().change).value());
+/// In groups whose knots need a limited space on the disk. At least one group: without forms, only
+/// the cases of the request are computed.
+std::vector<std::vector<KnotSet>> batches_of(std::vector<KnotSet> sets) {
+    std::vector<std::vector<KnotSet>> batches(1);
+    double used_B = 0.0;
+    for (KnotSet& set : sets) {
+        const double needed_B = 8.0 * static_cast<double>(set.physics.domain.nx) *
+                                static_cast<double>(set.physics.domain.ny) *
+                                static_cast<double>(set.physics.time.frames) *
+                                static_cast<double>(set.knots.count);
+        if (!batches.back().empty() && used_B + needed_B > most_of_knots_B) {
+            batches.emplace_back();
+            used_B = 0.0;
         }
+        batches.back().push_back(std::move(set));
+        used_B += needed_B;
     }
-    return results;
+    return batches;
 }
 
-/// Finds the optima, unless they are known. Collective.
-ExitCode search(const Study& study, const Comm& world) {
-    std::vector<std::vector<MotionChange>> motions;
-    if (has_optima(study, world)) return ExitCode::done;
-    const ExitCode code = find_motions(study, motions, world);
-    if (code == ExitCode::done) compute_optima(study, motions, world);
-    return code;
+/// A plan with the keys and the table of a request, to which cases are added once each.
+class PlanBuilder {
+public:
+    PlanBuilder(const Study& study, const Json& request) : study_(study) {
+        plan_.name = study.job.plan.name;
+        plan_.title = request.at("title").get<std::string>();
+        plan_.swept_keys = study.job.plan.swept_keys;
+        for (const Json& key : request.at("keys"))
+            plan_.swept_keys.push_back(key.get<std::string>());
+        if (request.contains("x"))
+            plan_.table = {.x = request.at("x").get<std::string>(),
+                           .series = request.at("series").get<std::vector<std::string>>()};
+    }
+
+    void add(std::size_t number, const Case& physics, const std::string& id,
+             std::vector<Setting> more, const std::string& reference_id = "") {
+        if (!ids_.insert(id).second) return;
+        PlannedCase planned{.id = id,
+                            .physics = physics,
+                            .settings = study_.cases.at(number).planned.settings,
+                            .reference_id = reference_id == id ? "" : reference_id};
+        planned.settings.insert(planned.settings.end(), more.begin(), more.end());
+        plan_.cases.push_back(std::move(planned));
+    }
+    const Plan& plan() const { return plan_; }
+
+private:
+    const Study& study_;
+    Plan plan_;
+    std::set<std::string> ids_;
+};
+
+std::vector<Setting> settings_of(const Json& entry) {
+    std::vector<Setting> settings;
+    for (const Json& setting : entry.at("settings")) {
+        const Json& value = setting.at(1);
+        settings.push_back({setting.at(0).get<std::string>(), ""});
+        if (value.is_string())
+            settings.back().value = value.get<std::string>();
+        else
+            settings.back().value = value.get<double>();
+    }
+    return settings;
+}
+
+/// Adds the cases of a request; returns their ids, which are empty for cases that are not valid. A
+/// case is compared with the case of number `reference` of the request.
+std::vector<std::string> add_cases(PlanBuilder& builder, const Study& study, const Json& request) {
+    std::vector<std::string> ids;
+    for (const Json& entry : request.at("cases")) {
+        const std::optional<Case> c = case_of(study, entry);
+        ids.push_back(c ? case_id(*c) : "");
+        if (!c) continue;
+        const auto reference = entry.find("reference");
+        builder.add(entry.at("case").get<std::size_t>(), *c, ids.back(), settings_of(entry),
+                    reference == entry.end() ? "" : ids.at(reference->get<std::size_t>()));
+    }
+    return ids;
+}
+
+/// Runs the cases of a plan in this folder. A plan of the folder with other cases is replaced, and
+/// the cases that both have remain. Collective.
+ExitCode run_plan(const Study& study, const Plan& plan, const schedule::OutputFolder& folder,
+                  const Comm& world) {
+    on_root(world, [&] {
+        storage::make_directory(folder.locks());
+        const storage::FolderLock lock(folder.locks(), std::chrono::minutes(1));
+        if (fs::exists(folder.plan()) && storage::compare_plan(storage::read_file(folder.plan()),
+                                                               plan) != storage::PlanMatch::same) {
+            storage::require_no_run(folder.locks());
+            fs::remove(folder.plan());
+        }
+    });
+    config::Job job = study.job;
+    job.plan = plan;
+    job.diagnostics.clear(); // `run` reports them
+    schedule::RunArguments run = study.run;
+    run.out = folder.root;
+    return schedule::run_job(job, run, world);
+}
+
+/// The files of the knots of a case are no longer needed when its forms are known.
+void write_forms(const Study& study, const KnotSet& set, const schedule::OutputFolder& folder) {
+    std::vector<fs::path> files;
+    for (std::ptrdiff_t knot = 0; knot < set.knots.count; ++knot)
+        files.push_back(folder.case_file(case_id(knot_case(set.physics, set.knots, knot))));
+    const Quotient quotient = find_quotient(set.physics, study.options.maximise).value();
+    storage::write_file(
+        study.folder.optimise() / (set.id + ".forms.json"),
+        forms_text(set.id, set.knots,
+                   gram_forms(set.physics, quotient, study.options.uniformity > 0.0, files)));
+    for (const fs::path& file : files)
+        fs::remove(file);
+}
+
+/// The rows of these cases by id: the maximised measure, the focal rms in um, whether they are
+/// valid, and the uniformity.
+Json rows_of(const Study& study, const schedule::OutputFolder& folder, const Plan& plan,
+             const std::vector<std::string>& ids) {
+    const reduce::Table table = studies::table_of(folder);
+    const std::size_t eta = table.find(study.options.maximise).value(),
+                      rms = table.find("focal_rms_um").value(), valid = table.find("valid").value();
+    Json rows = Json::object();
+    for (std::size_t n = 0; n < plan.cases.size(); ++n) {
+        const PlannedCase& c = plan.cases[n];
+        if (std::ranges::find(ids, c.id) == ids.end()) continue;
+        const auto& row = table.rows.at(n);
+        const fs::path file = folder.case_file(c.id);
+        rows[c.id] = {std::get<double>(row.at(eta)), std::get<double>(row.at(rms)),
+                      row.at(valid) != reduce::Cell("no"),
+                      fs::exists(file) ? uniformity_of(c.physics, file) : not_a_number};
+    }
+    return rows;
 }
 
 } // namespace
 
-ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world) {
-    Study study = read_study(arguments, world);
-    on_root(world, [&] { prepare(study); });
-    if (const ExitCode code = search_sm(study, world); code != ExitCode::done) return code;
-    if (const ExitCode code = search(study, world); code != ExitCode::done) return code;
+ExitCode compute(const Study& study, const Json& request, Json& answer, const Comm& world) {
+    const schedule::OutputFolder folder{study.folder.root /
+                                        request.at("folder").get<std::string>()};
+    for (const std::vector<KnotSet>& batch : batches_of(knot_sets(study, request))) {
+        PlanBuilder builder(study, request);
+        const std::vector<std::string> ids = add_cases(builder, study, request);
+        for (const KnotSet& set : batch)
+            for (std::ptrdiff_t knot = 0; knot < set.knots.count; ++knot) {
+                const Case c = knot_case(set.physics, set.knots, knot);
+                builder.add(set.number, c, case_id(c),
+                            {{"optimise.part", fmt::format("knot {} of {}", knot, set.id)}});
+            }
+        const ExitCode code = run_plan(study, builder.plan(), folder, world);
+        if (code != ExitCode::done) return code;
+        together(world, [&] {
+            const auto ranks = static_cast<std::size_t>(world.size());
+            for (auto i = static_cast<std::size_t>(world.rank()); i < batch.size(); i += ranks)
+                write_forms(study, batch[i], folder);
+        });
+        on_root(world, [&] {
+            answer = {{"ids", ids}, {"rows", rows_of(study, folder, builder.plan(), ids)}};
+        });
+    }
+    return ExitCode::done;
+}
 
-    Optima results = read_optima(study, world);
-    Readings basis;
-    on_root(world, [&] { basis = readings_of(study.basis(), study.options.maximise); });
-    results.sm = agreed_sm(study, world);
-    const std::vector<RobustCase> robust = robust_cases(results, study.options);
-    const schedule::OutputFolder robustness{study.folder.robustness()};
-    if (!robust.empty())
-        if (const ExitCode code =
-                run_plan(study, robust_plan(study.job.plan, results, robust), robustness, world);
-            code != ExitCode::done)
-            return code;
-    const ExitCode code =
-        run_plan(study, final_plan(study.job.plan, results, study.options), study.folder, world);
-    if (code != ExitCode::done) return code;
+namespace {
+
+/// The answer to a request that computes no case. Not collective.
+Json answer_to(const Study& study, const Json& request) {
+    if (request.at("type") == "positions") return positions(study, request);
+    Json cases = Json::array();
+    for (const Json& variant : request.at("cases"))
+        cases.push_back(describe(study, variant));
+    return cases;
+}
+
+/// Answers the requests of the module until it ends. Collective.
+ExitCode serve(const Study& study, std::optional<PythonClient>& module, const Comm& world) {
+    for (;;) {
+        std::optional<std::string> line;
+        if (module) line = module->request(schedule::stop_requested);
+        sleeping_barrier(world); // the module may search for minutes
+        if (!world.broadcast(line.has_value())) return ExitCode::done;
+        const Json request = Json::parse(world.broadcast(line.value_or("")));
+        const std::string type = request.at("type").get<std::string>();
+        if (type == "error")
+            throw UsageError(request.at("message").get<std::string>(),
+                             static_cast<ExitCode>(request.at("code").get<int>()));
+        Json answer;
+        if (type == "compute")
+            if (const ExitCode code = compute(study, request, answer, world);
+                code != ExitCode::done)
+                return code;
+        on_root(world, [&] {
+            if (type != "compute") answer = answer_to(study, request);
+            module->answer(answer.dump());
+        });
+    }
+}
+
+} // namespace
+
+void require_optimisable(const Plan& plan, const OptimiseOptions& options) {
+    optimised_cases(plan, options);
+}
+
+ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world) {
+    const Study study = read_study(arguments, world);
+    std::optional<storage::FolderLock> lock;
+    std::optional<PythonClient> module;
+    const int ranks = world.split_by_machine().size();
+    schedule::watch_for_stop_signals(world);
     on_root(world, [&] {
-        std::string text = write_optima(study, results, basis);
-        if (!robust.empty()) text += "\n" + write_robustness(study, results, robust);
-        if (!arguments.quiet)
-            fmt::print("\n{}\noptima: {}\nnext: {}\n", text,
-                       (study.files.root / "table.csv").string(),
-                       schedule::reduce_command_line(study.folder));
+        require_python(study_packages);
+        const fs::path locks = study.folder.optimise() / "locks";
+        storage::make_directory(locks);
+        lock.emplace(locks, std::chrono::milliseconds(0));
+        if (lock->is_refused())
+            throw UsageError(fmt::format("another optimise is active in {}; wait until it has "
+                                         "ended, or choose another folder with --out",
+                                         study.folder.root.string()));
+        module.emplace("shearwake.studies.optimising", std::vector<std::string>{}, study_packages);
+        module->answer(description(study, ranks).dump());
     });
-    return code;
+    const ExitCode code = serve(study, module, world);
+    if (code != ExitCode::done) return code;
+    const bool is_stopped = world.broadcast(schedule::stop_requested());
+    on_root(world, [&] {
+        if (is_stopped)
+            fmt::print(stderr, "the search was stopped; resume it with\n  {}\n",
+                       study.run.resumed_by);
+        else if (const int status = module->exit_code(); status != 0)
+            throw UsageError(fmt::format("the search failed (exit {})", status),
+                             ExitCode::environment);
+    });
+    return is_stopped ? ExitCode::stopped_early : ExitCode::done;
 }
 
 } // namespace shearwake::optimise

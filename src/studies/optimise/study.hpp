@@ -1,116 +1,57 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/optimise_options.hpp"
-#include "problem/case/plan.hpp"
-#include <Eigen/Core>
-#include "studies/optimise/search/search.hpp"
+#include "base/error.hpp"
+#include "config/job.hpp"
+#include "parallel/comm.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/run.hpp"
+#include "studies/optimise/forms.hpp"
 
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace shearwake::optimise {
 
-/// A case of a job whose envelope is optimised, and the cases from which its forms are computed and
-/// with which its optimum is compared.
+using Json = nlohmann::ordered_json;
+
+/// A case of a job whose envelope is optimised.
 struct OptimisedCase {
-    PlannedCase base; // without envelope
-    Knots knots;
-    Case plain; // as the cases of the knots, but with the unmodulated load, and without frames
-    std::vector<SmCase> sm; // without frames; the search adds more
-};
-
-/// An optimised case whose focus moves as in the job or as changed by the search.
-struct MovedCase {
-    std::size_t of = 0; // position of the optimised case
-    MotionChange change;
-    Case physics; // without envelope
-    std::string id;
+    PlannedCase planned; // without envelope
     Knots knots;
 };
 
-/// The cases of a plan, without references. Throws UsageError for a case that cannot be optimised.
+/// The cases of a plan, without references. Throws UsageError (bad_job) for a case that cannot be
+/// optimised. Not collective.
 std::vector<OptimisedCase> optimised_cases(const Plan& plan, const OptimiseOptions& options);
 
-/// The case with a changed motion; none if it is not a valid case then.
-std::optional<MovedCase> moved_case(const std::vector<OptimisedCase>& cases, std::size_t of,
-                                    const MotionChange& change);
-
-/// The text that identifies a study: its cases and options.
-std::string study_text(const Plan& plan, const OptimiseOptions& options);
-
-/// The plan of the cases from which the forms of `needed` are computed, and of those with which the
-/// optima are compared.
-Plan basis_plan(const Plan& plan, const std::vector<OptimisedCase>& cases,
-                const std::vector<MovedCase>& needed);
-
-/// The results for one case and strength.
-struct Optimum {
-    double strength = 0.0; // required
-    MotionChange change;
-    Envelope found;
-    Certificate ceiling;
-    AmEnvelope am; // with the motion of the job, as eta_unmodulated
-    double eta_unmodulated = 0.0;
-};
-
-/// The best envelope for a motion, from starts that do not depend on the motion and from `more`.
-Envelope best_for(const Forms& forms, double strength, const OptimiseOptions& options,
-                  const std::vector<Eigen::VectorXd>& more);
-
-/// Searches for the best envelope, proves the ceiling, and finds the best AM-STM. `forms`, `moved`:
-/// with the motion of the job, and as changed. Not collective.
-Optimum optimum(const OptimisedCase& c, const Forms& forms, const MotionChange& change,
-                const Forms& moved, double strength, const OptimiseOptions& options);
-
-/// The position in OptimisedCase::sm of the best SM-STM; none if none reaches the strength.
-using BestSm = std::optional<std::size_t>;
-
-/// An exported waveform of an optimum; none without update_rate_Hz.
-std::optional<Waveform> exported(const Knots& knots, const Optimum& optimum,
-                                 const OptimiseOptions& options);
-
-/// The cases of one optimum, as they are in the final plan.
-struct ResultCases {
-    Case unmodulated, found, am;
-    std::optional<Case> sm, exported;
-};
-ResultCases result_cases(const OptimisedCase& c, const MovedCase& moved, const Optimum& optimum,
-                         const BestSm& sm, const OptimiseOptions& options);
-
-/// Everything that is known before the cases of the result are computed: [case][strength].
-struct Optima {
+/// A study: its job, options and folders, the same on every rank.
+struct Study {
+    config::Job job;
+    OptimiseOptions options;
     std::vector<OptimisedCase> cases;
-    std::vector<std::vector<Optimum>> optima;
-    std::vector<std::vector<MovedCase>> moved; // of the optima
-    std::vector<std::vector<BestSm>> sm;
-    ResultCases results(std::size_t i, std::size_t s, const OptimiseOptions& options) const {
-        return result_cases(cases[i], moved[i][s], optima[i][s], sm[i][s], options);
-    }
+    schedule::OutputFolder folder;
+    schedule::RunArguments run; // of the cases; `out` is not used
 };
 
-/// The plan of the output folder: for each case and strength the optimum, the unmodulated load, the
-/// best AM-STM and SM-STM, and the exported waveform.
-Plan final_plan(const Plan& plan, const Optima& optima, const OptimiseOptions& options);
+/// What the module must know about the study: names, options and cases. Not collective.
+Json description(const Study& study, int ranks);
 
-/// The load of an optimum and the unmodulated load in another tissue or at another speed.
-struct RobustCase {
-    std::size_t of = 0, strength = 0; // positions of the optimum
-    std::string difference;
-    Case found, unmodulated;
-};
-std::vector<RobustCase> robust_cases(const Optima& optima, const OptimiseOptions& options);
-Plan robust_plan(const Plan& plan, const Optima& optima, const std::vector<RobustCase>& cases);
+/// The case that the object `variant` describes: `case` is the number of the optimised case,
+/// `readings_only` omits the record, and `motion`, `sm`, `envelope` and `difference` change its
+/// load and its tissue. None if it is not a valid case. Not collective.
+std::optional<Case> case_of(const Study& study, const Json& variant);
 
-/// The forms of a case, and one of its optima with the certificate, as JSON. Numbers are read back
-/// exactly. The readers throw UsageError (environment) for a damaged text; `name` is for this
-/// message. Not collective.
-std::string forms_text(const std::string& id, const Knots& knots, const Forms& forms);
-Forms read_forms(const std::string& text, const std::string& name);
-/// `forms_id`: of the file with the forms of the motion of the optimum.
-std::string optimum_text(const std::string& id, const std::string& forms_id,
-                         const Optimum& optimum);
-Optimum read_optimum(const std::string& text, const std::string& name);
+/// The id and the motion of such a case; null if it is not a valid case. Not collective.
+Json describe(const Study& study, const Json& variant);
+
+/// Where the focus of such a case is at the times of the request, [[x, y], ...] in m.
+Json positions(const Study& study, const Json& request);
+
+/// Computes the cases of a request and the forms of those in `forms`, whose files of knots are
+/// removed afterwards. `answer`, on rank 0, receives the ids of the cases and their rows by id: the
+/// maximised measure, the focal rms in um, whether they are valid, and the uniformity. Collective.
+ExitCode compute(const Study& study, const Json& request, Json& answer, const Comm& world);
 
 } // namespace shearwake::optimise

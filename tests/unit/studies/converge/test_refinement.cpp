@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 namespace test_refinement {
 
@@ -89,18 +88,6 @@ TEST_CASE("given time steps, and those of pstd, are halved", "[converge]") {
     CHECK(pstd[1].order == 2.0);
 }
 
-TEST_CASE("Richardson's estimate is exact for a power of the step", "[converge]") {
-    // value(h) = 3 + 0.7 h^p, evaluated at h = 1 and h = 1/r.
-    for (const double p : {1.0, 2.0, 4.0})
-        for (const double r : {2.0, 3.0}) {
-            const Refinement refinement{
-                .name = "", .change = "", .physics = {}, .ratio = r, .order = p};
-            const double change = 0.7 * std::pow(1.0 / r, p) - 0.7;
-            CHECK(converge::estimated_error(change, refinement) == Approx(0.7).epsilon(1e-13));
-        }
-    CHECK(converge::estimated_error(-0.3, {.name = "", .change = "", .physics = {}}) == 0.3);
-}
-
 TEST_CASE("a study has the references of its cases, in the same refinement", "[converge]") {
     const Plan plan = plan_of(sweep);
     const auto refined = converge::refined_plan(plan, {}, 2);
@@ -118,55 +105,6 @@ TEST_CASE("a study has the references of its cases, in the same refinement", "[c
               refined.cases[2].refined_ids[i]);
     CHECK_THROWS_WITH(converge::refined_plan(plan, std::vector<std::string>{"no"}, 2),
                       Catch::Contains("--only no: no such case"));
-}
-
-TEST_CASE("columns that count samples are omitted and missing values stay unknown", "[converge]") {
-    const Plan plan = plan_of("");
-    const auto refined = converge::refined_plan(plan, {}, 1);
-    const converge::StudiedCase& studied = refined.cases[0];
-    std::map<std::string, converge::Values> values = {
-        {studied.base_id,
-         {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}},
-        {studied.refined_ids[0],
-         {{"eta_at_1", 0.52}, {"ipr_at_1", 36.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}},
-        {studied.refined_ids[1], {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}}},
-        {studied.refined_ids[2],
-         {{"eta_at_1", 0.49}, {"ipr_at_1", 9.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}}};
-    auto changes = converge::changes_of(refined, values);
-    REQUIRE(changes.size() == 1);
-    CHECK(changes[0].is_complete);
-    REQUIRE(changes[0].columns.size() == 2);
-    CHECK(changes[0].columns[0].column == "eta_at_1");
-    CHECK(changes[0].columns[0].error == Approx(0.055).epsilon(1e-12)); // 1.5 (4/3 0.02 + 0 + 0.01)
-    CHECK(std::isnan(changes[0].columns[1].error));
-    const auto json = nlohmann::json::parse(converge::json_text("plain", changes));
-    CHECK(json["cases"][0]["columns"]["focal_rms_um"]["error"].is_null());
-    CHECK(json["cases"][0]["columns"]["eta_at_1"]["changes"]["domain"].get<double>() ==
-          Approx(-0.01).epsilon(1e-12));
-    CHECK(json["cases"][0]["valid"] == true);
-    CHECK_THAT(converge::markdown_text(changes, {}), !Catch::Contains("valid"));
-    changes[0].is_valid = false;
-    CHECK(nlohmann::json::parse(converge::json_text("", changes))["cases"][0]["valid"] == false);
-    CHECK_THAT(converge::markdown_text(changes, {}), Catch::Contains(", not valid"));
-    values.erase(studied.refined_ids[2]);
-    CHECK_FALSE(converge::changes_of(refined, values)[0].is_complete);
-}
-
-TEST_CASE("errors in dB are relative to the amplitude, and largest levels have none",
-          "[converge]") {
-    const Plan plan = plan_of("");
-    const auto refined = converge::refined_plan(plan, {}, 1);
-    const converge::StudiedCase& studied = refined.cases[0];
-    const converge::Values values = {{"felt_path_dB", 0.0}, {"felt_peak_dB", 3.0}};
-    std::map<std::string, converge::Values> all = {{studied.base_id, values}};
-    for (const std::string& id : studied.refined_ids)
-        all[id] = values;
-    all[studied.refined_ids[2]]["felt_path_dB"] =
-        4.0137333; // no order: 1.5 times this is 6.0206 dB
-    const auto changes = converge::changes_of(refined, all);
-    REQUIRE(changes[0].columns.size() == 1);
-    CHECK_THAT(converge::markdown_text(changes, {"felt_path_dB"}),
-               Catch::Contains("| 6 | 1e+02 % |")); // twice the amplitude
 }
 
 } // namespace test_refinement

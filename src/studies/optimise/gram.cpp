@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/search.hpp"
+#include "studies/optimise/forms.hpp"
 
 #include "base/units.hpp"
 #include "measures/spatial_measures.hpp"
@@ -8,11 +8,13 @@
 #include "measures/window.hpp"
 #include "problem/load/footprint.hpp"
 #include "storage/case_file/case_file_reader.hpp"
+#include "storage/checksum/checksum.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace shearwake::optimise {
@@ -207,14 +209,16 @@ std::vector<std::array<WeightedSample, 4>> samples_along_path(const Case& c) {
 }
 
 double uniformity_of(const Case& c, const std::filesystem::path& file) {
-    const std::vector<double> mean_u2 = storage::read_mean_square(file);
     const auto points = samples_along_path(c);
+    if (points.empty()) return not_a_number;
+    const std::vector<double> mean_u2 = storage::read_mean_square(file);
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(std::ssize(points));
     for (std::size_t p = 0; p < points.size(); ++p)
         for (const WeightedSample& of : points[p])
             squares(static_cast<Index>(p)) +=
                 of.weight * mean_u2.at(static_cast<std::size_t>(of.i * c.domain.ny + of.j));
-    return uniformity(squares.cwiseSqrt());
+    const Eigen::VectorXd rms = squares.cwiseSqrt();
+    return rms.minCoeff() / rms.mean();
 }
 
 Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
@@ -281,34 +285,37 @@ Vec2 trace_m(const Case& c) {
     return traces.empty() || has_centre ? Vec2{} : traces.front();
 }
 
-double eta(const Forms& forms, const Eigen::VectorXd& envelope) {
-    return envelope.dot(forms.numerator * envelope) / envelope.dot(forms.denominator * envelope);
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const MatrixXd& matrix) {
+    Json rows = Json::array();
+    for (Index i = 0; i < matrix.rows(); ++i) {
+        const Eigen::VectorXd row = matrix.row(i);
+        rows.push_back(std::vector<double>(row.begin(), row.end()));
+    }
+    return rows;
 }
 
-Eigen::VectorXd eta_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
-    const Eigen::VectorXd n = forms.numerator * envelope, d = forms.denominator * envelope;
-    const double below = envelope.dot(d);
-    return 2.0 / below * (n - envelope.dot(n) / below * d);
-}
+} // namespace
 
-double squared_strength(const Forms& forms, const Eigen::VectorXd& envelope) {
-    return envelope.dot(forms.focal * envelope) / forms.reference_energy();
-}
-
-Eigen::VectorXd squared_strength_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
-    return 2.0 / forms.reference_energy() * (forms.focal * envelope);
-}
-
-Eigen::VectorXd rms_along_path(const Forms& forms, const Eigen::VectorXd& envelope) {
-    Eigen::VectorXd rms(std::ssize(forms.path));
-    for (Eigen::Index k = 0; k < rms.size(); ++k)
-        rms(k) = std::sqrt(std::max(
-            0.0, envelope.dot(forms.path[static_cast<std::size_t>(k)] * envelope))); // rounding
-    return rms;
-}
-
-double uniformity(const Eigen::VectorXd& rms) {
-    return rms.size() > 0 ? rms.minCoeff() / rms.mean() : not_a_number;
+std::string forms_text(const std::string& id, const Knots& knots, const Forms& forms) {
+    Json path = Json::array();
+    for (const MatrixXd& form : forms.path)
+        path.push_back(json_of(form));
+    return storage::seal(
+        Json(
+            {{"schema", 1},
+             {"case", id},
+             {"knots",
+              {{"count", knots.count}, {"interval_s", knots.interval_s}, {"repeat", knots.repeat}}},
+             {"numerator", json_of(forms.numerator)},
+             {"denominator", json_of(forms.denominator)},
+             {"focal", json_of(forms.focal)},
+             {"path", std::move(path)}})
+            .dump() +
+        "\n");
 }
 
 } // namespace shearwake::optimise

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "studies/optimise/search/search.hpp"
+#include "studies/optimise/forms.hpp"
 
+#include "base/error.hpp"
 #include "problem/load/load.hpp"
 #include "unit/config/jobs.hpp"
 
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
-#include <set>
 
-namespace test_variation {
+namespace test_forms {
 
 using namespace shearwake;
 using namespace shearwake::optimise;
@@ -47,10 +48,25 @@ engine = "layered"
 
 TEST_CASE("a uniformity is required of a focus that moves along a path", "[optimise]") {
     Case c = circle();
-    CHECK(why_not(c, {.uniformity = 0.8}).empty());
+    const OptimiseOptions options{.uniformity = 0.8};
+    const Knots knots = knots_of(c, options.knot_s);
+    CHECK_NOTHROW(require_optimisable(c, "id", knots, options));
     c.scene.load.modulation.trajectory.parts = {Hold{}};
-    CHECK(why_not(c, {.uniformity = 0.8}) ==
-          "optimise.uniformity requires a focus that moves along a path");
+    CHECK_THROWS_WITH(
+        require_optimisable(c, "id", knots, options),
+        Catch::Matchers::Contains("optimise.uniformity requires a focus that moves along a path"));
+}
+
+TEST_CASE("a display repeats a whole number of updates", "[optimise]") {
+    const Case c = circle();
+    const Knots knots{.count = 4, .interval_s = 1e-3, .repeat = true};
+    const Knots pass{.count = 4, .interval_s = 1e-3, .repeat = false};
+    CHECK_NOTHROW(require_optimisable(c, "id", knots, {.update_rate_Hz = 2000.0}));
+    // 8.4 updates in 4 ms; a single pass ends at 3 ms, after 6.3 updates.
+    CHECK_THROWS_AS(require_optimisable(c, "id", knots, {.update_rate_Hz = 2100.0}), UsageError);
+    CHECK_NOTHROW(require_optimisable(c, "id", pass, {.update_rate_Hz = 2100.0}));
+    // 4000 updates
+    CHECK_THROWS_AS(require_optimisable(c, "id", knots, {.update_rate_Hz = 1e6}), UsageError);
 }
 
 TEST_CASE("a larger or slower path takes longer, and its load repeats with it", "[optimise]") {
@@ -74,38 +90,17 @@ TEST_CASE("a larger or slower path takes longer, and its load repeats with it", 
     CHECK_FALSE(with_motion(c, {.size = 10.0})); // leaves the domain
 }
 
-TEST_CASE("a round of the search changes each varied quantity in both directions", "[optimise]") {
-    OptimiseOptions options;
-    options.over = {OptimisedPart::envelope, OptimisedPart::speed, OptimisedPart::size};
-    options.factor_at_most = 1.44;
-    const auto changes = changes_around({}, 0.5, options);
-    REQUIRE(changes.size() == 4);
-    CHECK(changes[0].speed == Approx(1.2).epsilon(1e-12));
-    CHECK(changes[1].speed == Approx(1.0 / 1.2).epsilon(1e-12));
-    CHECK(changes[2].size == Approx(1.2).epsilon(1e-12));
-    // At the limit, a quantity can change in one direction only.
-    CHECK(changes_around({.size = 1.44}, 0.5, options).size() == 3);
-    options.over = {OptimisedPart::envelope, OptimisedPart::speed_profile};
-    CHECK(changes_around({}, 0.5, options).size() == 12); // three frequencies
-    CHECK(changes_around({.periods = 2, .sine = 0.1}, 0.5, options).size() == 4);
-}
-
-TEST_CASE("an optimum is computed in eight other tissues and at two other speeds", "[optimise]") {
-    const auto differences = differences_by(0.2);
-    REQUIRE(differences.size() == 10);
-    std::set<std::string> ids;
+TEST_CASE("another tissue changes c_s and the viscosity, another speed the motion", "[optimise]") {
     const Case c = circle();
-    for (const Difference& difference : differences) {
-        const auto other = with_difference(c, difference);
-        REQUIRE(other);
-        CHECK(other->scene.medium.layers[0].c_s_m_s == Approx(5.0 * difference.c_s));
-        CHECK(other->scene.medium.layers[0].loss ==
-              ShearLoss(KelvinVoigt{1.0 * difference.viscosity}));
-        CHECK(speed_m_s(*other) == Approx(difference.speed * speed_m_s(c)));
-        ids.insert(case_id(*other));
-    }
-    CHECK(ids.size() == 10);
-    CHECK_FALSE(ids.contains(case_id(c)));
+    const auto other = with_difference(c, {.c_s = 1.2, .viscosity = 0.8});
+    REQUIRE(other);
+    CHECK(other->scene.medium.layers[0].c_s_m_s == Approx(6.0));
+    CHECK(other->scene.medium.layers[0].loss == ShearLoss(KelvinVoigt{0.8}));
+    CHECK(speed_m_s(*other) == speed_m_s(c));
+    const auto slower = with_difference(c, {.speed = 0.8});
+    REQUIRE(slower);
+    CHECK(speed_m_s(*slower) == Approx(0.8 * speed_m_s(c)));
+    CHECK(slower->scene.medium == c.scene.medium);
 }
 
 TEST_CASE("quotients are found by the names of their columns", "[optimise]") {
@@ -117,4 +112,4 @@ TEST_CASE("quotients are found by the names of their columns", "[optimise]") {
     CHECK_FALSE(find_quotient(c, "peak_um"));
 }
 
-} // namespace test_variation
+} // namespace test_forms
