@@ -18,6 +18,7 @@ from synthetic import AM, FWHM, SCALARS, Folder, InFolder, Page, case_id, lone_c
 
 from shearwake import wake
 from shearwake.report import __main__ as report, layout, load, words
+from shearwake.script_json import script_json
 
 
 class WholeSweepTest(unittest.TestCase):
@@ -58,6 +59,11 @@ class WholeSweepTest(unittest.TestCase):
         charts, maps = (self.text.count(f'class="{name}"') for name in ("chart", "maps"))
         self.assertEqual(self.page.tags.count("script"), charts + maps + 3)  # pictures of the player, uPlot, the page
         self.assertIn(self.TITLE, self.page.data)
+
+    def test_a_text_neither_ends_a_script_nor_begins_a_comment_in_it(self):
+        layer = {"name": "<!--<script> & </script>"}
+        self.assertNotIn("<", script_json(layer))
+        self.assertEqual(json.loads(script_json(layer)), layer)
         self.assertIn("# <& job>", self.page.data)
 
     def test_the_table_contains_the_numbers_of_the_files(self):

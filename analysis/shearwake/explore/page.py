@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from .. import program
+from ..script_json import script_json
 
 HERE = Path(__file__).resolve().parent
 UPLOT = HERE.parent / "report" / "page" / "uplot"
@@ -58,8 +59,7 @@ def script(text: str) -> str:
 
 def sources(configuration: dict) -> list[str]:
     """The scripts in order: the configuration, the plotting library and those of the page."""
-    data = json.dumps(configuration, separators=(",", ":")).replace("<", "\\u003c")
-    return [f"const CONFIGURATION = {data};", read(UPLOT / "uPlot.iife.min.js"), *(read(HERE / "page" / s) for s in SCRIPTS)]
+    return [f"const CONFIGURATION = {script_json(configuration)};", read(UPLOT / "uPlot.iife.min.js"), *(read(HERE / "page" / s) for s in SCRIPTS)]
 
 
 def document(configuration: dict) -> tuple[str, str]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import html
-import json
 from collections import Counter
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from ...script_json import script_json
 from .. import answer, labels, layout, optima, thinning, warnings_of
 from ..figure import Figure
 from ..load import Selection
@@ -99,9 +99,7 @@ def badge(found: list[warnings_of.Kind], shown: int, stated: set[int]) -> str:
 
 
 def json_script(data: list[dict[str, Any]]) -> str:
-    """JSON within a page, in which no text can end the script."""
-    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, default=lambda value: value.tolist()).replace("</", "<\\/").replace("<!", "<\\u0021")
-    return f'<script type="application/json">{text}</script>'
+    return f'<script type="application/json">{script_json(data)}</script>'
 
 
 def picture(figure: Figure, level: str, stated: set[int]) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import json
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +19,7 @@ from PIL import Image
 
 from ... import wake
 from ...case import Case
+from ...script_json import script_json
 from .. import answer, labels, layout, load, ranking, style, thinning, warnings_of
 from ..figures import fig_surface
 from ..words import counted, number
@@ -253,4 +253,4 @@ def player(selection: load.Selection) -> str:
         f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'
         '<span class="high"></span></div><noscript><p>The player needs JavaScript; the snapshots below do not.</p>'
         f'</noscript><figcaption>{html.escape(caption(selection, cases, data, detail))}</figcaption>'
-        f'<script type="application/json">{json.dumps(data).replace("</", "<" + chr(92) + "/")}</script></figure>')
+        f'<script type="application/json">{script_json(data)}</script></figure>')
