@@ -9,7 +9,19 @@ import sys
 import threading
 from urllib.parse import parse_qs, urlsplit
 
-from study import program
+from study import InFolder, program
+
+import browser
+from test_browser import need_chromium
+
+# Moves a slider as a user does, waits for the result of the change, and returns the time in ms until it was drawn.
+MOVE = """(async (name, value) => {
+  const input = document.querySelector(`[data-setting="${name}"] input`), before = explorer.waits_ms.length;
+  input.value = value;
+  input.dispatchEvent(new Event("input"));
+  while (explorer.waits_ms.length === before || explorer.active || explorer.changed_ms !== undefined) await new Promise(r => setTimeout(r, 2));
+  return explorer.waits_ms.at(-1);
+})"""
 
 
 class Page:
@@ -54,3 +66,25 @@ class Page:
         def descends(process):
             return process == self.process.pid or (process in parents and descends(parents[process]))
         return {process: command for process, command in commands.items() if descends(process)}
+
+
+class PageTest(InFolder):
+    """Tests of the page in a headless chromium."""
+
+    @classmethod
+    def setUpClass(cls):
+        need_chromium()
+        super().setUpClass()
+        cls.server = cls.enterClassContext(Page(cls.folder))
+        # Pages at rest: the processor would draw the playback of all pages.
+        cls.browser = cls.enterClassContext(browser.Browser((*browser.SOFTWARE_WEBGL, "--force-prefers-reduced-motion")))
+
+    def open(self, width=1280, more=""):
+        page = self.browser.open(self.server.address + more, width, 900 if width > 700 else 844)
+        self.addCleanup(page.send, "Page.navigate", url="about:blank")  # the server accepts 16 pages at a time
+        self.assertTrue(page.wait("typeof explorer === 'object' && explorer.waits_ms.length > 0"))
+        return page
+
+    def use(self, page, changes, until="explorer.waits_ms.length"):
+        page.run(f"(() => {{ const s = structuredClone(explorer.settings); {changes}; explorer.waits_ms.length = 0; explorer.use(s); }})()")
+        self.assertTrue(page.wait(until))

@@ -17,7 +17,7 @@ from aiohttp import web
 from .. import program
 from ..engine import Engine
 from ..errors import ShearwakeError
-from .page import keys_of
+from .page import first_job, keys_of
 from .server import Explorer
 
 
@@ -27,6 +27,14 @@ async def serve(arguments: argparse.Namespace) -> None:
     runner = web.AppRunner(explorer.application(), access_log=None)
     await runner.setup()
     try:
+        stop = asyncio.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(number, stop.set)
+        print("Computing the first picture ...", file=sys.stderr, flush=True)
+        preparing, stopping = asyncio.create_task(explorer.desk.prepare(first_job())), asyncio.create_task(stop.wait())
+        await asyncio.wait({preparing, stopping}, return_when=asyncio.FIRST_COMPLETED)
+        if stop.is_set():
+            return
         site = web.TCPSite(runner, "127.0.0.1", arguments.port, shutdown_timeout=2)
         await site.start()
         explorer.port = runner.addresses[0][1]
@@ -34,10 +42,7 @@ async def serve(arguments: argparse.Namespace) -> None:
         print(f"{address}\nThis page is reachable from this machine only. Ctrl-C ends it.", flush=True)
         if arguments.browser:
             await asyncio.to_thread(webbrowser.open, address)
-        stop = asyncio.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(number, stop.set)
-        await stop.wait()
+        await stopping
     finally:
         await runner.cleanup()
 

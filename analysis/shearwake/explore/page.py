@@ -11,7 +11,7 @@ from ..script_json import script_json
 HERE = Path(__file__).resolve().parent
 UPLOT = HERE.parent / "report" / "page" / "uplot"
 SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js", "plots.js", "controls.js", "drawing.js",
-           "pins.js", "sweeps.js", "tour.js", "main.js")
+           "pins.js", "saving.js", "sweeps.js", "compare.js", "tour.js", "main.js")
 
 
 Limits = tuple[float | None, float | None]
@@ -47,6 +47,11 @@ def keys_of() -> dict[str, dict]:
     tables = {name: table["properties"] for name, table in schema["properties"].items() if "properties" in table}
     return {"presets": tables["medium"]["preset"]["x-presets"], "receptors": tables["afferents"]["classes"]["x-classes"],
             "ranges": ranges(schema)}
+
+
+def first_job() -> str:
+    """The job of the settings with which the page begins."""
+    return read(HERE / "page" / "first.toml")
 
 
 def read(path: Path) -> str:

@@ -166,7 +166,7 @@ class Explorer:
         if job not in client.accepted:
             return refuse("a sweep starts from a job that this page has computed", number)
         try:
-            self.sweeps.start(job, message.get("key"), message.get("values"),
+            self.sweeps.start(job, message.get("key"), message.get("values"), message.get("more", {}),
                               lambda state: outbox.put({"type": "sweep", "id": number, **state}))
         except NotASweep as error:
             refuse(str(error), number)

@@ -15,6 +15,7 @@ import shearwake
 
 MOST_VALUES = 60
 LARGEST = 1e300  # integers of JSON may exceed every floating-point number
+KIND, KINDS = "load.modulation.kind", ("STM", "AM-STM", "SM-STM", "LM", "AM")
 KEY = re.compile(r"[a-z]+(\.[A-Za-z_]+(\[\d\])?){1,4}")
 OTHER_CASES = ("sweep", "table", "uncertain", "optimise")  # tables that would add cases to those of the page
 COLUMNS = ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um")
@@ -31,14 +32,24 @@ class StopRequested(Exception):
     """Ends a run from its report of progress."""
 
 
-def checked(key: Any, values: Any) -> tuple[str, list[float]]:
-    """The axis of a request. Raises NotASweep."""
-    if not isinstance(key, str) or len(key) > 80 or not KEY.fullmatch(key):
-        raise NotASweep("the key of the sweep is not valid")
-    numbers = isinstance(values, list) and all(type(v) in (int, float) and abs(v) <= LARGEST for v in values)
-    if not numbers or not 2 <= len(values) <= MOST_VALUES:
-        raise NotASweep(f"a sweep needs 2 to {MOST_VALUES} finite numbers")
-    return key, [float(v) for v in values]
+def is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= LARGEST
+
+
+def is_key(key: Any) -> bool:
+    return isinstance(key, str) and len(key) <= 80 and KEY.fullmatch(key) is not None
+
+
+def checked(key: Any, values: Any, more: Any) -> tuple[str, list, dict[str, float]]:
+    """The axis of a request, and the numbers of further keys. Raises NotASweep."""
+    if not is_key(key) or not isinstance(more, dict) or len(more) > MOST_VALUES or not all(map(is_key, more)):
+        raise NotASweep("a key of the sweep is not valid")
+    is_value = (lambda value: value in KINDS) if key == KIND else is_number
+    if not isinstance(values, list) or not 2 <= len(values) <= MOST_VALUES or not all(map(is_value, values)):
+        raise NotASweep(f"a sweep needs 2 to {MOST_VALUES} finite numbers, or kinds of modulation")
+    if not all(map(is_number, more.values())):
+        raise NotASweep("a value of the sweep is not a finite number")
+    return key, values if key == KIND else [float(v) for v in values], {name: float(v) for name, v in more.items()}
 
 
 def clean(value: Any) -> float | None:
@@ -64,13 +75,13 @@ class Sweeps:
     def is_running(self) -> bool:
         return self.task is not None and not self.task.done()
 
-    def start(self, job: str, key: Any, values: Any, report: Report) -> None:
-        """Starts a sweep; `report` gets messages about its progress. Raises NotASweep."""
-        key, values = checked(key, values)
+    def start(self, job: str, key: Any, values: Any, more: Any, report: Report) -> None:
+        """Starts a sweep of a job, in which the keys of `more` are set; `report` gets messages about its progress. Raises NotASweep."""
+        key, values, more = checked(key, values, more)
         if self.is_running:
             raise NotASweep("a sweep is running; stop it or wait for its end")
         self.is_stopping = False
-        self.task = asyncio.create_task(self.work(job, key, values, report))
+        self.task = asyncio.create_task(self.work(job, key, values, more, report))
 
     def stop(self) -> None:
         self.is_stopping = True
@@ -80,7 +91,7 @@ class Sweeps:
         if self.task is not None and not self.task.done():
             await self.task
 
-    async def work(self, job: str, key: str, values: list[float], report: Report) -> None:
+    async def work(self, job: str, key: str, values: list, more: dict[str, float], report: Report) -> None:
         loop = asyncio.get_running_loop()
 
         def progress(found: shearwake.Progress) -> None:
@@ -92,19 +103,20 @@ class Sweeps:
         name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
 
         try:
-            report(await asyncio.to_thread(self.run, job, key, values, name, progress))
+            report(await asyncio.to_thread(self.run, job, key, values, more, name, progress))
         except StopRequested:
             report({"state": "stopped"})
         except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
             report({"state": "failed", "message": str(error) or type(error).__name__})
 
-    def run(self, job: str, key: str, values: list[float], name: str, progress: Callable[[shearwake.Progress], None]) -> dict:
+    def run(self, job: str, key: str, values: list, more: dict[str, float], name: str,
+            progress: Callable[[shearwake.Progress], None]) -> dict:
         """Runs the sweep in an output folder of its own and returns its table."""
         with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
             tables = shearwake.Job(job + "\n").tables
             for other in OTHER_CASES:
                 tables.pop(other, None)
-            made = shearwake.Job(tables).sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
+            made = shearwake.Job(tables).sweep({key: values}, x=key).change({**more, "job.name": name, "record.frames": False})
             made.folder = Path(temporary)
             sweep = made.run(out=self.folder / name, progress=progress)
         self.finished.append(sweep.folder)

@@ -10,7 +10,8 @@ let controlNumber = 0;
 
 function slider(spec, value, change) {
   const id = `control-${++controlNumber}`, digits = Math.max(0, Math.ceil(-Math.log10(spec.step) - 1e-9));
-  const text = v => `${Number(v).toFixed(digits)}${spec.unit ? " " + spec.unit : ""}`;
+  const shown = v => Number(v).toFixed(Math.abs(v / spec.step - Math.round(v / spec.step)) < 1e-6 ? digits : digits + 1);  // between two steps
+  const text = v => `${shown(v)}${spec.unit ? " " + spec.unit : ""}`;
   const input = element("input", {type: "range", id, min: spec.min, max: spec.max, step: spec.step, value});
   const output = element("output", {value: text(value)});
   output.setAttribute("for", id);
@@ -58,9 +59,10 @@ class Controls {
       this.group("Tissue", ...this.tissue()),
       this.group("Modulation", choice("Kind", MODULATIONS, s.kind, value => this.set("kind", value, true)),
         ...this.sliders("am", "depth", "dv", "lm")),
-      this.group("Motion", MOVES(s) && choice("Path", PATHS, s.path, value => this.choosePath(value)), ...this.sliders("speed", "radius"),
+      this.group("Motion", MOVES(s) && choice("Path", PATHS, s.path, value => this.choosePath(value)), ...this.sliders("speed", "radius", "length"),
         MOVES(s) && s.path === "drawn" && element("button", {type: "button", textContent: "Draw again", onclick: () => this.draw()}),
-        slider({label: "Duration", unit: "ms", min: 4, max: 40, step: 1}, s.duration, value => this.set("duration", value))),
+        choice("State", {steady: "steady state", rest: "started from rest"}, s.steady ? "steady" : "rest", value => this.set("steady", value === "steady", true)),
+        ...this.sliders("duration")),
       this.group("Focus", choice("Shape", FOCI, s.focus, value => this.set("focus", value, true)),
         ...this.sliders("fwhm", "peak", "distance", "pressure")),
       this.group("Receptors and grid", this.check(`${VIBRATION_NAMES} receptors`, "receptors"),
@@ -80,6 +82,7 @@ class Controls {
   }
   tissue() {
     const s = this.settings, presets = Object.fromEntries(Object.entries(PRESETS).map(([name, preset]) => [name, preset.label]));
+    const assumed = !s.layers && ASSUMED[s.preset] && element("p", {className: "hint", textContent: assumption(ASSUMED[s.preset])});
     const parts = [choice("Preset", presets, s.preset, value => {
       s.layers = s.layers && structuredClone(PRESETS[value].layers);
       s.base = PRESETS[value].base;
@@ -92,7 +95,7 @@ class Controls {
     });
     if (s.layers) parts.push(...s.layers.map((layer, i) => this.layer(layer, i)), this.layerButtons(),
       choice("Below the layers", {"rigid": "rigid base", "half-space": "the last layer has no end"}, s.base, value => this.set("base", value, true)));
-    return [...parts, edit];
+    return [...parts, assumed, edit];
   }
   layer(layer, i) {
     const s = this.settings, endless = i === s.layers.length - 1 && s.base === "half-space";

@@ -1,13 +1,14 @@
 "use strict";
 // Connects the parts: settings to requests, results to the pictures.
 const PATIENCE_ms = 250;  // a request that takes longer gives way to a newer one
+const SHORT_ms = 100;  // longer periods take longer than a second
 const PICTURES = 12, SLOW_MS = 31;  // playback is slow if so many pictures take longer than this each
 
 class Explorer {
   constructor() {
     const get = id => document.getElementById(id);
     this.parts = Object.fromEntries(["state", "play", "time", "now", "slow", "style", "show-focus", "show-mach", "show-receptors",
-      "scale-low", "scale-high", "numbers", "warnings", "probe-at"].map(id => [id, get(id)]));
+      "scale-low", "scale-high", "scale-unknown", "period", "numbers", "warnings", "probe-at"].map(id => [id, get(id)]));
     this.settings = settingsFrom(location.hash);
     this.frame = 0;
     this.clock_s = 0;
@@ -24,7 +25,8 @@ class Explorer {
     const receive = (message, result) => this.receive(message, result);
     this.source = new EngineSource(receive);
     this.sweeps = new SweepDialog(this.source, () => ({settings: this.shown ?? this.settings, job: this.job}),
-      settings => this.use(settings));
+      settings => this.use(settings), settings => this.comparison.compute(settings));
+    this.comparison = new CompareDialog(this.source, () => this.settings, settings => this.use(settings));
     this.controls = new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
     drawScale(get("scale-map"));
     for (const {name, label, colour_on_map} of VIBRATION) {
@@ -44,6 +46,11 @@ class Explorer {
     this.parts.time.addEventListener("input", () => { this.play(false); this.show(Number(this.parts.time.value)); });
     for (const name of ["style", "show-focus", "show-mach", "show-receptors"]) this.parts[name].addEventListener("change", () => this.draw());
     get("pin").addEventListener("click", () => { if (this.result) this.report(this.pins.add(this.shown, this.result)); });
+    get("compare").addEventListener("click", () => this.comparison.open());
+    get("save").addEventListener("click", () => { if (this.result) savePicture(`shearwake-${this.result.header.case.slice(0, 8)}`, this.picture()); });
+    get("reset").addEventListener("click", () => this.use(structuredClone(DEFAULTS)));
+    for (const button of document.querySelectorAll("[data-curve]"))
+      button.addEventListener("click", () => download(`${button.dataset.curve}.svg`, svgOf(this.plots[button.dataset.curve], titleOf(this.shown)), "image/svg+xml"));
     get("link").addEventListener("click", () => this.copy("Link", location.href.split("#")[0] + linkText(this.settings)));
     get("copy").addEventListener("click", () => this.copy("Job", this.job ?? jobText(this.settings)));
     get("to-sweep").addEventListener("click", () => this.sweeps.open());
@@ -111,6 +118,7 @@ class Explorer {
       else this.change();
       return;
     }
+    if (this.comparison.takes(message, result)) return;
     if (message.type === "sweep") { this.sweeps.receive(message); return; }
     if (message.type === "error" && message.id !== undefined && message.id === this.sweeps.number) {
       this.sweeps.receive({...message, state: "failed"});
@@ -130,7 +138,7 @@ class Explorer {
     this.pump();
   }
   accept(active, result) {
-    this.result = result;
+    this.result = Object.assign(result, {settings: active.settings});
     this.shown = active.settings;
     this.job = jobText(active.settings);
     this.parts.time.max = result.frames - 1;
@@ -141,20 +149,36 @@ class Explorer {
     this.waits_ms.push(performance.now() - active.changed_ms);
     this.report(`Computed in ${(1e3 * result.header.seconds).toFixed(0)} ms`);
   }
+  // Whether the result is the steady state, and otherwise what would make it one.
+  showPeriod() {
+    const s = this.shown, has_period = period_ms(s) !== undefined, {period} = this.parts;
+    period.replaceChildren(settingLines(s).at(-1));
+    if (!s.steady || has_period && period_ms(s) <= SHORT_ms) return;
+    const shorter = usableValues(s).filter(found => found.period_ms < (period_ms(s) ?? Infinity));
+    period.append(!has_period ? ` ${s.kind === "STM" ? "The path has" : `${rounded(s.speed, 4)} m/s and ${rounded(s.am, 4)} Hz have`} no${s.kind === "STM" ? "" : " common"} period of up to ${LONGEST_ms} ms. `
+      : shorter.length ? " A shorter period is faster: " : "", ...shorter.flatMap(found => [element("button", {type: "button",
+      textContent: `Use ${rounded(found.value, 4)} ${SLIDERS[found.name].unit} (period ${rounded(found.period_ms)} ms)`,
+      onclick: () => this.use({...this.settings, [found.name]: found.value})}), " "]));
+  }
   showNumbers() {
-    const pinned = this.pins.all.at(-1)?.result, before = pinned ? resultsOf(pinned) : [];
-    const rows = resultsOf(this.result).map(({label, name, value, text}) => {
-      const other = before.find(one => one.name === name), change = other && other.value ? 100 * (value / other.value - 1) : null;
-      const versus = change === null ? "" : name.endsWith("_dB") ? ` (${value < other.value ? "−" : "+"}${Math.abs(value - other.value).toPrecision(2)} dB)` : ` (${change < 0 ? "−" : "+"}${Math.abs(change) < 10 ? Math.abs(change).toPrecision(2) : Math.abs(change).toFixed(0)} % of the pinned)`;
-      const shown = element("dd", {textContent: text + versus, title: this.result.column(name).meaning || ""});
-      shown.dataset.column = name;
-      return [element("dt", {textContent: label}), shown];
+    this.showPeriod();
+    const rows = resultsOf(this.result).map(found => {
+      const shown = element("dd", {}, element("b", {textContent: found.shown}), this.pins.difference(this.result, found));
+      shown.dataset.column = found.column;
+      return [element("dt", {textContent: found.label}), shown];
     });
+    const {value: level, note} = this.result.column("felt_path_dB");
+    if (!isNumber(level) && note) {
+      const unknown = element("dd", {textContent: `unknown: ${note}`});
+      unknown.dataset.column = "felt_path_dB";
+      rows.push([element("dt", {textContent: "Level of sensation on the shape"}), unknown]);
+    }
     const [fitted, theory] = ["mach_angle_deg", "mach_angle_theory_deg"].map(name => this.result.column(name).value);
     if (isNumber(fitted) && isNumber(theory))
       rows.push([element("dt", {textContent: "Mach angle"}), element("dd", {textContent: `${fitted.toFixed(1)}°, theory ${theory.toFixed(1)}°`})]);
     this.parts.numbers.replaceChildren(...rows.flat());
-    this.parts.warnings.replaceChildren(...this.result.header.warnings.map(w => element("li", {textContent: `${w.severity === "error" ? "not valid: " : ""}${w.key}: ${w.message}`})));
+    const others = this.result.header.warnings.filter(w => isNumber(level) || !note || !w.message.endsWith(note));
+    this.parts.warnings.replaceChildren(...others.map(w => element("li", {textContent: `${w.severity === "error" ? "not valid: " : ""}${w.key}: ${w.message}`})));
   }
   // Pictures.
   tick(now) {
@@ -193,22 +217,31 @@ class Explorer {
     const felt = this.result?.column("felt_peak_dB") ?? {value: null, note: ""};
     const has_level = felt.value !== null, wants_level = this.parts.style.value === "level";
     const is_level = wants_level && has_level, style = wants_level && !has_level ? "map" : this.parts.style.value;
-    // Levels: 0 dB, the threshold, is in the middle.
-    const scale = is_level ? 10 * Math.max(1, Math.ceil(0.1 * Math.max(felt.value, this.pins.level)))
+    const scale = is_level ? levelScale(Math.max(felt.value, this.pins.level))
       : roundScale(Math.max(this.result?.wake ?? 0, this.pins.wake));
+    this.colours = Array.from(this.parts.style.options).find(option => option.value === style).text;
     this.overlay.fit();
     if (this.result) {
       this.surface.fit();
       this.surface.draw(this.result, this.frame, scale, style);
       this.pins.draw(this.result.time[this.frame], scale, style);
-      const size = `${(1e6 * scale).toPrecision(2)} µm`;
-      this.parts["scale-low"].textContent = is_level ? `below the threshold −${scale} dB`
-        : `${wants_level ? "no level of sensation, instead: " : ""}out of the skin −${size}`;
+      const [low, high] = scaleTexts(scale, is_level);
+      this.parts["scale-low"].textContent = (wants_level && !has_level ? "no level of sensation, instead: " : "") + low;
       this.parts["scale-low"].title = wants_level ? felt.note : "";
-      this.parts["scale-high"].textContent = is_level ? `${scale} dB above it` : `${size} into the skin`;
+      this.parts["scale-high"].textContent = high;
+      this.parts["scale-unknown"].hidden = !this.result.hasUnknown(this.frame, style);
     }
     this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,
       receptors: this.parts["show-receptors"].checked});
+  }
+  // The surface as it is shown, with its title, scale, settings and results.
+  picture() {
+    const text = name => this.parts[name].textContent;
+    const unknown = this.parts["scale-unknown"].hidden ? [] : ["Hatched: unknown."];
+    return composed(titleOf(this.shown), [{layers: [this.surface.canvas, this.overlay.canvas], text: []}],
+      {map: document.getElementById("scale-map"), low: text("scale-low"), high: text("scale-high")},
+      [`Colours: ${this.colours}, at ${this.parts.now.value}.`, ...unknown, resultsOf(this.result).map(({label, shown}) => `${label}: ${shown}`).join("; ") + ".",
+        ...settingLines(this.shown), `shearwake, case ${this.result.header.case}`]);
   }
   moveProbe() {
     const [x, y] = this.overlay.probe;

@@ -1,19 +1,21 @@
 "use strict";
-// The curves next to the surface.
-const pen = {stroke: "#0072b2", width: 1.5, points: {show: false}};
+// The curves next to the surface. Their colours are those of the page, which follow the system.
+const hue = name => () => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
 
 class Plot {
   constructor(box, across, along, name, points = {show: false}) {
-    Object.assign(this, {box, name, across});
+    Object.assign(this, {box, name, across, along});
     box.setAttribute("role", "img");
-    const axis = label => ({label, labelSize: 16, size: 44, font: "11px system-ui", labelFont: "11px system-ui", stroke: "#333"});
+    const axis = label => ({label, labelSize: 16, size: 44, font: "11px system-ui", labelFont: "11px system-ui", stroke: hue("ink"),
+      grid: {stroke: hue("line"), width: 1}, ticks: {stroke: hue("line"), width: 1}});
     this.plot = new uPlot({
       width: Math.max(200, box.clientWidth), height: 150, legend: {show: false}, cursor: {y: false},
-      scales: {x: {time: false}}, series: [{}, {...pen, points, label: name}],
+      scales: {x: {time: false}}, series: [{}, {stroke: hue("link"), width: 1.5, points, label: name}],
       axes: [{...axis(across), size: 30}, axis(along)],
       hooks: {draw: [plot => this.mark(plot)]},
     }, [[], []], box);
     this.at = null;  // a vertical line
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot.redraw());
   }
   mark(plot) {
     if (this.at === null) return;
@@ -36,20 +38,21 @@ class Plot {
   }
 }
 
-// One-sided amplitude spectrum with a Hann window, at frequencies up to `most` Hz.
-function amplitudeSpectrum(values, interval_s, most) {
+// One-sided amplitude spectrum at frequencies up to `most` Hz: the lines of a motion that repeats after the last value, or else, with a
+// Hann window, of the motion padded to four times its length.
+function amplitudeSpectrum(values, interval_s, most, repeats) {
   const n = values.length, mean = values.reduce((a, b) => a + b, 0) / n, frequencies = [], amplitudes = [];
-  const window = values.map((_, i) => 0.5 - 0.5 * Math.cos(2 * Math.PI * i / n));
-  const step = 1 / (4 * n * interval_s);  // padded to four times the length
-  for (let f = 0; f <= Math.min(most, 0.5 / interval_s); f += step) {
+  const window = values.map((_, i) => repeats ? 1 : 1 - Math.cos(2 * Math.PI * i / n));  // their mean is 1
+  const step = 1 / ((repeats ? 1 : 4) * n * interval_s);
+  for (let k = 0; k * step <= Math.min(most, 0.5 / interval_s); ++k) {
     let re = 0, im = 0;
     for (let i = 0; i < n; ++i) {
-      const value = (values[i] - mean) * window[i], angle = 2 * Math.PI * f * i * interval_s;
+      const value = (values[i] - mean) * window[i], angle = 2 * Math.PI * k * step * i * interval_s;
       re += value * Math.cos(angle);
       im -= value * Math.sin(angle);
     }
-    frequencies.push(f);
-    amplitudes.push(4 * Math.hypot(re, im) / n);  // the mean of the window is 1/2
+    frequencies.push(k * step);
+    amplitudes.push(2 * Math.hypot(re, im) / n);
   }
   return [frequencies, amplitudes];
 }
@@ -57,10 +60,10 @@ function amplitudeSpectrum(values, interval_s, most) {
 class Plots {
   constructor() {
     const box = name => document.getElementById("plot-" + name);
-    this.eta = new Plot(box("eta"), "time [ms]", "η", "η");
-    this.force = new Plot(box("force"), "time [ms]", "force [mN]", "force");
-    this.spectrum = new Plot(box("spectrum"), "frequency [Hz]", "|u| [µm]", "amplitude");
-    this.trace = new Plot(box("trace"), "time [ms]", "u [µm]", "u");
+    this.eta = new Plot(box("eta"), "time (ms)", "η", "η");
+    this.force = new Plot(box("force"), "time (ms)", "force (mN)", "force");
+    this.spectrum = new Plot(box("spectrum"), "frequency (Hz)", "|u| (µm)", "amplitude");
+    this.trace = new Plot(box("trace"), "time (ms)", "u (µm)", "u");
   }
   get all() { return [this.eta, this.force, this.spectrum, this.trace]; }
   show(result, probe) {
@@ -73,7 +76,7 @@ class Plots {
   showProbe(result, probe) {
     const trace = result.trace(...probe);
     this.trace.show(this.ms, trace);
-    this.spectrum.show(...amplitudeSpectrum(trace, result.time[1] - result.time[0], 1500));
+    this.spectrum.show(...amplitudeSpectrum(trace, result.time[1] - result.time[0], 1500, isSteady(result.settings)));
   }
   showTime(n) { for (const plot of [this.eta, this.force, this.trace]) plot.pointAt(this.ms[n]); }
   fit() { this.all.forEach(plot => plot.fit()); }

@@ -2,7 +2,7 @@
 // The media that the program has names for, as layers that can be edited, its classes of receptors and the limits of its keys: all from its
 // schema.
 const LABELS = {"thesis-tissue": "Tissue of the thesis", "forearm": "Forearm", "three-layer-skin": "Skin of three layers",
-  "ecoflex": "Ecoflex phantom", "palm": "Palm", "fingertip": "Fingertip"};
+  "ecoflex": "Ecoflex phantom", "palm": "Palm (assumed)", "fingertip": "Fingertip"};
 const PRESETS = Object.fromEntries(Object.entries(CONFIGURATION.presets).map(([name, {base, layer}]) => [name, {label: LABELS[name] ?? name,
   base, layers: layer.map(({loss, ...rest}) => loss ? {...rest, tau_us: loss.tau_us, exponent: loss.exponent} : rest)}]));
 
@@ -20,4 +20,14 @@ function limited(sliders, keysOf) {
       slider.max = Math.min(slider.max, most ?? slider.max);
     }
   return sliders;
+}
+
+// Media that nobody has measured, and the presets whose sources they are chosen from.
+const ASSUMED = {"palm": ["thesis-tissue", "forearm"]};
+function assumption(names) {
+  const range = (key, unit) => {
+    const values = names.flatMap(name => PRESETS[name].layers.map(layer => layer[key])).sort((a, b) => a - b);
+    return `${Number(values[0].toPrecision(2))} to ${Number(values.at(-1).toPrecision(2))} ${unit}`;
+  };
+  return `Assumed, not measured: sources of similar tissue (${names.map(name => LABELS[name]).join(", ")}) have shear-wave speeds of ${range("c_s_m_s", "m/s")} and viscosities of ${range("viscosity_Pa_s", "Pa s")}.`;
 }

@@ -37,20 +37,25 @@ class Result {
   }
   column(name) { return this.header.columns[name] ?? {value: null, note: ""}; }
   frame(n) { return this.u.subarray(n * this.nx * this.ny, (n + 1) * this.nx * this.ny); }
-  // The level of sensation in dB on the grid of the frames, far below the threshold where nothing is measured.
+  // The level of sensation in dB on the grid of the frames, NaN where there is none.
   get level() {
     if (this.levels) return this.levels;
     const {"sensation/x": x = [], "sensation/y": y = [], "sensation/level": found} = this.arrays;
-    this.levels = new Float32Array(this.nx * this.ny).fill(-1e3);
+    this.levels = new Float32Array(this.nx * this.ny).fill(NaN);
     for (let i = 0; i < x.length; ++i)
       for (let j = 0; j < y.length; ++j) {
-        const [row, column] = this.index(1e3 * x[i], 1e3 * y[j]), value = found[i * y.length + j];
-        if (isNumber(value)) this.levels[row * this.ny + column] = value;
+        const [row, column] = this.index(1e3 * x[i], 1e3 * y[j]);
+        this.levels[row * this.ny + column] = found[i * y.length + j];
       }
     return this.levels;
   }
-  // What the map of this style shows.
+  // What the map of this style shows; NaN is unknown.
   shown(n, style) { return style === "level" ? this.level : this.frame(n); }
+  // Whether a value in view is unknown.
+  hasUnknown(n, style) {
+    return this.shown(n, style).some((value, k) => Number.isNaN(value) && Math.abs(Math.floor(k / this.ny) - this.nx / 2) * this.spacing <= 0.5 * WIDTH_mm
+      && Math.abs(k % this.ny - this.ny / 2) * this.spacing <= 0.5 * HEIGHT_mm);
+  }
   focus(n) { return [1e3 * this.arrays.focus_x[n], 1e3 * this.arrays.focus_y[n]]; }
   // Index of the grid point that is nearest to a place in mm.
   index(x, y) {
@@ -96,6 +101,6 @@ class EngineSource {
     return this.number;
   }
   compute(settings) { return this.send({type: "compute", job: jobText(settings)}); }
-  sweep(job, key, values) { return this.send({type: "sweep", job, key, values}); }
+  sweep(job, key, values, more) { return this.send({type: "sweep", job, key, values, more}); }
   stopSweep() { this.socket.send(JSON.stringify({type: "stop_sweep"})); }
 }

@@ -1,5 +1,7 @@
 "use strict";
-// Draws one frame of the surface as a colour map, with WebGL2 also with its slopes.
+// Draws one frame of the surface as a colour map, with WebGL2 also with its slopes. Unknown values, NaN, are grey and hatched.
+const UNKNOWN = 1e30;  // stands for NaN in textures, for which shaders need not support NaN
+const HATCH = [0.55, 0.75];  // greys
 
 // Blue, white, red: equal lightness on both sides of rest.
 function colour(level) {
@@ -19,12 +21,17 @@ uniform highp sampler2D field;  // y along rows of x: texel (j, i) is u(x_i, y_j
 uniform vec2 points, view;  // of the grid, and of the part that is shown
 uniform float scale, relief;  // value at the ends of the scale; points per mm if slopes are shown, otherwise 0
 uniform bool contour;  // a line at 0
-float u(ivec2 p) { return texelFetch(field, clamp(p, ivec2(0), ivec2(points) - 1).yx, 0).r / scale; }
+float raw(ivec2 p) { return texelFetch(field, clamp(p, ivec2(0), ivec2(points) - 1).yx, 0).r; }
+float known(ivec2 p) { return raw(p) < 1e29 ? 1.0 : 0.0; }
+float u(ivec2 p) { return known(p) * raw(p) / scale; }
 vec2 gradient(ivec2 p) { return 0.5 * vec2(u(p + ivec2(1, 0)) - u(p - ivec2(1, 0)), u(p + ivec2(0, 1)) - u(p - ivec2(0, 1))); }
 void main() {
   vec2 p = (at - 0.5) * view + 0.5 * points; vec2 base = floor(p); vec2 w = p - base; ivec2 i = ivec2(base);
-  float a = u(i), b = u(i + ivec2(1, 0)), c = u(i + ivec2(0, 1)), d = u(i + ivec2(1, 1));
-  float value = mix(mix(a, b, w.x), mix(c, d, w.x), w.y);
+  // A point is as known as its nearest sample; unknown samples have no weight.
+  vec4 share = vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y)
+    * vec4(known(i), known(i + ivec2(1, 0)), known(i + ivec2(0, 1)), known(i + ivec2(1, 1)));
+  float sum = dot(share, vec4(1.0));
+  float value = dot(share, vec4(u(i), u(i + ivec2(1, 0)), u(i + ivec2(0, 1)), u(i + ivec2(1, 1)))) / max(sum, 1e-6);
   float t = clamp(value, -1.0, 1.0);
   vec3 end = t < 0.0 ? vec3(0.13, 0.33, 0.66) : vec3(0.70, 0.13, 0.17);
   vec3 colour = mix(vec3(0.97), end, pow(abs(t), 0.8));
@@ -32,7 +39,8 @@ void main() {
   vec2 slope = mix(mix(gradient(i), gradient(i + ivec2(1, 0)), w.x), mix(gradient(i + ivec2(0, 1)), gradient(i + ivec2(1, 1)), w.x), w.y);
   float steep = 5.0 * relief * length(slope);
   shown = vec4(colour * (1.0 - 0.3 * steep / (1.0 + steep)), 1.0);
-  if (contour && abs(value) < fwidth(value)) shown.rgb = vec3(0.0);
+  if (contour && sum > 0.999 && abs(value) < min(fwidth(value), 0.04)) shown.rgb = vec3(0.0);
+  if (known(ivec2(floor(p + 0.5))) < 0.5) shown.rgb = vec3(mod(gl_FragCoord.x + gl_FragCoord.y, 8.0) < 4.0 ? ${HATCH[0]} : ${HATCH[1]});
 }`;
 
 class Surface {
@@ -76,13 +84,20 @@ class Surface {
     if (this.gl) this.drawWithShader(result, result.shown(n, style), scale, style);
     else this.drawFlat(result, result.shown(n, style), scale);
   }
+  // The same on another canvas, so that many pictures share one context of WebGL.
+  drawOn(canvas, ...what) {
+    const width = Math.round(Math.min(480, (window.devicePixelRatio || 1) * (canvas.clientWidth || 240))), height = Math.round(0.75 * width);
+    for (const each of [this.canvas, canvas]) if (each.width !== width || each.height !== height) Object.assign(each, {width, height});
+    this.draw(...what);
+    canvas.getContext("2d").drawImage(this.canvas, 0, 0);
+  }
   drawWithShader(result, values, scale, style) {
-    const gl = this.gl, {nx, ny} = result;
+    const gl = this.gl, {nx, ny} = result, texels = values.map(value => Number.isNaN(value) ? UNKNOWN : value);
     if (this.nx !== nx || this.ny !== ny) {
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ny, nx, 0, gl.RED, gl.FLOAT, values);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ny, nx, 0, gl.RED, gl.FLOAT, texels);
       Object.assign(this, {nx, ny});
     } else {
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ny, nx, gl.RED, gl.FLOAT, values);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ny, nx, gl.RED, gl.FLOAT, texels);
     }
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.uniform2f(this.places.points, nx, ny);
@@ -96,7 +111,7 @@ class Surface {
     const {nx, ny} = result, image = new ImageData(nx, ny);
     for (let i = 0; i < nx; ++i)
       for (let j = 0; j < ny; ++j) {
-        const rgb = colour(values[i * ny + j] / (scale || 1));
+        const value = values[i * ny + j], rgb = Number.isNaN(value) ? Array(3).fill(HATCH[(i + j) >> 1 & 1]) : colour(value / (scale || 1));
         image.data.set([...rgb.map(c => Math.round(255 * c)), 255], 4 * ((ny - 1 - j) * nx + i));
       }
     const small = document.createElement("canvas");
@@ -112,6 +127,15 @@ function roundScale(peak_m) {
   if (!(peak_m > 0)) return 1e-6;
   const power = 10 ** Math.floor(Math.log10(peak_m));
   return power * [1, 1.5, 2, 3, 5, 7, 10].find(step => step * power >= 0.999 * peak_m);
+}
+
+// Levels: 0 dB, the threshold, is in the middle.
+const levelScale = most_dB => 10 * Math.max(1, Math.ceil(0.1 * most_dB));
+
+// What the two ends of the scale are.
+function scaleTexts(scale, is_level) {
+  const size = `${Number((1e6 * scale).toPrecision(2))} µm`;
+  return is_level ? [`below the threshold −${scale} dB`, `${scale} dB above it`] : [`out of the skin −${size}`, `${size} into the skin`];
 }
 
 function drawScale(canvas) {

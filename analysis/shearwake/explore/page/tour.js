@@ -5,7 +5,7 @@ const STOPS = [
   ["#controls", "Change a setting: the surface follows within a fraction of a second. A change of the tissue takes a little longer."],
   ["#overlay", "Click on the surface, or use the arrow keys, to move the probe. Its motion and its spectrum are shown with the results."],
   ["#results", "η is the share of the energy that is at the focus. Faster than the waves of the skin, the focus leaves a Mach cone, and η falls."],
-  ["nav", "Pin settings to compare them, copy a link or a job file, or send the setting to a sweep. The space bar stops and starts the playback."],
+  ["nav", "Pin settings to compare them, compare all kinds of modulation, save a picture, or send the setting to a sweep. The space bar stops and starts the playback."],
 ];
 
 class Tour {
@@ -29,17 +29,11 @@ class Tour {
     const [selector, text] = STOPS[step];
     this.target = document.querySelector(selector);
     this.target.classList.add("toured");
-    this.target.scrollIntoView({block: "nearest"});
     document.getElementById("tour-text").textContent = text;
     document.getElementById("tour-step").textContent = `${step + 1} of ${STOPS.length}`;
     this.box.hidden = false;
-    const around = this.target.getBoundingClientRect(), own = this.box.getBoundingClientRect();
-    // Beside, below or above what it explains, where there is room.
-    const left = Math.max(8, Math.min(innerWidth - own.width - 8, around.left)), top = Math.max(8, Math.min(innerHeight - own.height - 8, around.top));
-    const [x, y] = [[around.right + 10, top], [around.left - own.width - 10, top], [left, around.bottom + 10], [left, around.top - own.height - 10]]
-      .find(([a, b]) => a >= 8 && b >= 8 && a + own.width <= innerWidth - 8 && b + own.height <= innerHeight - 8) ?? [left, innerHeight - own.height - 8];
-    this.box.style.left = `${x}px`;
-    this.box.style.top = `${y}px`;
+    // The tour has a row of its own: below the header, or on a phone at the end of the window.
+    (getComputedStyle(this.box).position === "fixed" ? this.target : document.body).scrollIntoView();
     document.getElementById("tour-next").focus();
   }
   end() {
