@@ -196,6 +196,62 @@ std::string listed(const std::vector<double>& frequencies_Hz) {
     return text;
 }
 
+/// The frequency nearest to one of a pair that has a common period with the other: that of the
+/// shortest period up to `longest_s` for which it changes by at most 1 %, or else the nearest one.
+struct Commensurate {
+    double frequency_Hz = 0.0, period_s = 0.0; // 0: there is none
+};
+Commensurate commensurate_with(double other_Hz, double frequency_Hz, double longest_s) {
+    constexpr double small = 0.01;
+    Commensurate nearest;
+    const double most = std::min(longest_s * (1.0 + 1e-9) * other_Hz, most_periods);
+    for (double periods = 1.0; periods <= most; ++periods) {
+        const double period_s = periods / other_Hz,
+                     found_Hz = std::max(1.0, std::round(frequency_Hz * period_s)) / period_s;
+        if (nearest.period_s == 0.0 ||
+            std::abs(found_Hz - frequency_Hz) < std::abs(nearest.frequency_Hz - frequency_Hz))
+            nearest = {found_Hz, period_s};
+        if (std::abs(nearest.frequency_Hz - frequency_Hz) <= small * frequency_Hz) break;
+    }
+    return nearest;
+}
+
+/// The constant or mean speed of the path that repeats with this frequency; 0 if there is none.
+double speed_of_cycle_m_s(const Load& load, double frequency_Hz) {
+    for (const Mover& mover : load.modulation.trajectory.parts)
+        if (const auto* travel = std::get_if<Travel>(&mover)) {
+            const double speed_m_s = frequency_Hz * cycle_m(*travel);
+            const auto is_speed = [&](double given_m_s) {
+                return std::abs(speed_m_s - given_m_s) <= commensurate * given_m_s;
+            };
+            if (const auto* constant = std::get_if<ConstantSpeed>(&travel->motion);
+                constant && is_speed(constant->speed_m_s))
+                return speed_m_s;
+            if (const auto* oscillates = std::get_if<OscillatingSpeed>(&travel->motion);
+                oscillates && is_speed(oscillates->mean_m_s))
+                return speed_m_s;
+        }
+    return 0.0;
+}
+
+/// ", for example ...": what gives two frequencies a common period; empty for more of them.
+std::string usable_values(const Load& load, const std::vector<double>& frequencies_Hz,
+                          double longest_s) {
+    if (frequencies_Hz.size() != 2) return {};
+    std::string text;
+    for (const std::size_t i : {0u, 1u}) {
+        const double given_Hz = frequencies_Hz[i];
+        const Commensurate usable = commensurate_with(frequencies_Hz[1 - i], given_Hz, longest_s);
+        if (usable.period_s == 0.0) continue;
+        const double speed_m_s = speed_of_cycle_m_s(load, given_Hz);
+        const double unit = speed_m_s > 0.0 ? speed_m_s / given_Hz : 1.0;
+        text += fmt::format("{}{:.10g} {} instead of {:.8g} (period {:.4g} ms)",
+                            text.empty() ? ", for example " : " or ", unit * usable.frequency_Hz,
+                            speed_m_s > 0.0 ? "m/s" : "Hz", unit * given_Hz, 1e3 * usable.period_s);
+    }
+    return text;
+}
+
 } // namespace
 
 std::string aperiodicity_reason(const Load& load) {
@@ -248,9 +304,10 @@ LoadPeriod least_period(const Load& load, double longest_s) {
                                  "commensurate or lower frequencies",
                                  frequencies_Hz.front(), most_periods)};
     return {0.0, fmt::format("has the {} {} Hz, which have no common period of up to {:g} ms; use "
-                             "commensurate frequencies, or increase time.longest_period_ms",
+                             "commensurate frequencies{}, or increase time.longest_period_ms",
                              frequencies_Hz.size() > 1 ? "frequencies" : "frequency",
-                             listed(frequencies_Hz), 1e3 * longest_s)};
+                             listed(frequencies_Hz), 1e3 * longest_s,
+                             usable_values(load, frequencies_Hz, longest_s))};
 }
 
 namespace {

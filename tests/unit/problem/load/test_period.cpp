@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <regex>
 
 namespace test_period {
 
@@ -68,6 +69,30 @@ TEST_CASE("a load without a period states the reason", "[period]") {
     };
     for (const auto& [load, said] : loads)
         CHECK_THAT(least_period(load, 1.0).reason, Contains(said));
+}
+
+TEST_CASE("a load without a period names values that have one", "[period]") {
+    const double circles_Hz = std::sqrt(5e3);
+    const std::string reason =
+        least_period(load_of({circle(circles_Hz)}, {SineGain{.frequency_Hz = 200.0}}), 1.0).reason;
+    INFO(reason);
+    std::smatch found;
+    REQUIRE(std::regex_search(reason, found,
+                              std::regex("example ([0-9.]+) m/s instead of [0-9.]+ \\(period "
+                                         "([0-9.]+) ms\\) or ([0-9.]+) Hz instead of 200 "
+                                         "\\(period ([0-9.]+) ms\\)")));
+    const double speed_m_s = std::stod(found[1]), gain_Hz = std::stod(found[3]),
+                 length_m = 2.0 * std::numbers::pi * 1e-2;
+    CHECK(std::abs(speed_m_s / length_m / circles_Hz - 1.0) < 0.01);
+    CHECK(std::abs(gain_Hz / 200.0 - 1.0) < 0.01);
+    // The message has four digits of a period.
+    CHECK(std::abs(period_ms(
+                       load_of({circle(speed_m_s / length_m)}, {SineGain{.frequency_Hz = 200.0}})) /
+                       std::stod(found[2]) -
+                   1.0) < 1e-3);
+    CHECK(std::abs(period_ms(load_of({circle(circles_Hz)}, {SineGain{.frequency_Hz = gain_Hz}})) /
+                       std::stod(found[4]) -
+                   1.0) < 1e-3);
 }
 
 } // namespace test_period
