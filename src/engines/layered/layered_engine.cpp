@@ -30,11 +30,12 @@ constexpr std::ptrdiff_t lines_together = 16;
 class FieldSpectra {
 public:
     FieldSpectra(const Case& c, const TransferKey& key, const fft::SlabShare& share,
-                 std::ptrdiff_t most_frames, fft::AlignedVector<Complex>& memory)
+                 std::ptrdiff_t most_frames, fft::AlignedVector<Complex>& memory,
+                 SteeredSpectra& steered, CaseProgress& progress)
         : case_(c), kernels_(simd::kernels<ResponseKernels>()), time_(key.time), share_(share),
           coarse_(key.time.samples / samples_per_frame(c, key.time)),
           first_frame_(key.time.first_s > 0.0 ? 0 : 1), roll_off_(roll_off(key.time)),
-          load_(c, key.time, share.ky_start, share.ky_count),
+          load_(c, key.time, share.ky_start, share.ky_count, steered, progress),
           stored_nx_(load_.is_mirrored() ? c.domain.nx / 2 + 1 : c.domain.nx),
           backward_(coarse_, fft::Direction::backward, lines_together),
           lines_(static_cast<std::size_t>(coarse_ * lines_together)),
@@ -288,10 +289,17 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     const std::ptrdiff_t largest = plan.ky_count, batch = plan.frames_together;
     std::optional<FieldSpectra> spectra;
     fft::AlignedVector<double> plane;
-    together(team, [&] {
-        spectra.emplace(c, plan.keys[displacement_table], share, batch, batch_);
+    bool stops = false;
+    fail_together(team, [&] {
+        try {
+            spectra.emplace(c, plan.keys[displacement_table], share, batch, batch_, steered_,
+                            progress);
+        } catch (const engines::StopRequested&) { // on all ranks
+            stops = true;
+        }
         plane.resize(static_cast<std::size_t>(share.reals));
     });
+    if (stops) throw engines::StopRequested{};
 
     progress.did(CaseProgress::Stage::setup);
     std::optional<FieldSpectra::Energy> energy;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/response/case_progress.hpp"
 #include "engines/layered/response/transfer_table.hpp"
 #include "fft/slab_transform.hpp"
@@ -27,7 +28,8 @@ enum Table : std::size_t {
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
 /// per (k, omega), see docs/explanation/engine-layered.md. Passes the frames depth by depth and in
 /// order of time for each depth. Between cases it keeps the transfer table of the last medium and
-/// grid, the transforms of the grid, and the Bessel functions of a grid with open edges.
+/// grid, the transforms of the grid, the Bessel functions of a grid with open edges, and the
+/// spectra of a steered array.
 class LayeredEngine : public engines::Engine {
 public:
     engines::Resources resources(const Case& c, int ranks) const override;
@@ -54,6 +56,7 @@ private:
     std::shared_ptr<OpenGrid> open_grid_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
+    SteeredSpectra steered_;
     // The largest batch so far. Allocating it for each case would cost as much as its transforms.
     fft::AlignedVector<std::complex<double>> batch_;
 };

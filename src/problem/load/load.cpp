@@ -7,8 +7,8 @@
 #include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 #include <numeric>
 
@@ -131,9 +131,20 @@ double updated_s(const Load& load, double t_s) {
     return rate_Hz == 0.0 ? t_s : std::floor(t_s * rate_Hz + 1e-9) / rate_Hz;
 }
 
-std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s,
-                                   std::size_t most_rough) {
-    if (times_s.empty()) return {};
+namespace {
+
+/// The areas of a load at some times, and what they depend on.
+struct ForceAreas {
+    Footprint footprint;
+    Trajectory trajectory;
+    std::vector<Vec2> foci_m;
+    std::vector<double> times_s;
+    std::size_t most_rough = 0;
+    std::vector<double> areas_m2;
+};
+
+std::vector<double> computed_areas_m2(const Load& load, std::span<const double> times_s,
+                                      std::size_t most_rough) {
     LoadPattern pattern(load, times_s.back());
     const auto area_at = [&](Vec2 focus_m) {
         const double k_zero = 0.0;
@@ -152,162 +163,35 @@ std::vector<double> force_areas_m2(const Load& load, std::span<const double> tim
                : rough_values(foci_m, most_rough, area_at);
 }
 
+} // namespace
+
+std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s,
+                                   std::size_t most_rough) {
+    if (times_s.empty()) return {};
+    if (!std::holds_alternative<ArrayFootprint>(load.footprint))
+        return computed_areas_m2(load, times_s, most_rough);
+    // Patterns of an array take most of the time of a case whose spectra are known. A case needs
+    // the areas at the times of its frames and of its impulse.
+    static thread_local std::array<ForceAreas, 2> kept;
+    static thread_local std::size_t newest = 0;
+    const Modulation& modulation = load.modulation;
+    for (const ForceAreas& each : kept)
+        if (each.footprint == load.footprint && each.trajectory == modulation.trajectory &&
+            each.foci_m == modulation.foci_m && std::ranges::equal(each.times_s, times_s) &&
+            each.most_rough == most_rough)
+            return each.areas_m2;
+    newest = 1 - newest;
+    kept[newest] = {load.footprint,    modulation.trajectory,
+                    modulation.foci_m, {times_s.begin(), times_s.end()},
+                    most_rough,        computed_areas_m2(load, times_s, most_rough)};
+    return kept[newest].areas_m2;
+}
+
 std::vector<double> forces_N(const Load& load, std::span<const double> times_s) {
     std::vector<double> forces = force_areas_m2(load, times_s);
     for (std::size_t n = 0; n < forces.size(); ++n)
         forces[n] *= load.peak_Pa * strength(load, times_s[n]);
     return forces;
-}
-
-namespace {
-
-/// Deviation from a whole number of periods, in periods.
-constexpr double commensurate = 1e-6;
-/// Largest number of periods of the lowest frequency that are tried as a common period.
-constexpr double most_periods = 1e6;
-
-void add_of(const Mover& mover, std::vector<double>& frequencies_Hz) {
-    std::visit(overloaded{[](const Hold&) {},
-                          [&](const Swing& swing) {
-                              if (norm(swing.amplitude_m) > 0.0)
-                                  frequencies_Hz.push_back(swing.frequency_Hz);
-                          },
-                          [&](const Travel& travel) {
-                              const auto* speed = std::get_if<OscillatingSpeed>(&travel.motion);
-                              if (!speed) {
-                                  frequencies_Hz.push_back(1.0 / cycle_s(travel));
-                                  return;
-                              }
-                              frequencies_Hz.push_back(speed->mean_m_s / cycle_m(travel));
-                              if (speed->deviation_m_s != 0.0)
-                                  frequencies_Hz.push_back(speed->frequency_Hz);
-                          }},
-               mover);
-}
-
-std::string listed(const std::vector<double>& frequencies_Hz) {
-    std::string text;
-    for (std::size_t i = 0; i < frequencies_Hz.size(); ++i)
-        text += fmt::format("{}{:.8g}",
-                            i == 0                           ? ""
-                            : i + 1 == frequencies_Hz.size() ? " and "
-                                                             : ", ",
-                            frequencies_Hz[i]);
-    return text;
-}
-
-/// The frequency nearest to one of a pair that has a common period with the other: that of the
-/// shortest period up to `longest_s` for which it changes by at most 1 %, or else the nearest one.
-struct Commensurate {
-    double frequency_Hz = 0.0, period_s = 0.0; // 0: there is none
-};
-Commensurate commensurate_with(double other_Hz, double frequency_Hz, double longest_s) {
-    constexpr double small = 0.01;
-    Commensurate nearest;
-    const double most = std::min(longest_s * (1.0 + 1e-9) * other_Hz, most_periods);
-    for (double periods = 1.0; periods <= most; ++periods) {
-        const double period_s = periods / other_Hz,
-                     found_Hz = std::max(1.0, std::round(frequency_Hz * period_s)) / period_s;
-        if (nearest.period_s == 0.0 ||
-            std::abs(found_Hz - frequency_Hz) < std::abs(nearest.frequency_Hz - frequency_Hz))
-            nearest = {found_Hz, period_s};
-        if (std::abs(nearest.frequency_Hz - frequency_Hz) <= small * frequency_Hz) break;
-    }
-    return nearest;
-}
-
-/// The constant or mean speed of the path that repeats with this frequency; 0 if there is none.
-double speed_of_cycle_m_s(const Load& load, double frequency_Hz) {
-    for (const Mover& mover : load.modulation.trajectory.parts)
-        if (const auto* travel = std::get_if<Travel>(&mover)) {
-            const double speed_m_s = frequency_Hz * cycle_m(*travel);
-            const auto is_speed = [&](double given_m_s) {
-                return std::abs(speed_m_s - given_m_s) <= commensurate * given_m_s;
-            };
-            if (const auto* constant = std::get_if<ConstantSpeed>(&travel->motion);
-                constant && is_speed(constant->speed_m_s))
-                return speed_m_s;
-            if (const auto* oscillates = std::get_if<OscillatingSpeed>(&travel->motion);
-                oscillates && is_speed(oscillates->mean_m_s))
-                return speed_m_s;
-        }
-    return 0.0;
-}
-
-/// ", for example ...": what gives two frequencies a common period; empty for more of them.
-std::string usable_values(const Load& load, const std::vector<double>& frequencies_Hz,
-                          double longest_s) {
-    if (frequencies_Hz.size() != 2) return {};
-    std::string text;
-    for (const std::size_t i : {0u, 1u}) {
-        const double given_Hz = frequencies_Hz[i];
-        const Commensurate usable = commensurate_with(frequencies_Hz[1 - i], given_Hz, longest_s);
-        if (usable.period_s == 0.0) continue;
-        const double speed_m_s = speed_of_cycle_m_s(load, given_Hz);
-        const double unit = speed_m_s > 0.0 ? speed_m_s / given_Hz : 1.0;
-        text += fmt::format("{}{:.10g} {} instead of {:.8g} (period {:.4g} ms)",
-                            text.empty() ? ", for example " : " or ", unit * usable.frequency_Hz,
-                            speed_m_s > 0.0 ? "m/s" : "Hz", unit * given_Hz, 1e3 * usable.period_s);
-    }
-    return text;
-}
-
-} // namespace
-
-std::string aperiodicity_reason(const Load& load) {
-    for (const Mover& mover : load.modulation.trajectory.parts)
-        if (const auto* travel = std::get_if<Travel>(&mover))
-            if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
-                return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
-    if (std::ranges::any_of(load.modulation.envelope.gains, acts_once))
-        return "rises or falls once (a ramp, a window, or samples that are not repeated), which a "
-               "load that repeats for ever cannot; remove it, or set repeat = true";
-    return {};
-}
-
-std::vector<double> frequencies_of(const Load& load) {
-    std::vector<double> frequencies_Hz;
-    for (const Mover& mover : load.modulation.trajectory.parts)
-        add_of(mover, frequencies_Hz);
-    if (const double rate_Hz = update_rate_Hz(load.footprint);
-        rate_Hz > 0.0 && !frequencies_Hz.empty())
-        frequencies_Hz.push_back(rate_Hz);
-    for (const Gain& gain : load.modulation.envelope.gains)
-        if (const double gain_Hz = repetition_Hz(gain); gain_Hz > 0.0)
-            frequencies_Hz.push_back(gain_Hz);
-    if (const double carrier_Hz = carrier_frequency_Hz(load.carrier); carrier_Hz > 0.0)
-        frequencies_Hz.push_back(carrier_Hz);
-    std::ranges::sort(frequencies_Hz);
-    const auto same = std::unique(frequencies_Hz.begin(), frequencies_Hz.end());
-    frequencies_Hz.erase(same, frequencies_Hz.end());
-    return frequencies_Hz;
-}
-
-LoadPeriod least_period(const Load& load, double longest_s) {
-    if (std::string reason = aperiodicity_reason(load); !reason.empty())
-        return {0.0, std::move(reason)};
-    const std::vector<double> frequencies_Hz = frequencies_of(load);
-    if (frequencies_Hz.empty())
-        return {0.0, "is constant and therefore has no period; use time.regime = \"transient\""};
-    const double most = longest_s * (1.0 + 1e-9) * frequencies_Hz.front();
-    for (double periods = 1.0; periods <= std::min(most, most_periods); ++periods) {
-        const double period_s = periods / frequencies_Hz.front();
-        if (std::ranges::all_of(frequencies_Hz, [&](double frequency_Hz) {
-                const double count = frequency_Hz * period_s;
-                return std::abs(count - std::round(count)) <= commensurate;
-            }))
-            return {period_s, ""};
-    }
-    if (most > most_periods)
-        return {0.0, fmt::format("has the lowest frequency {:.8g} Hz and no common period of up to "
-                                 "{:.0f} of its periods, the largest number that is supported; use "
-                                 "commensurate or lower frequencies",
-                                 frequencies_Hz.front(), most_periods)};
-    return {0.0, fmt::format("has the {} {} Hz, which have no common period of up to {:g} ms; use "
-                             "commensurate frequencies{}, or increase time.longest_period_ms",
-                             frequencies_Hz.size() > 1 ? "frequencies" : "frequency",
-                             listed(frequencies_Hz), 1e3 * longest_s,
-                             usable_values(load, frequencies_Hz, longest_s))};
 }
 
 namespace {

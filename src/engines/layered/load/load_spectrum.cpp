@@ -2,8 +2,6 @@
 #include "engines/layered/load/load_spectrum.hpp"
 
 #include "base/units.hpp"
-#include "engines/layered/response/case_progress.hpp"
-
 #include "simd/kernels.hpp"
 
 #include <algorithm>
@@ -19,13 +17,13 @@ using Complex = std::complex<double>;
 } // namespace
 
 LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
-                           std::ptrdiff_t ky_count)
+                           std::ptrdiff_t ky_count, SteeredSpectra& steered, CaseProgress& progress)
     : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
       nodes_(c, time), pattern_(c.scene.load, time.end_s(c.time)),
       forward_(time.samples, fft::Direction::forward), y_rests_(moves_along_x(c, time)),
-      buffer_(nodes_.times_s().size()) {
+      buffer_(nodes_.times_s().size()), steered_(steered) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
         kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
     const std::vector<double>& times_s = nodes_.times_s();
@@ -34,7 +32,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
         weighted_.emplace_back(nodes_.weights()[i] * std::exp(-time.decay_rad_s * times_s[i]) *
                                strength(c.scene.load, times_s[i]));
     // Positions relative to the corner of the grid, where the transform has its origin.
-    std::vector<Vec2> origin = origins_of_times(c);
+    std::vector<Vec2> origin = origins_of_times(c, time.end_s(c.time), progress);
     for (Vec2& place : origin)
         place = place - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
 
@@ -72,6 +70,10 @@ void LoadSpectrum::transform(Complex* values, Complex* jumps_of_line) const {
 }
 
 bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
+    const Load& load = c.scene.load;
+    if (std::holds_alternative<ArrayFootprint>(load.footprint) &&
+        greatest_speed_m_s(load.modulation.trajectory) > 0.0)
+        return false; // before its field is tabulated
     LoadPattern pattern(c.scene.load, time.end_s(c.time));
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {
@@ -85,59 +87,81 @@ bool LoadSpectrum::moves_along_x(const Case& c, const TimeTransform& time) {
 }
 
 /// Also computes the states of a changing pattern.
-std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
+std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c, double end_s,
+                                                 CaseProgress& progress) {
     std::vector<Vec2> origins;
-    std::vector<double> updated_s; // a time of each state
-    std::map<std::pair<double, double>, std::size_t> states;
-    for (const double t_s : nodes_.times_s()) {
-        const double at_s = pattern_.updated_s(std::max(t_s, 0.0));
-        if (!pattern_.changes()) {
+    std::vector<double> updated_s;
+    for (const double t_s : nodes_.times_s())
+        updated_s.push_back(pattern_.updated_s(std::max(t_s, 0.0)));
+    if (!pattern_.changes()) {
+        steered_ = {};
+        for (const double at_s : updated_s) {
             pattern_.set(at_s);
             origins.push_back(pattern_.origin_m());
-            continue;
         }
-        const Vec2 place = position(c.scene.load.modulation.trajectory, at_s);
-        const auto [state, is_new] = states.try_emplace({place.x, place.y}, updated_s.size());
-        if (is_new) updated_s.push_back(at_s);
-        state_of_.push_back(state->second);
+        return origins;
     }
-    if (!pattern_.changes()) return origins;
+    const Modulation& modulation = c.scene.load.modulation;
+    SteeredSpectra::Key key{.footprint = c.scene.load.footprint,
+                            .trajectory = modulation.trajectory,
+                            .foci_m = modulation.foci_m,
+                            .times_s = std::move(updated_s),
+                            .end_s = end_s,
+                            .dkx_rad_m = dkx_rad_m_,
+                            .dky_rad_m = dky_rad_m_,
+                            .nx = nx_,
+                            .ny = ny_,
+                            .ky_start = ky_start_,
+                            .ky_count = ky_count_};
+    if (steered_.key != key) compute_steered(std::move(key), progress);
+    for (const std::size_t state : steered_.state_of)
+        origins.push_back(steered_.origins_m[state]);
+    return origins;
+}
+
+void LoadSpectrum::compute_steered(SteeredSpectra::Key key, CaseProgress& progress) {
+    steered_ = {};               // also its key, until all spectra are complete
+    std::vector<double> state_s; // a time of each state
+    std::map<std::pair<double, double>, std::size_t> states;
+    for (const double at_s : key.times_s) {
+        const Vec2 place = position(key.trajectory, at_s);
+        const auto [state, is_new] = states.try_emplace({place.x, place.y}, state_s.size());
+        if (is_new) state_s.push_back(at_s);
+        steered_.state_of.push_back(state->second);
+    }
     const auto last = [&](double dk, std::ptrdiff_t nyquist) {
         return std::min(nyquist - 1, static_cast<std::ptrdiff_t>(pattern_.band_rad_m() / dk));
     };
-    last_kx_ = last(dkx_rad_m_, nx_ / 2);
-    rows_there_ =
+    steered_.last_kx = last(dkx_rad_m_, nx_ / 2);
+    steered_.rows =
         std::clamp<std::ptrdiff_t>(last(dky_rad_m_, ny_ / 2) + 1 - ky_start_, 0, ky_count_);
-    states_ = updated_s.size();
-    const std::ptrdiff_t width = 2 * last_kx_ + 1;
-    changing_.resize(static_cast<std::size_t>(rows_there_ * width) * states_);
+    const std::ptrdiff_t width = 2 * steered_.last_kx + 1;
+    steered_.values.resize(static_cast<std::size_t>(steered_.rows * width) * state_s.size());
     std::vector<double> kx;
-    for (std::ptrdiff_t mode = -last_kx_; mode <= last_kx_; ++mode)
+    for (std::ptrdiff_t mode = -steered_.last_kx; mode <= steered_.last_kx; ++mode)
         kx.push_back(static_cast<double>(mode) * dkx_rad_m_);
     std::vector<Complex> spectra(kx.size());
-    std::vector<Vec2> of_states;
-    for (std::size_t s = 0; s < states_; ++s) {
-        pattern_.set(updated_s[s]);
-        of_states.push_back(pattern_.origin_m());
-        for (std::ptrdiff_t row = 0; row < rows_there_; ++row) {
+    for (std::size_t s = 0; s < state_s.size(); ++s) {
+        progress.end_if_asked();
+        pattern_.set(state_s[s]);
+        steered_.origins_m.push_back(pattern_.origin_m());
+        for (std::ptrdiff_t row = 0; row < steered_.rows; ++row) {
             pattern_.spectra(static_cast<double>(ky_start_ + row) * dky_rad_m_, kx, spectra);
             for (std::ptrdiff_t i = 0; i < width; ++i)
-                changing_[static_cast<std::size_t>(row * width + i) * states_ + s] =
+                steered_.values[static_cast<std::size_t>(row * width + i) * state_s.size() + s] =
                     spectra[static_cast<std::size_t>(i)];
         }
     }
-    for (const std::size_t s : state_of_)
-        origins.push_back(of_states[s]);
-    return origins;
+    steered_.key = std::move(key);
 }
 
 void LoadSpectrum::factors(std::ptrdiff_t ky, std::span<Complex> out) const {
     if (pattern_.changes()) {
-        const bool is_row_there = ky - ky_start_ < rows_there_;
+        const bool is_row_there = ky - ky_start_ < steered_.rows;
         for (std::ptrdiff_t kx = 0; kx < nx_; ++kx) {
             const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
             out[static_cast<std::size_t>(kx)] =
-                is_row_there && std::abs(mode) <= last_kx_ ? 1.0 : 0.0;
+                is_row_there && std::abs(mode) <= steered_.last_kx ? 1.0 : 0.0;
         }
         return;
     }
@@ -171,10 +195,12 @@ LoadSpectrum::Line LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
                       static_cast<std::ptrdiff_t>(times), fft::reals(buffer_.data()));
     if (pattern_.changes()) {
         const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
-        const std::ptrdiff_t at = (ky - ky_start_) * (2 * last_kx_ + 1) + mode + last_kx_;
-        const Complex* g = changing_.data() + static_cast<std::size_t>(at) * states_;
+        const std::ptrdiff_t at =
+            (ky - ky_start_) * (2 * steered_.last_kx + 1) + mode + steered_.last_kx;
+        const Complex* g =
+            steered_.values.data() + static_cast<std::size_t>(at) * steered_.origins_m.size();
         for (std::size_t t = 0; t < times; ++t)
-            buffer_[t] *= g[state_of_[t]];
+            buffer_[t] *= g[steered_.state_of[t]];
     }
     transform(buffer_.data(), jumps_.data());
     return {{buffer_.data(), n}, jumps_};

@@ -3,6 +3,7 @@
 
 #include "engines/layered/kernels/response.hpp"
 #include "engines/layered/load/time_nodes.hpp"
+#include "engines/layered/response/case_progress.hpp"
 #include "engines/layered/response/transfer_table.hpp"
 #include "fft/aligned.hpp"
 #include "fft/line_transform.hpp"
@@ -15,15 +16,39 @@
 
 namespace shearwake::layered {
 
+/// Spectra of a steered pattern at the positions of its focus, kept for cases with the same array,
+/// path, grid and times.
+struct SteeredSpectra {
+    /// Everything that they depend on.
+    struct Key {
+        Footprint footprint;
+        Trajectory trajectory;
+        std::vector<Vec2> foci_m;
+        std::vector<double> times_s; // of which each has a state
+        double end_s = 0.0, dkx_rad_m = 0.0, dky_rad_m = 0.0;
+        std::ptrdiff_t nx = 0, ny = 0, ky_start = 0, ky_count = 0;
+        bool operator==(const Key&) const = default;
+    };
+    Key key;
+    std::vector<std::size_t> state_of; // of each time
+    std::vector<Vec2> origins_m;       // of each state
+    /// (ky, kx, state) of this rank's rows, limited to the modes |kx| and ky below which the
+    /// pattern has content.
+    std::ptrdiff_t last_kx = 0, rows = 0;
+    fft::AlignedVector<std::complex<double>> values;
+};
+
 /// Transforms in time of e^{-decay t} e(t) c(t) e^{-i k . (x_f(t) - corner)}, divided by the step:
 /// the load at wave vector k divided by its peak, relative to the corner of the grid, without the
 /// roll-off. The integrals are those of TimeNodes, exact for jumps and kinks. The pattern on the
 /// skin is included if it changes in time; otherwise factors() provides it. Covers ky_count rows of
-/// wave vectors from ky_start. Not collective.
+/// wave vectors from ky_start.
 class LoadSpectrum {
 public:
+    /// Uses or replaces the `steered` spectra of an earlier case, and frees them if the pattern is
+    /// constant. Throws StopRequested if a stop was requested. Collective.
     LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
-                 std::ptrdiff_t ky_count);
+                 std::ptrdiff_t ky_count, SteeredSpectra& steered, CaseProgress& progress);
 
     struct Line {
         /// All `samples` frequencies in FFT order.
@@ -52,7 +77,8 @@ public:
     static double memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count);
 
 private:
-    std::vector<Vec2> origins_of_times(const Case& c);
+    std::vector<Vec2> origins_of_times(const Case& c, double end_s, CaseProgress& progress);
+    void compute_steered(SteeredSpectra::Key key, CaseProgress& progress);
     void transform(std::complex<double>* values, std::complex<double>* jumps_of_line) const;
 
     const ResponseKernels& kernels_;
@@ -69,12 +95,7 @@ private:
     std::vector<std::complex<double>> y_phases_; // (ky, time of nodes_), or (ky) if y_rests_
     fft::AlignedVector<std::complex<double>> buffer_;
     std::vector<std::complex<double>> jumps_; // of a line, or (kx, jump) if y_rests_
-    // For a changing pattern: the state at each time, and the spectra (ky, kx, state) of this
-    // rank's rows, limited to the modes |kx| and ky below which the pattern has content.
-    std::vector<std::size_t> state_of_;
-    std::size_t states_ = 0;
-    std::ptrdiff_t last_kx_ = 0, rows_there_ = 0;
-    fft::AlignedVector<std::complex<double>> changing_;
+    SteeredSpectra& steered_;
 };
 
 } // namespace shearwake::layered
