@@ -6,6 +6,7 @@
 #include "measures/window.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -188,6 +189,32 @@ CasePlan plan_case(const Case& c, int ranks, const engines::Solver& engine) {
     }
     all.work += case_ns + byte_ns * all.written_B;
     return plan;
+}
+
+std::string size_error(const std::string& job_text, const Case& c) {
+    constexpr double largest_planes_B = 1e12; // beyond the memory of any machine
+    // The names, positions and numbers of more traces would not fit into the text of a case.
+    constexpr std::size_t most_traces = 10000;
+    if (job_text.size() > h5::largest_text)
+        return fmt::format("the job has {} kB, but case files can store at most {} kB of its text; "
+                           "move points and traces to separate files",
+                           job_text.size() / 1000, h5::largest_text / 1000);
+    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+    const double numbers = points + static_cast<double>(c.time.frames) *
+                                        (1.0 + static_cast<double>(c.record.traces_m.size()));
+    if (8.0 * numbers > largest_planes_B)
+        return fmt::format("domain and time: a plane of {} x {} points, {} frames and {} traces "
+                           "require {:.3g} GB on one rank; at most {:.3g} GB are possible",
+                           c.domain.nx, c.domain.ny, c.time.frames, c.record.traces_m.size(),
+                           8e-9 * numbers, 1e-9 * largest_planes_B);
+    if (c.record.traces_m.size() > most_traces)
+        return fmt::format("record.traces_mm: has {} traces; at most {} are possible",
+                           c.record.traces_m.size(), most_traces);
+    if (const std::size_t length = canonical_text(c).size(); length > h5::largest_text)
+        return fmt::format("the description of a case has {} kB, but case files can store at most "
+                           "{} kB; use fewer layers, bodies, traces, bands, foci or points",
+                           length / 1000, h5::largest_text / 1000);
+    return {};
 }
 
 std::string memory_text(const engines::Resources& needs) {

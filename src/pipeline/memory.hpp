@@ -24,6 +24,10 @@ double memory_per_rank_B(const Comm& world);
 /// which the groups are mounted. Not collective.
 double left_in_group_B(std::istream& groups, const std::filesystem::path& root);
 
+/// Why no run can compute a case of a job: its texts do not fit into case files, or its grid
+/// exceeds the memory of any machine. Empty: neither. Not collective.
+std::string size_error(const std::string& job_text, const Case& c);
+
 /// The peak memory of this rank so far. Not collective.
 double peak_memory_B();
 

@@ -8,6 +8,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
+#include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/files.hpp"
 
@@ -114,9 +115,12 @@ bool Solver::compute(const Request& request, Interrupt& interrupt, Answer& answe
     PlannedCase planned = job.plan.cases.front();
     if (!request.wants_receptors()) planned.physics.afferents.reset();
     const Case& c = planned.physics;
+    if (const std::string error = pipeline::size_error(job.text, c); !error.empty())
+        throw UsageError(error, ExitCode::bad_job);
     if (!engine_) engine_ = engines::make_engine(LayeredOptions{});
     const pipeline::CasePlan plan = suitable_plan(c, with_frames);
     check_receptors(c);
+    if (interrupt.stop_asked()) return false;
     pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
     pipeline::record_receptors(c, plan.receptors, recorder);
     FrameCollector collector(c, world_, recorder, rows_);

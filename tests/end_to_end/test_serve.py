@@ -5,6 +5,7 @@ import threading
 
 import h5py
 import numpy
+import pytest
 
 from program import ProgramTest, case_files
 from serving import Server, one
@@ -135,6 +136,34 @@ samples = 2
         with Server("--time-limit", "0.05") as server:
             message, _ = server.compute(LARGE)
             self.assertEqual((message["type"], message["code"]), ("error", "time_limit"))
+
+    def test_a_request_ends_while_it_is_prepared(self):
+        steered = one().replace("gaussian", "array").replace("fwhm_mm = 4.5", 'preset = "array-16x16", distance_mm = 200.0')
+        with Server("--time-limit", "0.5") as server:
+            message, _ = server.compute(steered.replace("-14.0, 0.0", "-12.0, 0.0").replace("interval_us = 100.0", "interval_us = 5.0"))
+            self.assertEqual((message["type"], message["code"]), ("error", "time_limit"))
+            self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")  # the process continues
+
+    @pytest.mark.long
+    def test_the_kept_pattern_of_an_array_changes_no_result(self):
+        steered = one().replace("gaussian", "array").replace("fwhm_mm = 4.5", 'preset = "array-16x16", distance_mm = 200.0').replace("duration_ms = 4.0", "duration_ms = 1.0")
+        softer, other = steered.replace('"thesis-tissue"', '"forearm"'), steered.replace("distance_mm = 200.0", "distance_mm = 180.0")
+        with Server() as server:
+            kept = [server.compute(job)[1]["u_z"] for job in (steered, softer, other, one(), steered)]
+        for job, frames in zip((steered, softer, other), kept):
+            with Server() as server:
+                numpy.testing.assert_array_equal(server.compute(job)[1]["u_z"], frames)
+        numpy.testing.assert_array_equal(kept[0], kept[4])
+
+    def test_the_sizes_that_run_rejects_are_rejected(self):
+        layer = '[[medium.layer]]\nthickness_mm = 0.01\ndensity_kg_m3 = 1000.0\nc_p_m_s = 1500.0\nc_s_m_s = 5.0\nviscosity_Pa_s = 1.0\n'
+        layers = "".join(layer + f'name = "{n}"\n' for n in range(3000))
+        job = one().replace('preset = "thesis-tissue"', 'base = "rigid"\n' + layers)
+        with Server() as server:
+            message, _ = server.compute(job)
+        self.assertEqual((message["type"], message["code"]), ("error", "bad_job"))
+        for output in (message["message"], self.shearwake("run", self.write_job(job), expect=3).said):
+            self.assertIn("case files can store at most 60 kB", output)
 
     def test_hostile_requests_have_clear_errors_and_the_process_survives(self):
         def requested(**members):

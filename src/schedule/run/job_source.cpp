@@ -6,6 +6,7 @@
 #include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
+#include "pipeline/memory.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
@@ -17,11 +18,6 @@
 
 namespace shearwake::schedule {
 namespace {
-
-/// Upper limit of the memory for the planes and series of rank 0, beyond that of any machine.
-constexpr double largest_planes_B = 1e12;
-/// The names, positions and numbers of more traces would not fit into the text of a case.
-constexpr std::size_t most_records = 10000;
 
 /// Loads maps from files relative to the job, each only once. Collective: every rank parses the
 /// same job and so requests the same file at the same time.
@@ -73,38 +69,15 @@ void check_pins(config::Job& job, const std::string& file) {
     if (is_bad) throw config::BadJob(std::move(job.diagnostics));
 }
 
-/// Rejects texts that do not fit into case files, and grids that exceed the memory of any machine,
-/// before memory of such a size is allocated.
+/// Rejects what pipeline::size_error() does, before memory of such a size is allocated.
 void check_sizes(const config::Job& job, const std::string& file) {
     std::vector<config::Diagnostic> diagnostics;
     const auto refuse = [&](const std::string& message) {
         diagnostics.push_back({.severity = Severity::error, .file = file, .message = message});
     };
-    if (job.text.size() > h5::largest_text)
-        refuse(fmt::format("the job has {} kB, but case files can store at most {} kB of its text; "
-                           "move points and traces to separate files",
-                           job.text.size() / 1000, h5::largest_text / 1000));
     std::set<std::string> known;
     for (const PlannedCase& planned : job.plan.cases) {
-        const Case& c = planned.physics;
-        std::string message;
-        const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-        const double numbers = points + static_cast<double>(c.time.frames) *
-                                            (1.0 + static_cast<double>(c.record.traces_m.size()));
-        if (8.0 * numbers > largest_planes_B)
-            message = fmt::format("domain and time: a plane of {} x {} points, {} frames and {} "
-                                  "traces require {:.3g} GB on one rank; at most {:.3g} GB are "
-                                  "possible",
-                                  c.domain.nx, c.domain.ny, c.time.frames, c.record.traces_m.size(),
-                                  8e-9 * numbers, 1e-9 * largest_planes_B);
-        else if (c.record.traces_m.size() > most_records)
-            message = fmt::format("record.traces_mm: has {} traces; at most {} are possible",
-                                  c.record.traces_m.size(), most_records);
-        else if (const std::size_t length = canonical_text(c).size(); length > h5::largest_text)
-            message =
-                fmt::format("the description of a case has {} kB, but case files can store at "
-                            "most {} kB; use fewer layers, bodies, traces, bands, foci or points",
-                            length / 1000, h5::largest_text / 1000);
+        const std::string message = pipeline::size_error(job.text, planned.physics);
         if (!message.empty() && known.insert(message).second && known.size() < 10) refuse(message);
     }
     if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));

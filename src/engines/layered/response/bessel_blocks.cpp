@@ -73,15 +73,13 @@ auto BesselBlocks<Scalar>::block(std::size_t first) const -> Matrix {
 template <class Scalar>
 void BesselBlocks<Scalar>::multiply(
     const Matrix& weights,
-    const std::function<void(std::size_t first, const Matrix& products)>& use) {
+    const std::function<bool(std::size_t first, const Matrix& products)>& use) {
     const bool is_cached = cached_B(k_rad_m_.size(), radii_) > 0.0;
     for (std::size_t first = 0, number = 0; first < radii_; first += radii_together, ++number) {
-        if (!is_cached) {
-            use(first, block(first) * weights);
-            continue;
-        }
-        if (number == cached_.size()) cached_.push_back(block(first));
-        use(first, cached_[number] * weights);
+        if (is_cached && number == cached_.size()) cached_.push_back(block(first));
+        const Matrix products =
+            is_cached ? Matrix(cached_[number] * weights) : Matrix(block(first) * weights);
+        if (!use(first, products)) return;
     }
 }
 

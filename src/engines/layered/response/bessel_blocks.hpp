@@ -32,9 +32,9 @@ public:
     const std::vector<Scalar>& k_rad_m() const { return k_rad_m_; }
 
     /// Passes J0 times `weights` ([k][column]) to `use`, block by block: the number of the first
-    /// radius, and the products ([radius][column]).
+    /// radius, and the products ([radius][column]). Ends early if `use` returns false.
     void multiply(const Matrix& weights,
-                  const std::function<void(std::size_t first, const Matrix& products)>& use);
+                  const std::function<bool(std::size_t first, const Matrix& products)>& use);
 
     /// Memory in bytes of the cache.
     static double cached_B(std::size_t wavenumbers, std::size_t radii) {

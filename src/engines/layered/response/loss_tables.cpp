@@ -88,7 +88,7 @@ LossResponse::LossResponse(double spacing_m, double reach_m)
                                            table_radii(spacing_m, reach_m)) {}
 
 std::vector<Complex> LossResponse::tables(std::span<const RadialInterpolant> losses,
-                                          const std::function<void()>& block_done) {
+                                          const std::function<bool()>& block_done) {
     using Matrix = BesselBlocks<double>::Matrix;
     const auto nodes = std::ssize(bessel_.k_rad_m()), columns = std::ssize(losses);
     Matrix weights(nodes, 2 * columns); // real and imaginary parts
@@ -106,7 +106,7 @@ std::vector<Complex> LossResponse::tables(std::span<const RadialInterpolant> los
             for (Eigen::Index r = 0; r < part.rows(); ++r)
                 tables[static_cast<std::size_t>(c) * radii + first + static_cast<std::size_t>(r)] =
                     {part(r, 2 * c), part(r, 2 * c + 1)};
-        if (block_done) block_done();
+        return !block_done || block_done();
     });
     return tables;
 }

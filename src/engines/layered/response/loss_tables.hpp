@@ -46,9 +46,9 @@ public:
     LossResponse(double spacing_m, double reach_m);
 
     /// For each function, l at all radii: [function][radius]. Calls `block_done` after each of
-    /// radial_blocks().
+    /// radial_blocks(); if it returns false, the tables are incomplete.
     std::vector<std::complex<double>> tables(std::span<const RadialInterpolant> losses,
-                                             const std::function<void()>& block_done = {});
+                                             const std::function<bool()>& block_done = {});
 
 private:
     FixedPanels panels_;

@@ -84,7 +84,7 @@ std::size_t radial_blocks(double spacing_m, double reach_m) {
 }
 
 std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns,
-                                           const std::function<void()>& block_done) {
+                                           const std::function<bool()>& block_done) {
     using Matrix = BesselBlocks<Complex>::Matrix;
     const auto nodes = std::ssize(weight_);
     Matrix weighted(nodes, static_cast<Eigen::Index>(columns));
@@ -98,7 +98,7 @@ std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size
             std::ranges::copy(part.col(c), tables.begin() +
                                                c * static_cast<std::ptrdiff_t>(radii()) +
                                                static_cast<std::ptrdiff_t>(first));
-        if (block_done) block_done();
+        return !block_done || block_done();
     });
     return tables;
 }

@@ -51,10 +51,10 @@ public:
 
     /// For each of `columns` functions whose values at the nodes are columns of `h`
     /// ([column][node]), g at all radii: [column][radius]. Calls `block_done` after each of
-    /// radial_blocks().
+    /// radial_blocks(); if it returns false, the tables are incomplete.
     std::vector<std::complex<double>> tables(std::span<const std::complex<double>> h,
                                              std::size_t columns,
-                                             const std::function<void()>& block_done = {});
+                                             const std::function<bool()>& block_done = {});
 
 private:
     PointResponse(const PointRule& rule, double spacing_m, double reach_m);

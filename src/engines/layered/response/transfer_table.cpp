@@ -121,6 +121,8 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
     bool stops = false;
     const auto block_done = [&] {
         if (progress) progress->did(Stage::radial);
+        stops = progress && progress->stop_asked();
+        return !stops;
     };
     fail_together(team, [&] {
         if (key_.quantity == StackQuantity::loss) {
@@ -139,7 +141,11 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
             return;
         }
         std::vector<Complex> h, of_node(depths);
-        for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
+        for (std::ptrdiff_t first_m = 0; first_m < frequencies() && !stops;
+             first_m += team.size()) {
+            stops = progress && progress->stop_asked();
+            const std::ptrdiff_t m = first_m + team.rank();
+            if (stops || m >= frequencies()) continue;
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const std::size_t first = h.size();
@@ -151,7 +157,6 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
             }
             if (progress) progress->did(Stage::response);
         }
-        stops = progress && progress->stop_asked();
         if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
     });
     if (stops) throw engines::StopRequested{};
@@ -162,17 +167,20 @@ void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> t
                                 const Comm& team, CaseProgress* progress) {
     const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
     const std::size_t depths = key_.depths_m.size();
-    together(team, [&] {
-        if (ky_count_ == 0) return;
+    bool stops = false;
+    fail_together(team, [&] {
         const std::size_t radii = grid.point.radii();
-        const fft::CosineTransform along_y(half_y, half_x + 1), along_x(half_x, ky_count_);
+        const fft::CosineTransform along_y(half_y, half_x + 1),
+            along_x(half_x, std::max<std::ptrdiff_t>(1, ky_count_));
         fft::AlignedVector<Complex> plane(static_cast<std::size_t>((half_x + 1) * (half_y + 1)));
         fft::AlignedVector<Complex> rows(static_cast<std::size_t>((half_x + 1) * ky_count_));
         const double cell_m2 = key_.spacing_m * key_.spacing_m;
         const Complex* table = tables.data();
         for (int rank = 0; rank < team.size(); ++rank)
-            for (std::ptrdiff_t m = rank; m < frequencies(); m += team.size())
-                for (std::size_t depth = 0; depth < depths; ++depth, table += radii) {
+            for (std::ptrdiff_t m = rank; m < frequencies() && !stops; m += team.size()) {
+                stops = progress && progress->stop_asked();
+                for (std::size_t depth = 0; depth < depths && !stops && ky_count_ > 0;
+                     ++depth, table += radii) {
                     grid.sampling.sample({table, radii}, plane.data());
                     along_y.execute(plane.data());
                     for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
@@ -191,13 +199,15 @@ void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> t
                     }
                     if (progress) progress->did(Stage::expansion);
                 }
-        for (std::size_t depth = 0; depth < depths; ++depth)
+            }
+        for (std::size_t depth = 0; depth < depths && !stops; ++depth)
             for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
                 add_remainder(ky, depth,
                               values_.data() +
                                   (static_cast<std::ptrdiff_t>(depth) * ky_count_ + ky) *
                                       (half_x + 1) * frequencies());
     });
+    if (stops) throw engines::StopRequested{};
 }
 
 void TransferTable::add_remainder(std::ptrdiff_t ky, std::size_t depth, Complex* row) const {
