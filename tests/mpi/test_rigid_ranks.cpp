@@ -113,7 +113,9 @@ TEST_CASE("rigid bodies resume from a checkpoint on any number of ranks", "[mpi]
         for (test::GatheredState* found : {&by_one, &by_all}) {
             CAPTURE(name, found == &by_one);
             REQUIRE(found->rows(name).size() == end.rows(name).size());
-            CHECK(test::apart(found->rows(name), end.rows(name)) < 1e-12); // another order of sums
+            // On several ranks the order of sums differs.
+            CHECK(test::apart(found->rows(name), end.rows(name)) <=
+                  (world.size() == 1 ? 0.0 : 1e-12));
         }
 }
 

@@ -82,27 +82,6 @@ TEST_CASE("rows below the Nyquist frequency are distributed evenly", "[mpi]") {
     CHECK(world.max(static_cast<int>(share.ky_count)) == fft::most_rows(ny, world.size()));
 }
 
-TEST_CASE("forward and backward transforms multiply the plane by nx ny", "[mpi]") {
-    const auto [nx, ny] = GENERATE(values(grids));
-    const Comm world = Comm::world();
-    const fft::SlabTransform transform(nx, ny, world);
-    const fft::SlabShare& share = transform.share();
-    const fft::AlignedVector<double> before = noise_plane(share, ny);
-    fft::AlignedVector<double> plane = before;
-    transform.to_spectral(plane.data());
-    transform.to_physical(plane.data());
-    double worst = 0.0;
-    for (std::ptrdiff_t i = 0; i < share.x_count; ++i) {
-        for (std::ptrdiff_t j = 0; j < ny; ++j) {
-            const auto at = static_cast<std::size_t>(i * share.padded_ny + j);
-            const double back = plane[at] / static_cast<double>(nx * ny);
-            worst = test::worse(worst, std::abs(back - before[at]));
-        }
-    }
-    // Values of order 1 after about 10 rounding errors of 1e-16.
-    CHECK(world.max(worst) < 5e-15);
-}
-
 TEST_CASE("forward and backward transforms are adjoint", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
