@@ -177,15 +177,6 @@ TEST_CASE("all stages of all 17 neurons equal TouchSim within 1e-10", "[neural]"
     CHECK(worst_over_row_maximum(raw, lines_of(*file, name + "/current_raw")) < rounding);
 }
 
-TEST_CASE("all 17 neurons fire at the same samples as in the reference files of TouchSim",
-          "[neural]") {
-    const auto file = reference("shared_1_single_afferents.h5");
-    if (!file) return;
-    const std::string name = GENERATE(from_range(std::begin(all_stimuli), std::end(all_stimuli)));
-    CAPTURE(name);
-    CHECK(respond(stimulus_of(*file, name), afferents_of(*file), {}) == spikes_of(*file, name));
-}
-
 TEST_CASE("985 Pacinian afferents of the palm fire at the same samples as in TouchSim",
           "[neural]") {
     const auto file = reference("shared_2_am_carrier_palm.h5");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rigid bodies of any shape in engine "spectral": energy, symmetries and places.
-#include "support/memory_state.hpp"
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -12,7 +11,6 @@ using namespace shearwake;
 using test::last_frame;
 using test::lump_case;
 using test::relative_l2;
-using test::step_through;
 
 namespace {
 
@@ -153,26 +151,6 @@ TEST_CASE("a long rigid lump approaches an endless body", "[verify]") {
     const double difference = relative_l2(of_lump, of_endless);
     CAPTURE(difference, relative_l2(without, endless));
     CHECK(difference < 0.05); // 2.4 spacings per radius
-}
-
-TEST_CASE("a restored run with a rigid lump continues with the same bits", "[verify]") {
-    const Case c = lump_case(0.5);
-    test::MemoryState saved, end;
-    step_through(c, 12, [&](spectral::Stepper& stepper) {
-        if (stepper.step() == 6) stepper.save(saved);
-        if (stepper.step() == 12) stepper.save(end);
-    });
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    const auto& options = std::get<SpectralOptions>(c.solver);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
-                              *options.time_step_s, alone);
-    stepper.restore(saved);
-    while (stepper.step() < 12)
-        stepper.advance();
-    test::MemoryState restored;
-    stepper.save(restored);
-    CHECK(restored == end);
 }
 
 } // namespace test_rigid_lumps

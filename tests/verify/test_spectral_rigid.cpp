@@ -3,7 +3,6 @@
 // and the limit of a very stiff elastic body.
 #include "engines/spectral/bodies/section_markers.hpp"
 #include "support/displacement_at.hpp"
-#include "support/memory_state.hpp"
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -133,27 +132,6 @@ TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[
             back.push_back(
                 moved[static_cast<std::size_t>((i + shift) % c.domain.nx * c.domain.ny + j)]);
     CHECK(relative_l2(back, frame) < 1e-9); // rounding of the phases
-}
-
-TEST_CASE("a restored run with a rigid body continues with the same bits", "[verify]") {
-    const Case c = bone_case(GENERATE(Along::x, Along::y), 0.5);
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    const spectral::DepthMesh mesh =
-        spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver), 50e-6);
-    spectral::Stepper through(c, mesh, slabs, 50e-6, alone), resumed(c, mesh, slabs, 50e-6, alone);
-    test::MemoryState saved, end, other;
-    for (int i = 0; i < 20; ++i) {
-        if (i == 9) through.save(saved);
-        through.advance();
-    }
-    resumed.restore(saved);
-    for (int i = 9; i < 20; ++i)
-        resumed.advance();
-    through.save(end);
-    resumed.save(other);
-    CHECK(end == other);
-    CHECK(end.rows("rigid_bodies")[2] != 0.0);
 }
 
 TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sampling/design.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <algorithm>
@@ -59,22 +60,17 @@ TEST_CASE("a sample is the last axis of a sweep", "[config][uncertain]") {
     }
 }
 
-TEST_CASE("an extended sample contains all cases of the smaller one", "[config][uncertain]") {
-    for (const char* sampling : {"sobol", "latin-hypercube", "random"}) {
-        const std::vector<config::Override> few = {{"uncertain.sampling", sampling}};
-        const std::vector<config::Override> more = {{"uncertain.sampling", sampling},
-                                                    {"uncertain.samples", "50"}};
-        const auto small = ids(plan_of(two_keys, few)), large = ids(plan_of(two_keys, more));
-        CHECK(large.size() == 50);
-        CHECK(std::ranges::includes(large, small));
-    }
-}
-
 TEST_CASE("the design of Sobol indices has keys + 2 cases per sample", "[config][uncertain]") {
     const Plan plan = plan_of(two_keys, {{"uncertain.analysis", "sobol-indices"}});
     CHECK(plan.cases.size() == 64);
     CHECK(ids(plan).size() == 64);
     CHECK(plan_of(two_keys, {{"uncertain.analysis", "morris"}}).cases.size() == 48);
+    // In the order in which `reduce` takes their values; 5 m/s and 1 Pa s are medians.
+    const auto points = sampling::design_points(sampling::design_of(*plan.uncertain));
+    for (std::size_t r = 0; r < 64; ++r)
+        for (std::size_t k = 0; k < 2; ++k)
+            CHECK((std::get<double>(plan.cases[r].settings[k].value) < (k == 0 ? 5.0 : 1.0)) ==
+                  (points[r][k] < 0.5));
 }
 
 TEST_CASE("every sample has its own reference", "[config][uncertain]") {
@@ -102,9 +98,6 @@ TEST_CASE("hostile distributions are rejected with a clear message", "[config][u
     const auto [text, said] = GENERATE_REF(table<std::string, std::string>({
         {samples + key + "{ distribution = \"normal\", mean = 5.0, sd = -1.0 }",
          "requires an sd above 0, but it is -1"},
-        {samples + key + "{ distribution = \"normal\", mean = 5.0, sd = 0.1, min = 50.0 }",
-         "is truncated to nothing"},
-        {samples + key + "{ distribution = \"normal\", mean = nan, sd = 0.1 }", "finite"},
         {samples + key + "{ distribution = \"cauchy\" }", "distribution"},
         {samples + key + "{ preset = \"forearm-viscosity\" }",
          "is a distribution of viscosity_Pa_s, not of medium.layer[1].c_s_m_s"},
