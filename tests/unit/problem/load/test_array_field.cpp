@@ -63,12 +63,6 @@ TEST_CASE("the focus of a 16 x 16 array is as wide as it is known to be", "[arra
     CHECK(fwhm_m(Footprint(board(0.30))) == Approx(14.5e-3).margin(0.05e-3));
 }
 
-TEST_CASE("pistons of known strength press as hard as they are known to", "[array]") {
-    // 51 Pa and 92 Pa, rounded to whole numbers.
-    CHECK(peak_Pa(board(), 2.53, 1.184) == Approx(51.0).margin(0.5));
-    CHECK(peak_Pa(board(), 3.4, 1.184) == Approx(92.0).margin(0.5));
-}
-
 TEST_CASE("the pistons' directivity is that of a disc", "[array]") {
     const ArrayFootprint array = board();
     // 2 J1(x) / x by its power series at x = k a sin(theta).
@@ -213,14 +207,6 @@ TEST_CASE("the force of a steered array is the integral of its pressure", "[arra
     const double zero = 0.0;
     CHECK(force_areas_m2(load_of(array, at(focus)), {&zero, 1}).front() ==
           Approx(sum * spacing_m * spacing_m).epsilon(1e-8)); // both sums are spectrally accurate
-}
-
-TEST_CASE("a force of known pistons is as large as it is known to be", "[array]") {
-    const ArrayFootprint array = board();
-    Load load = load_of(array, at({}));
-    load.peak_Pa = peak_Pa(array, 2.53, 1.184);
-    // 6 mN, a whole number: the side lobes that are kept are part of it.
-    CHECK(first_force_N(load) == Approx(6e-3).margin(1e-3));
 }
 
 TEST_CASE("several foci share the power of one", "[array]") {

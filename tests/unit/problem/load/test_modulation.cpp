@@ -94,15 +94,6 @@ TEST_CASE("the velocity is the derivative of the position", "[modulation]") {
     }
 }
 
-TEST_CASE("an oscillating speed without deviation is a constant one", "[modulation]") {
-    const double t = GENERATE(0.0, 0.001, 0.02);
-    const Trajectory sm = travel(OscillatingSpeed{7.0, 0.0, 200.0, 0.3});
-    const Trajectory constant = travel(ConstantSpeed{7.0});
-    CHECK(position(sm, t) == position(constant, t));
-    CHECK(velocity(sm, t) == velocity(constant, t));
-    CHECK(off_time_s(sm) == off_time_s(constant));
-}
-
 TEST_CASE("the focus is switched off at the end of a path with oscillating speed", "[modulation]") {
     const double frequency_Hz = GENERATE(37.0, 100.0, 200.0, 930.0);
     const double deviation = GENERATE(0.5, 2.0, 6.9);

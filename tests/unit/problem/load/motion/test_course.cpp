@@ -161,14 +161,6 @@ TEST_CASE("a focus rests at its points and jumps between them", "[course]") {
     CHECK(after == within);
 }
 
-TEST_CASE("a pattern of radius zero moves as its centre does", "[course]") {
-    const Travel slow{square(), ConstantSpeed{0.1}, AtEnd::repeat, {.dwell_s = 0.05}};
-    const Travel point{Arc{{}, 0.0, 0.0, 2.0 * pi}, ConstantSpeed{0.0}, AtEnd::repeat};
-    const double t = GENERATE(0.0, 0.07, 0.333, 2.5);
-    CHECK(position({{slow, point}}, t) == position({{slow}}, t));
-    CHECK(velocity({{slow, point}}, t) == velocity({{slow}}, t));
-}
-
 TEST_CASE("only a straight path at one speed has a single wake", "[course]") {
     const Curve line = {{0.0, 0.0}, {0.1, 0.0}}, circle = Arc{{}, 0.01, 0.0, 2.0 * pi};
     CHECK(has_constant_velocity({{Hold{}}}));
