@@ -39,10 +39,12 @@ class FilesTest(ProgramTest):
     def refused(self, name, *words, expect=3):
         self.says(self.imported(name, expect=expect), *words)
 
-    def changed(self, **parts):
+    def changed(self, variables=(), **parts):
+        """Writes study.mat with changed fields and other variables, without those that are None, and returns the path of the import."""
         structures = study()
         structures["sensor"]["record"] = cell(["p", "u"])
         for name, fields in parts.items():
-            structures[name].update(fields)
-        scipy.io.savemat(self.folder / "study.mat", structures)
+            structures[name] = {field: value for field, value in {**structures[name], **fields}.items() if value is not None}
+        structures.update(variables)
+        scipy.io.savemat(self.folder / "study.mat", {name: value for name, value in structures.items() if value is not None})
         return self.folder / "study.h5"

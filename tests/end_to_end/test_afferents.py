@@ -3,10 +3,9 @@
 
 import h5py
 import numpy as np
-import pytest
 import xarray
 
-from program import SWEEP, ProgramTest, without_reference
+from program import ProgramTest, without_reference
 
 STRONG = ("peak_Pa = 100.0", "peak_Pa = 5000.0")
 PINS = """
@@ -25,23 +24,6 @@ def with_afferents(*changes):
 class Afferents(ProgramTest):
     def cases(self, folder):
         return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
-
-    @pytest.mark.long
-    def test_spikes_with_noise_do_not_depend_on_the_number_of_ranks(self):
-        self.write_job(with_afferents((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
-        trains = {}
-        for ranks in (1, 2, 3, 5):
-            folder = f"out/{ranks}"
-            self.shearwake("run", "job.toml", "--out", folder, "--ranks-per-case", ranks, ranks=ranks)
-            for name, path in self.cases(folder).items():
-                with h5py.File(path) as file:
-                    group = file["afferents"]
-                    found = (group["spike_count"][()], group["spike_time"][()])
-                first = trains.setdefault(name, found)
-                self.assertGreater(len(first[1]), 100)
-                for ours, theirs in zip(first, found):
-                    np.testing.assert_array_equal(ours, theirs)
-        self.assertEqual(len(trains), 1)
 
     def test_xarray_reads_the_spikes_and_the_table_has_their_columns(self):
         self.write_job(with_afferents())

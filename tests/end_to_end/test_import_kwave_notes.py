@@ -5,26 +5,18 @@ import types
 
 import h5py
 import numpy
-import scipy.io
 
 from kwave import import_kwave, save
-from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
+from small_study import POINTS, FilesTest, cell, study
+from test_import_kwave_files import as_in_python
 
 from shearwake.kwave import checks
 
 
 class Notes(FilesTest):
-    def refused(self, name, *words):
-        self.says(self.imported(name, expect=3), *words)
-
-    def saved(self, changes, **others):
+    def saved(self, changes, **variables):
         """A study with changed fields, {structure: {field: value}}, and other variables."""
-        structures = study()
-        structures["sensor"]["record"] = cell(["p", "u"])
-        for group, fields in changes.items():
-            structures[group].update(fields)
-        structures.update(others)
-        scipy.io.savemat(self.folder / "study.mat", {name: value for name, value in structures.items() if value is not None})
+        self.changed(variables, **changes)
         return "study.mat"
 
     def test_faces_between_fluid_and_solid_are_counted(self):

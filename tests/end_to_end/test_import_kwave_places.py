@@ -3,17 +3,14 @@
 
 import h5py
 import numpy
-import scipy.io
 
 from kwave import nodes_of
-from small_study import FilesTest, cell, study
+from small_study import FilesTest, study
 
 
 class Places(FilesTest):
     def test_places_of_sources_and_sensor_are_printed(self):
-        structures = study()
-        structures["sensor"]["record"] = cell(["p", "u"])
-        scipy.io.savemat(self.folder / "study.mat", structures)
+        self.changed()
         self.says(self.imported("study.mat"), "10 x 9 x 8 nodes, 20 steps of 10 us, 1 source, 3 sensor nodes",
                   "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (p, u): 3 nodes, x 3 to 5, y 4, z 2")
         # A cube whose array was stored with reversed indices has the right shape, but another place.
@@ -113,13 +110,8 @@ class Places(FilesTest):
 
     def test_automatic_times_that_divide_the_duration_count_the_last_step(self):
         """makeTime adds a step where the quotient is a whole number except for rounding: (8, 16, 16) mm at 5 m/s take 4.8 ms."""
-        structures = study()
-        structures["medium"].update(sound_speed_shear=5.0)
-        structures["kgrid"].update(Nx=8, Ny=16, Nz=8, dt="auto", Nt="auto")
-        structures["source"] = {"p0": numpy.ones((8, 16, 8))}
-        structures["options"].update(Smooth=False)
-        structures["sensor"]["record"] = cell(["p", "u"])
-        scipy.io.savemat(self.folder / "study.mat", structures)
+        self.changed({"source": {"p0": numpy.ones((8, 16, 8))}}, medium={"sound_speed_shear": 5.0}, options={"Smooth": False},
+                     kgrid={"Nx": 8, "Ny": 16, "Nz": 8, "dt": "auto", "Nt": "auto"})
         said = self.imported("study.mat")
         self.says(said, "961 steps of 5 us")  # 24 mm / (5 m/s) / 5 us is 959.9999999999999
         self.assertNotIn("k-Wave itself", said)

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the unit tests of k-Wave's elastic code check, from input files and with pstd_elastic_3d, against schemes that are written anew
-with NumPy. Numbers of the files have 32 bits; with those of pstd_elastic_3d the limits are k-Wave's."""
+"""What the unit tests of k-Wave's elastic code check, with pstd_elastic_3d and k-Wave's limits, against schemes that are written anew
+with NumPy."""
 import itertools
 import os
 
-import h5py
 import numpy
 import pytest
 
-from kwave import AXES, FIELDS, at_edge, at_half, elastic_file
-from program import PROGRAM, environment
+from kwave import AXES, FIELDS, at_edge, at_half
+from program import PROGRAM, ProgramTest, environment
 from shearwake.kwave import pstd_elastic_3d
-from test_kwave_program import KWaveTest
 
-OF_FILES = 1e-5  # as in test_kwave_program.py; measured as at most 1.4e-6 here
 
 
 def derivative(values, spacing_m, axis, side):
@@ -85,18 +82,10 @@ def elastic_2d(spacing_m, step_s, steps, medium, source):
     return numpy.array(found).transpose(1, 0, 2, 3)
 
 
-class Checks(KWaveTest):
+class Checks(ProgramTest):
     def setUp(self):
         super().setUp()
         os.environ.update(environment(), SHEARWAKE=str(PROGRAM))
-
-    def by_file(self, setup, sensor, *records, ranks=1, **options):
-        """The datasets of the output of `shearwake kwave`, with the order of indices of MATLAB."""
-        elastic_file(self.folder / "in.h5", *setup, sensor, **options)
-        self.run_file(self.folder / "in.h5", *records, "--output_precision", "double", ranks=ranks)
-        with h5py.File(self.folder / "out.h5") as file:
-            return {name: [values[()].T for values in item.values()] if isinstance(item, h5py.Group) else item[()].T
-                    for name, item in file.items()}
 
     def by_function(self, setup, sensor, record, **options):
         points, spacing_m, step_s, steps, medium, source = setup
@@ -107,56 +96,15 @@ class Checks(KWaveTest):
         self.assertGreater(numpy.abs(expected).max(), 0.0, name)
         numpy.testing.assert_allclose(found, expected, rtol=0, atol=limit * numpy.abs(expected).max(), err_msg=name)
 
-    def layers(self, points, interface, steps=60):
-        """A fluid over a lossy solid with a focused piston, as in most of these tests."""
-        solid = numpy.zeros(points, dtype=bool)
-        solid[interface:] = True
-        mask = numpy.zeros(points)
-        middle = [n // 2 for n in points]
-        mask[4, middle[1] - 3:middle[1] + 3, middle[2] - 2:middle[2] + 3] = 1.0
-        delays = numpy.sqrt(numpy.sum((numpy.argwhere(mask.T)[:, ::-1] - middle) ** 2, axis=1)) / 0.15
-        times = numpy.arange(steps) - (delays.max() - delays)[:, None]
-        wave = 1e-6 * numpy.where(times > 0.0, numpy.sin(0.3 * times) * numpy.exp(-(times / 20.0 - 1.0) ** 2), 0.0)
-        return (points, (1e-4, 1.1e-4, 0.9e-4), 5e-9, steps, {
-            "sound_speed_compression": numpy.where(solid, 2000.0, 1500.0), "sound_speed_shear": numpy.where(solid, 800.0, 0.0),
-            "density": numpy.where(solid, 1200.0, 1000.0), "alpha_coeff_compression": 0.1, "alpha_coeff_shear": 0.5},
-                {"u_mask": mask, "ux": wave})
-
-    def test_file_is_that_of_pstdelastic3d(self):
-        """The structures through a file, whose numbers have 32 bits, and without it. Fluid over solid: both have the modulus 0."""
-        setup = self.layers((24, 20, 18), 12)
-        sensor = numpy.zeros((24, 20, 18))
-        sensor[8:16, 9, ::2] = 1.0
-        files = self.by_file(setup, sensor, "-p", "-u", "--p_final", ranks=2)
-        for name, values in self.by_function(setup, sensor, ["p", "u", "p_final"], pml_size=4).items():
-            self.same(files[name].reshape(values.shape), values, OF_FILES, name)
-
-    def test_cuboids_equal_masks(self):
-        setup = self.layers((24, 20, 18), 12)
-        records = [f"--{q}{end}" for q in "pu" for end in ("_raw", "_max", "_min", "_rms", "_max_all", "_min_all", "_final")] + [
-            "--u_non_staggered_raw", "--I_raw", "--I_avg"]
-        corners = numpy.array([[10, 8, 7, 14, 12, 9], [5, 7, 6, 12, 9, 9]]).T  # they intersect
-        boxes = self.by_file(setup, corners, *records)
-        for number, corner in enumerate(corners.T):
-            mask = numpy.zeros((24, 20, 18))
-            mask[tuple(slice(low - 1, high) for low, high in zip(corner[:3], corner[3:]))] = 1.0
-            for name, values in self.by_file(setup, mask, *records).items():
-                if isinstance(boxes[name], list):
-                    self.same(boxes[name][number].reshape(values.shape, order="F"), values, 1e-15, name)
-                elif name.endswith(("_all", "_final")):
-                    self.same(boxes[name], values, 1e-15, name)
-        self.assertEqual(sum(isinstance(values, list) for values in boxes.values()), 25)
-
     def test_one_series_equals_one_per_node(self):
-        *first, _ = self.layers((24, 20, 18), 12)
-        first[4] = {"sound_speed_compression": 1500.0, "sound_speed_shear": 1000.0, "density": 1000.0}
+        first = ((24, 20, 18), (1e-4, 1.1e-4, 0.9e-4), 5e-9, 60, {"sound_speed_compression": 1500.0, "sound_speed_shear": 1000.0, "density": 1000.0})
         mask = numpy.zeros((24, 20, 18))
         mask[12, 7:11, 6:9] = 1.0
         waves = {name: (n + 1.0) * numpy.sin((0.2 + 0.02 * n) * numpy.arange(60.0))[None] for n, name in enumerate(FIELDS[3:])}
-        one, each = (self.by_file((*first, {"s_mask": mask, **{name: numpy.tile(wave, (count, 1)) for name, wave in waves.items()}}),
-                                  numpy.array([[1, 1, 1, 24, 20, 18]]).T, "--p_final", "--p_max") for count in (1, 12))
-        self.same(each["p_final"], one["p_final"], 1e-15)
-        self.same(each["p_max"][0], one["p_max"][0], 1e-15)
+        one, each = (self.by_function((*first, {"s_mask": mask, **{name: numpy.tile(wave, (count, 1)) for name, wave in waves.items()}}),
+                                      numpy.ones((24, 20, 18)), ["p_final", "p_max"], pml_size=4) for count in (1, 12))
+        for name in ("p_final", "p_max"):
+            self.same(each[name], one[name], 1e-15)
 
     def test_fluid_equals_a_fluid_code(self):
         """Without an absorbing layer: an initial pressure, and a pressure and each velocity, added or prescribed."""
@@ -176,14 +124,12 @@ class Checks(KWaveTest):
             setup = (points, spacing_m, step_s, steps, {"sound_speed_compression": c, "sound_speed_shear": 0.0, "density": rho}, source)
             series, final = fluid(points, spacing_m, step_s, steps, c, rho, {"at": (6, 10, 8), "fixed": fixed, name: p0 if name == "p0" else signal},
                                   (16, 13, 11))
-            files = self.by_file(setup, sensor, "-p", "-u", "--p_final", "--u_final", pml_alpha=0.0)
             result = self.by_function(setup, sensor, ["p", "u", "p_final", "u_final"], pml_size=4, pml_alpha=0.0)
             for field, at_sensor, everywhere in zip(("p", "ux", "uy", "uz"), series, final):
-                for found, limit in ((files, OF_FILES), (result, 5e-13)):
-                    self.same(found[field].ravel(), at_sensor, limit, f"{name} {fixed} {field}")
-                    self.same(found[f"{field}_final"], everywhere, limit, f"{name} {fixed} {field}_final")
+                self.same(result[field].ravel(), at_sensor, 5e-13, f"{name} {fixed} {field}")
+                self.same(result[f"{field}_final"], everywhere, 5e-13, f"{name} {fixed} {field}_final")
 
-    def compare_2d(self, lossy, kind, fixed, layered, line, limits):
+    def compare_2d(self, lossy, kind, fixed, layered, line):
         """A line source along an axis against plane strain in the plane of the others."""
         plane, depth, step_s, steps, at = (22, 20), 6, 5e-9, 60, (6, 8)
         spacing_m = (1e-4, 1.1e-4)
@@ -207,16 +153,11 @@ class Checks(KWaveTest):
                  {name: extended(values) for name, values in zip(names, medium) if lossy or not name.startswith("alpha")}, source)
         sensor = numpy.zeros(setup[0])
         numpy.moveaxis(sensor, line, 0)[depth // 2] = 1.0
-        found = []
-        if "file" in limits:
-            found.append((self.by_file(setup, sensor, "-u", pml_size=2, pml_alpha=0.0), limits["file"]))
-        if "function" in limits:
-            found.append((self.by_function(setup, sensor, ["u"], pml_size=2, pml_alpha=0.0), limits["function"]))
-        scale = numpy.abs(expected).max()
-        for result, limit in found:
-            for values, axis in zip(expected, numpy.delete(numpy.arange(3), line)):
-                series = result[f"u{AXES[axis]}"].reshape(*plane, steps, order="F")
-                numpy.testing.assert_allclose(series.transpose(2, 0, 1), values, rtol=0, atol=limit * scale, err_msg=f"{kind} {fixed} {line}")
+        result = self.by_function(setup, sensor, ["u"], pml_size=2, pml_alpha=0.0)
+        for values, axis in zip(expected, numpy.delete(numpy.arange(3), line)):
+            series = result[f"u{AXES[axis]}"].reshape(*plane, steps, order="F")
+            numpy.testing.assert_allclose(series.transpose(2, 0, 1), values, rtol=0, atol=1e-14 * numpy.abs(expected).max(),
+                                          err_msg=f"{kind} {fixed} {line}")
 
     def cases_2d(self):
         return itertools.product((False, True), (("p0", False), ("s", False), ("s", True), ("u", False), ("u", True)), (False, True))
@@ -224,4 +165,4 @@ class Checks(KWaveTest):
     @pytest.mark.long
     def test_line_source_along_each_axis_equals_two_dimensions(self):
         for (lossy, (kind, fixed), layered), line in itertools.product(self.cases_2d(), range(3)):
-            self.compare_2d(lossy, kind, fixed, layered, line, {"file": OF_FILES, "function": 1e-14})
+            self.compare_2d(lossy, kind, fixed, layered, line)

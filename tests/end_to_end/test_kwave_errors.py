@@ -7,7 +7,7 @@ import zlib
 import h5py
 import numpy
 
-from program import PROGRAM, ROOT, environment
+from program import PROGRAM, environment
 from test_kwave_program import DATA, KWaveTest, put
 
 
@@ -159,12 +159,6 @@ class Errors(KWaveTest):
             file["ux_source_input"][...] = 1e38
             file["u_source_mode"][...] = 0
         self.refused(change, "no longer finite at step", options=("--precision", "single"))
-
-    def test_import_names_the_command_for_elastic_files(self):
-        done = subprocess.run([ROOT / "scripts" / "import-kwave", DATA / "homogeneous_input.h5"], cwd=self.folder, env=environment(),
-                              capture_output=True, encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, 3)
-        self.says(done.stderr, "homogeneous_input.h5 is an elastic input file of k-Wave", "shearwake kwave -i")
 
     def test_truncated_and_foreign_files_are_refused(self):
         valid = (DATA / "homogeneous_input.h5").read_bytes()

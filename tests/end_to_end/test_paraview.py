@@ -14,7 +14,9 @@ JOB = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "spectral"'),
     ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-14.0, -6.0], to_mm = [14.0, 9.0]"),
     ("settled_after_ms = 1.0", "settled_after_ms = 1.0\ndepths_mm = [0.0, 3.0]"),
-    ("frames = true", 'frames = true\nvolumes_ms = [2.0, 4.0]\nvolume_fields = ["u", "strain"]'))
+    ("frames = true", 'frames = true\nvolumes_ms = [2.0, 4.0]\nvolume_fields = ["u", "strain", "stress"]'))
+
+TENSOR = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 def grids(data):
@@ -74,9 +76,8 @@ class ParaView(ProgramTest):
                 numpy.testing.assert_array_equal(values, [kept["u_z"][step, depth, i, j] for i, j in at])
         for step, time_s in enumerate(deep["time"]):
             [body] = volume.at(time_s)
-            self.assertEqual({name for name in names(body) if name.startswith("u")},
-                             {"u (m)", "u_x (m)", "u_y (m)", "u_z (m)"})
-            self.assertIn("strain_xy", names(body))
+            self.assertEqual(names(body), {"u (m)", "u_x (m)", "u_y (m)", "u_z (m)", *(f"strain_{c}" for c in TENSOR),
+                                           *(f"stress_{c} (Pa)" for c in TENSOR)})
             for k in (0, len(deep["z"]) - 2):
                 points = [(deep["x"][i], deep["y"][j], deep["z"][k]) for i, j in at]
                 for name, units in (("u_x", " (m)"), ("u_y", " (m)"), ("u_z", " (m)"), ("strain_xy", "")):

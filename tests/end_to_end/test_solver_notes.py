@@ -93,25 +93,6 @@ class SolverNotes(ProgramTest):
                            if not note.startswith("memory per rank")]
                 self.says(planned, *decided)
 
-    def test_absorbing_edges_are_noted_and_change_the_field(self):
-        changes = (SPECTRAL, ("duration_ms = 4.0", "duration_ms = 6.0"), (SWEEP, SWEEP.replace("400, ", "")))
-        edges = (('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""),
-                 ("spacing_mm = 1.5", "spacing_mm = 1.5\nsponge_mm = 16.0"))
-        self.write_job(without_reference(*changes))
-        self.shearwake("run", "job.toml")
-        self.write_job(without_reference(*changes, *edges), name="open.toml")
-        checked = self.shearwake("check", "open.toml").said
-        self.assertNotIn("thickness", checked)
-        self.shearwake("run", "open.toml", "--out", "open", ranks=2)
-        self.shearwake("reduce", "open")
-        shown = self.shearwake("show", case_files(self.folder / "open")[0]).said
-        self.says(shown, "the sponge of 16 mm acts every", "of the energy of the longest waves", "absorber")
-        for held, free in zip(case_files(self.out), case_files(self.folder / "open"), strict=True):
-            with (xarray.open_dataset(held, decode_timedelta=False) as a,
-                  xarray.open_dataset(free, decode_timedelta=False) as b):
-                self.assertLess(b.attrs["solver_energy_J"] / b.attrs["solver_work_J"],
-                                0.9 * a.attrs["solver_energy_J"] / a.attrs["solver_work_J"])
-
     def test_notes_of_layers_state_only_the_time_step(self):
         steps = ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 50.0 }')
         self.write_job(without_reference(steps, *SHORT))

@@ -249,13 +249,6 @@ class Sweep(ProgramTest):
         self.says(self.shearwake("run", "job.toml", "--quiet", "-S", "load.peak_Pa=1e200", "--out", "bad", expect=4).said,
                   "failed")
 
-    def test_frames_have_an_xdmf_file(self):
-        self.write_job()
-        out, _ = self.sweep(1)
-        for path in case_files(out):
-            text = path.with_suffix(".xdmf").read_text(encoding="utf-8")
-            self.assertIn(path.name + ":/surface/u_z", text)
-
     def test_messages_are_printed_by_one_rank(self):
         self.write_job()
         for name in ("check", "plan", "run"):

@@ -112,9 +112,6 @@ class CommandLine(ProgramTest):
         for command in ("run", "check", "plan"):
             self.says(self.shearwake(command, self.out, expect=2).said,
                       "is an output folder; give a job file", "job.toml --out ")
-        for arguments in (("job.toml", self.out), (self.out, "job.toml")):
-            self.says(self.shearwake("compare", *arguments, expect=2).said,
-                      "job.toml is a job file; give the output folder of its run, by default out/small")
 
     def test_scripts_are_located(self):
         for name in ("import-kwave", "make-map"):

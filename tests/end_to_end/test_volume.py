@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Volume snapshots for xarray and ParaView."""
+"""Volume snapshots for xarray."""
 import shutil
-import xml.etree.ElementTree as ElementTree
 
-import h5py
 import numpy
 import pytest
 import xarray
@@ -18,11 +16,6 @@ KEPT = without_reference(
 TENSOR = ["xx", "yy", "zz", "yz", "xz", "xy"]
 NAMES = ["u_x", "u_y", "u_z", *(f"strain_{c}" for c in TENSOR), *(f"stress_{c}" for c in TENSOR)]
 UNITS = {"u": "m", "strain": "1", "stress": "Pa"}
-SHOWN = [name if name.startswith("strain") else f"{name} ({UNITS[name.split('_')[0]]})" for name in NAMES]
-
-
-def extents(item):
-    return tuple(int(word) for word in item.get("Dimensions").split())
 
 
 def along(values, axis, spacing_m):
@@ -81,42 +74,3 @@ class Volume(ProgramTest):
                 # Tissue is nearly incompressible: c_p is 300 c_s.
                 self.assertLess(numpy.abs(xx + yy + volume.strain_zz.values).max(), 1e-2 * numpy.abs(xx).max())
 
-    def test_the_xdmf_lists_the_fields_of_the_file(self):
-        path = self.run_case()
-        tree = ElementTree.parse(path.with_suffix(".volume.xdmf"))
-        grids = tree.findall("./Domain/Grid/Grid")
-        self.assertEqual([float(grid.find("Time").get("Value")) for grid in grids], [0.002, 0.004])
-        with h5py.File(path) as file:
-            for step, grid in enumerate(grids):
-                shape = extents(grid.find("Topology"))
-                self.assertEqual(grid.find("Topology").get("TopologyType"), "3DRectMesh")
-                self.assertEqual(grid.find("Geometry").get("GeometryType"), "VXVYVZ")
-                axes = grid.findall("Geometry/DataItem")
-                names = [item.text.strip() for item in axes]
-                self.assertEqual(names, [f"{path.name}:/volume/{axis}" for axis in "xyz"])
-                # XDMF lists the slowest axis first: z, y, x.
-                self.assertEqual(shape, tuple(extents(item)[0] for item in reversed(axes)))
-                for item in grid.iter("DataItem"):
-                    if item.get("Format") != "HDF":
-                        continue
-                    name, place = item.text.strip().split(":")
-                    self.assertEqual(name, path.name)
-                    self.assertEqual(file[place].shape, extents(item))
-                    self.assertEqual(file[place].dtype, numpy.float64)
-                *fields, vector = grid.findall("Attribute")
-                self.assertEqual((vector.get("Name"), vector.get("AttributeType")), ("u (m)", "Vector"))
-                for attribute in fields:
-                    slab = attribute.find("DataItem")
-                    self.assertEqual(slab.get("ItemType"), "HyperSlab")
-                    self.assertEqual(extents(slab), shape)
-                    start, stride, count = numpy.array(
-                        slab.find("DataItem").text.split(), dtype=int).reshape(3, 4)
-                    self.assertEqual(list(start), [step, 0, 0, 0])
-                    self.assertEqual(list(stride), [1, 1, 1, 1])
-                    self.assertEqual(list(count), [1, *shape])
-                self.assertEqual([field.get("Name") for field in fields], SHOWN)
-
-    def test_the_error_of_engine_layered_names_engines_that_record_volumes(self):
-        self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))
-        said = self.shearwake("check", "job.toml", expect=3).said
-        self.says(said, "record.volumes_ms", 'solver.engine = "spectral"')

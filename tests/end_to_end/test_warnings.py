@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Warnings that are stored with a case, and the time step that plan and run report."""
+"""Warnings that are stored with a case."""
 import csv
 import json
-import re
 
 import h5py
 import pytest
 
 from program import SWEEP, ProgramTest, case_files, table, without_reference
 from test_solver_notes import BONE, ELASTIC, SHORT
-from test_variation import MAP, make_map
 
 # A focus that rests at the centre of a domain of 24 mm for 30 ms: waves cross it seven times.
 WAVES_RETURN = without_reference(
@@ -18,13 +16,6 @@ WAVES_RETURN = without_reference(
     ("extent_mm = [64.0, 48.0]", "extent_mm = [24.0, 24.0]"), ("duration_ms = 4.0", "duration_ms = 30.0"),
     ("at_ms = 4.0", "at_ms = 30.0"), ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true", ""),
     (SWEEP, SWEEP.replace("400, 500, 1000", "200")))
-BODY = ("[load]", """[[medium.body]]
-shape = "box"
-size_mm = [4.0, 4.0, 3.0]
-center_mm = [0.0, 0.0, 12.0]
-c_s_m_s = 9.0
-
-[load]""")
 
 
 class Warnings(ProgramTest):
@@ -74,15 +65,6 @@ class Warnings(ProgramTest):
         self.shearwake("reduce", self.out)
         self.assertEqual(self.notes(), first)
 
-    @pytest.mark.long
-    def test_a_capped_stiffness_is_stored_with_the_key_to_change(self):
-        self.write_job(without_reference(ELASTIC, BONE, *SHORT))
-        self.shearwake("run", "job.toml")
-        for warnings in self.stored():
-            capped = [w["message"] for w in warnings if w["key"] == "solver.spectral.contrast_cap"]
-            self.assertEqual(len(capped), 1, warnings)
-            self.says(capped[0], "is capped at 1000 times")
-
     def test_check_counts_the_warnings_of_engines(self):
         for engine, more, said in (("spectral", [BONE], "medium.body[1]: shear stiffness"),
                                    ("pstd", [], "is capped at 50 m/s, 10 times c_s")):
@@ -109,22 +91,3 @@ class Warnings(ProgramTest):
             [message] = [w["message"] for w in warnings if w["key"] == "solver.spectral.time_step_us"
                          and "accuracy" in w["message"]]
             self.assertRegex(message, "exceeds the accuracy of .*remove this key, or use a shorter step")
-
-    @pytest.mark.long
-    def test_plan_and_run_agree_on_the_time_step(self):
-        make_map(self)
-        for engine, medium, more in (("spectral", "layer", []), ("pstd", "layer", []), ("pstd", "body", [BODY]),
-                                     ("pstd", "map", [MAP])):
-            with self.subTest(engine=engine, medium=medium):
-                self.write_job(without_reference(('engine = "layered"', f'engine = "{engine}"'), *more,
-                                                 *SHORT[:2], (SWEEP, SWEEP.replace("400, 500, ", ""))))
-                planned = self.shearwake("plan", "job.toml").said
-                out = f"out/{engine}-{medium}"
-                self.shearwake("run", "job.toml", "--out", out)
-                [path] = case_files(self.folder / out)
-                with h5py.File(path) as file:
-                    step_us = 1.2e3 / file.attrs["solver_steps"]
-                    note = file.attrs["solver_notes"].decode().split("\n")[0]
-                self.assertIn(note, planned)
-                stated = float(re.search(r"([0-9.]+) us", note)[1])
-                self.assertAlmostEqual(stated / step_us, 1.0, delta=1e-3)  # four digits are printed
