@@ -138,11 +138,6 @@ class MutatedJobs(ProgramTest):
                     self.assertEqual(ended, code, said)
         self.says(said, "the loss factor of layer", "at 8.333 Hz", "increase its loss")
 
-    def test_a_plan_of_five_bodies_ends_at_once(self):
-        text = (ROOT / "tests" / "data" / "case_ids" / "b.toml").read_text(encoding="utf-8")
-        self.write_job(changed(("length_mm = 10.0\n", ""), text=text))
-        self.assertEqual(self.accepted_or_refused("plan")[1], 0)
-
     def test_pictures_are_decoded_once(self):
         lens = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")
         polygon = next(line for line in lens.splitlines() if line.startswith("target_polygon_mm"))

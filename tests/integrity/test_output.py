@@ -12,7 +12,7 @@ import pytest
 
 from limits import times
 from kwave import reference, save, structures_of
-from program import PATIENCE_s, ROOT, UNRECORDED, ProgramTest, changed, command, environment, faulty_environment, table
+from program import PATIENCE_s, ROOT, UNRECORDED, ProgramTest, changed, command, environment, table
 
 NOISE = ("Traceback", "MPI_ABORT", "MPI_Abort", "internal error", "terminate called")
 
@@ -48,15 +48,6 @@ class Output(ProgramTest):
                 done = self.run_with(command(*words), stdout=writer)
                 os.close(writer)
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
-
-    @pytest.mark.long
-    def test_a_reader_of_a_report_may_end_first(self):
-        self.compute()
-        reader, writer = os.pipe()
-        os.close(reader)
-        done = self.run_with(command("report", self.out), stdout=writer)
-        os.close(writer)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_errors_have_colours_on_a_terminal_unless_they_are_unwanted(self):
         self.write_job(changed(("peak_Pa", "peek_Pa")))
@@ -108,11 +99,12 @@ class Surroundings(ProgramTest):
     def test_odd_paths_change_nothing(self):
         self.compute()
         reference = table(self.out)
-        for name in ("a folder with spaces", "it's \"quoted\" $HOME", "x" * 100):
+        for name, ranks in (("a folder with spaces", 1), ("it's \"quoted\" $HOME", 1), ("x" * 200, 2)):
             out = self.folder / name / "small"
-            self.shearwake("run", "job.toml", "--out", out)
+            self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", ranks, ranks=ranks)
             self.shearwake("reduce", out)
-            self.assertEqual(table(out), reference)
+            if ranks == 1:  # two ranks add in another order
+                self.assertEqual(table(out), reference)
             self.shearwake("verify", out)
     def with_decimal_commas(self):
         """The environment of a locale with decimal commas, which is generated if the machine can do so."""
@@ -138,13 +130,6 @@ class Surroundings(ProgramTest):
                       ("report", out), ("verify", out)):
             subprocess.run(command(*words), cwd=self.folder, env=env, check=True, capture_output=True)
         self.assertEqual(table(out), table(self.out))
-
-    def test_a_path_of_200_characters_is_written(self):
-        self.write_job()
-        for ranks in (1, 2):
-            out = self.folder / f"{ranks}-{'x' * 200}" / "small"
-            self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", ranks, ranks=ranks)
-            self.shearwake("verify", out)
 
     @pytest.mark.long
     def test_a_home_and_a_cache_that_cannot_be_written_stop_nothing(self):
@@ -247,18 +232,3 @@ class Kills(ProgramTest):
 
         self.kill_often([ROOT / "scripts" / "import-kwave", "study.mat"], "killing `import-kwave`", is_complete)
         self.assertEqual(list(self.folder.glob("*.part")), [])
-
-
-class Clocks(ProgramTest):
-    @pytest.mark.long
-    def test_a_clock_that_jumps_loses_nothing(self):
-        self.write_job(changed(("frames = true\n", "")))
-        self.shearwake("run", "job.toml", "--out", "straight")
-        self.shearwake("reduce", "straight")
-        for n, jump_s in enumerate((-86400, 86400, -10 ** 9)):
-            out = self.folder / f"jump-{n}"
-            subprocess.run(command("run", "job.toml", "--out", out), cwd=self.folder, env=faulty_environment(CLOCK=jump_s),
-                           check=True, capture_output=True)
-            self.says(self.shearwake("run", "job.toml", "--out", out).said, "0 computed now")
-            self.shearwake("reduce", out)
-            self.assertEqual(table(out), table(self.folder / "straight"))
