@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 from unittest import mock
 
-from study import AM, InFolder, job, program, shearwake
+from study import InFolder, job, program, shearwake
 
 
 class Jobs(InFolder):
@@ -115,19 +115,6 @@ class Jobs(InFolder):
         job().run(out="out/one")
         with self.assertRaisesRegex(shearwake.UsageError, "another plan"):
             job(("peak_Pa = 100.0", "peak_Pa = 90.0")).run(out="out/one")
-
-    def test_a_damaged_case_is_found_and_computed_again(self):
-        made = job(("name = \"small\"", "name = \"failing\""))
-        made.run()
-        sweep = shearwake.open("out/failing")
-        victim = sweep.case(am_frequency_Hz=500.0).path
-        content = victim.read_bytes()
-        victim.write_bytes(content[:3000])
-        sweep.refresh()
-        with self.assertRaises((OSError, shearwake.Damaged)):
-            sweep.case({AM: 500.0}).verify()
-        made.run()  # computes the damaged case again
-        shearwake.open("out/failing").case(am_frequency_Hz=500.0).verify()
 
     def test_reading_does_not_need_the_program(self):
         job(("name = \"small\"", "name = \"reading\"")).run()
