@@ -47,6 +47,24 @@ class Movie(ProgramTest):
         self.assertIn(int(facts(self.folder / "m.gif", "nb_read_frames")[0]), (7, 8))
         self.assertEqual([path.name for path in self.folder.glob(".m*")], [])
 
+    def test_another_encoder_replaces_a_missing_one_and_the_gif_needs_none(self):
+        case = self.case("-S", "record.snapshots_ms=[3, 4]")
+        wrapper = self.folder / "bin" / "ffmpeg"
+        wrapper.parent.mkdir()
+        for hidden, written in ((" libx264 ", ["a.gif", "a.mp4"]), (" libx264 \\| libopenh264 \\| mpeg4 ", ["b.gif"])):
+            wrapper.write_text(f"""#!/bin/sh
+case "$*" in
+    *-encoders) {shutil.which("ffmpeg")} "$@" | grep -v "{hidden}" ;;
+    *) exec {shutil.which("ffmpeg")} "$@" ;;
+esac
+""", encoding="utf-8")
+            wrapper.chmod(0o755)
+            done = subprocess.run(command("movie", case, "--out", written[0][0], "--width", "320"), cwd=self.folder, check=False, capture_output=True,
+                                  encoding="utf-8", env={**environment(), "PATH": f"{wrapper.parent}:{os.environ['PATH']}"})
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertEqual(sorted(path.name for path in self.folder.glob(f"{written[0][0]}.*")), written)
+            self.assertEqual("no MP4 is written" in done.stdout, len(written) == 1)
+
     def test_a_case_with_one_surface_is_rejected(self):
         case = self.case("-S", "record.snapshots_ms=[4]")
         self.says(self.shearwake("movie", case, expect=6).said, "fewer than two surfaces", "record.frames = true",

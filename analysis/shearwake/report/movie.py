@@ -169,6 +169,15 @@ def convert(source: Any, path: Path, *options: Any) -> None:
     part.replace(path)
 
 
+ENCODERS = {"libx264": ("-crf", "18"), "libopenh264": ("-b:v", "8M"), "mpeg4": ("-q:v", "3")}  # the best first
+
+
+def available_encoder() -> str | None:
+    """The best encoder of this ffmpeg for MP4; None if it has none. Distributions without libx264 have others."""
+    listed = subprocess.run(["ffmpeg", "-hide_banner", "-encoders"], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
+    return next((name for name in ENCODERS if f" {name} " in listed), None)
+
+
 def watched(indices: Any, progress: Any) -> Any:
     """The indices, with a bar on a terminal and a line per minute elsewhere."""
     for n, index in enumerate(indices):
@@ -187,8 +196,8 @@ def state(case: Case, times_s: Any, indices: Any, part: Any) -> None:
           f"{number(1e3 * times_s[-1])} ms; {part}", flush=True)
 
 
-def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -> tuple[Path, Path]:
-    """Writes NAME.mp4 and NAME.gif and returns their paths. Raises CannotWrite."""
+def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -> list[Path]:
+    """Writes NAME.mp4, if this ffmpeg has an encoder, and NAME.gif, and returns their paths. Raises CannotWrite."""
     case = read(case_path)
     if not shutil.which("ffmpeg"):
         raise CannotWrite("a movie needs ffmpeg; install the Debian package ffmpeg, for example with scripts/setup")
@@ -197,6 +206,9 @@ def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -
     indices, rate = frame_rate(times_s, slow_down)
     picture = Picture(case, slow_down, width_px)
     state(case, times_s, indices, picture.part)
+    encoder = available_encoder()
+    if encoder is None:
+        print(f"movie: no MP4 is written, since this ffmpeg has none of the encoders {', '.join(ENCODERS)}")
     progress = Progress(name="movie")
     first = picture.draw(0)
     lossless = name.with_name(f".{name.name}.part.mkv")
@@ -204,14 +216,14 @@ def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -
     try:
         encode((picture.draw(i) for i in watched(indices, progress)), first.shape[1::-1], rate, lossless)
         smooth, slower = (f"fps={min(most, max(rate, LEAST_FPS)):.6f}" for most in (FPS, GIF_FPS))
-        convert(lossless, movie, "-vf", smooth, "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
-                "+faststart")
+        if encoder:
+            convert(lossless, movie, "-vf", smooth, "-c:v", encoder, "-pix_fmt", "yuv420p", *ENCODERS[encoder], "-movflags", "+faststart")
         scale = f"scale='min({GIF_px},iw)':-1:flags=lanczos"
         convert(lossless, gif, "-vf", f"{slower},{scale},split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0")
     finally:
         progress.end()
         lossless.unlink(missing_ok=True)
-    return movie, gif
+    return [movie, gif] if encoder else [gif]
 
 
 def main(arguments: list[str]) -> int:
