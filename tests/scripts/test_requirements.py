@@ -35,7 +35,8 @@ class Requirements(unittest.TestCase):
         said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
         version = said.split()[1]
         for file, line in (("analysis/shearwake/__init__.py", f'__version__ = "{version}"'),
-                           ("CITATION.cff", f"version: {version}"), ("CHANGELOG.md", f"## {version}")):
+                           ("CITATION.cff", f"version: {version}"), ("CHANGELOG.md", f"## {version}"), ("codemeta.json", f'"version": "{version}"'),
+                           (".zenodo.json", f'"version": "{version}"'), ("packaging/conda/meta.yaml", f'version: "{version}"')):
             self.assertIn(line, (ROOT / file).read_text(encoding="utf-8"), file)
 
     def configure(self, *disabled):
