@@ -368,16 +368,19 @@ ExitCode run(const Arguments& given, const Comm& world) {
     for (auto* path : {&arguments.output, &arguments.checkpoint})
         if (!path->empty()) *path = std::filesystem::absolute(*path);
     Phases phases;
+    std::vector<std::unique_ptr<storage::FileLock>> locks;
+    bool are_checked = false;
     try {
         check_arguments(arguments);
-    } catch (const Error& error) {
+        are_checked = true;
+        on_root(world, [&] {
+            for (const auto* path : {&arguments.output, &arguments.checkpoint})
+                if (!path->empty()) locks.push_back(std::make_unique<storage::FileLock>(*path));
+        });
+    } catch (const UsageError& error) {
+        if (are_checked && error.code() == ExitCode::usage) throw; // another run writes the file
         end_run(arguments, error);
     }
-    std::vector<std::unique_ptr<storage::FileLock>> locks;
-    on_root(world, [&] {
-        for (const auto* path : {&arguments.output, &arguments.checkpoint})
-            if (!path->empty()) locks.push_back(std::make_unique<storage::FileLock>(*path));
-    });
     try {
         if (arguments.gpu >= 0) print(world, "note: -g is ignored: there is no GPU version");
         if (arguments.threads > 0 && arguments.threads != world.size())

@@ -90,6 +90,10 @@ class Errors(KWaveTest):
                 self.assertNotIn("step 1", done.stdout)
         self.assertTrue((self.folder / "pipe.h5").is_fifo())
 
+    def test_a_folder_without_room_for_the_lock_ends_as_other_errors(self):
+        (self.folder / "out.h5.lock").mkdir()
+        self.says(self.run_file(DATA / "homogeneous_input.h5", expect=1), "cannot open", "out.h5.lock")
+
     def test_negative_bulk_modulus_is_warned_of(self):
         with h5py.File(DATA / "homogeneous_input.h5") as file:
             mu = float(file["mu"][0, 0, 0])
