@@ -9,8 +9,7 @@ dependencies on each other, and of levels.
 ${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt. A folder that the registry does
 not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry,
 benchmarks and kwave, which runs files of k-Wave on engine pstd, may. No file outside of engines, benchmarks, kwave and
-problem/case names the options of an engine, the members of SolverOptions in problem/case/solver_options.hpp, except those of
-NAME_OPTIONS with their reasons.
+problem/case names the options of an engine, the members of SolverOptions in problem/case/solver_options.hpp.
 A folder has at most 25 source files, and `app` does not run jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
@@ -56,10 +55,6 @@ STANDARD = set("""
 GENERATED = {"git_id.hpp"}  # by the build
 KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
 ENGINES = "${SHEARWAKE_ENGINES}"
-NAME_OPTIONS = {
-    "src/serve/solver.cpp": "serve computes with one engine, whose results need no time steps",
-    "src/pipeline/case_content.cpp": "a warning about periodic edges depends on the kind of load and on what the engine offers",
-}
 MOST_FILES, LEAST_LINES = 25, 40  # of a folder, of a header that is not an interface
 
 
@@ -247,13 +242,10 @@ class Tree:
 
     def named_options(self, text, path, component):
         allowed = component.folder in ("problem/case", "bench") or component.folder.split("/")[0] == "engines"
-        is_exempt = path.relative_to(self.root).as_posix() in NAME_OPTIONS
         found = [] if allowed or not self.options else [(n, m[0]) for n, line in enumerate(text.splitlines(), 1)
                                                         if (m := self.options.search(line))]
-        if found and not is_exempt:
+        if found:
             yield path, found[0][0], f"{found[0][1]}: only engines, benchmarks and problem/case may name the options of an engine"
-        if is_exempt and not found:
-            yield path, 1, "does not name the options of an engine; remove it from NAME_OPTIONS"
 
     def project_header(self, header, path, component):
         if component and header in GENERATED:

@@ -18,6 +18,9 @@ enum class ExitCode : int {
         75, // results are saved; rerun the command to resume (EX_TEMPFAIL of sysexits.h)
 };
 
+/// Of a message about a job or a case.
+enum class Severity { warning, error };
+
 /// An error caused neither by the user nor by a single case. It ends the whole run.
 class Error : public std::runtime_error {
 public:

@@ -11,7 +11,7 @@
 #include "fft/slab_transform.hpp"
 #include "fft/staggered_derivative.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/surface_recorder.hpp"
+#include "pipeline/compute.hpp"
 #include "simd/instruction_set.hpp"
 
 #include <algorithm>
@@ -65,10 +65,10 @@ double plane_s(const fft::SlabTransform& slabs, const Comm& world) {
 /// A complete case with all measures, without its transfer functions, and the FFTs of its frames.
 Json measure_case(const char* kind, const Case& c, const Comm& world) {
     const auto engine = engines::make_engine(c.solver);
+    const PlannedCase planned{.id = {}, .physics = c, .settings = {}, .reference_id = {}};
+    const auto plan = pipeline::plan_case(c, world.size(), *engine);
     const double time_s = best_of(6, world, [&] { // the first computes the transfer functions
-        pipeline::SurfaceRecorder recorder(c, world, nullptr, {});
-        engine->run(c, world, recorder);
-        recorder.finish();
+        pipeline::compute(planned, plan, *engine, world, {});
     });
     const Domain solved = layered::solved_domain(c);
     const fft::SlabTransform slabs(solved.nx, solved.ny, world);

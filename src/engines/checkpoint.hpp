@@ -27,10 +27,10 @@ public:
     /// Whether a stop was requested and the time for completing the case has expired, for engines
     /// that save nothing. Call it equally often on all ranks, as often as convenient: the ranks
     /// communicate about every 0.1 s. Returns the same value on all ranks.
-    virtual bool stop_asked() { return false; }
+    virtual bool stop_asked() = 0;
     /// Reports the share of the steps that are complete, 0 to 1, after every step. Cheap. Not
     /// collective.
-    virtual void progressed(double /*share*/) {}
+    virtual void progressed(double share) = 0;
 };
 
 /// Ends the computation of a case after stop_asked(). Thrown on all ranks of a team together and

@@ -7,7 +7,7 @@ namespace shearwake::engines {
 
 double Resources::memory_per_rank_B() const {
     double bytes = program_B;
-    for (const Array& array : arrays)
+    for (const Allocation& array : arrays)
         bytes += array.bytes;
     return bytes;
 }

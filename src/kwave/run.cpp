@@ -255,6 +255,7 @@ public:
         return true;
     }
     bool stop() const override { return true; }
+    bool stop_asked() override { return false; } // due() asks after every step
     void progressed(double /*share*/) override {
         const long done = field_.step(),
                    now = 100 * done / job_.steps / job_.arguments.progress_percent;

@@ -30,26 +30,11 @@ constexpr std::array hand_m_s2 = {0.095, 0.1,   0.095, 0.108, 0.15,  0.16,  0.10
                                   0.049, 0.028, 0.023, 0.022, 0.021, 0.029, 0.032, 0.061};
 static_assert(centres_Hz.size() == hand_m_s2.size());
 
-/// Whether a gain that rises or falls once does not change in this time.
-bool rests(const Gain& gain, double from_s, double to_s) {
-    return std::visit(
-        overloaded{[&](const RampGain& g) {
-                       return g.start_s + g.duration_s <= from_s || g.start_s >= to_s;
-                   },
-                   [&](const WindowGain& g) {
-                       return (g.from_s + g.edge_s <= from_s && g.to_s - g.edge_s >= to_s) ||
-                              g.to_s <= from_s || g.from_s >= to_s;
-                   },
-                   [&](const SampledGain& g) { return g.period_s() - g.interval_s <= from_s; },
-                   [](const auto&) { return false; }},
-        gain);
-}
-
 /// The load without what does not change between two times: gains that rise or fall once, and paths
 /// at whose end the focus rests already.
 Load changing_load(Load load, double from_s, double to_s) {
     std::erase_if(load.modulation.envelope.gains,
-                  [&](const Gain& gain) { return acts_once(gain) && rests(gain, from_s, to_s); });
+                  [&](const Gain& gain) { return rests(gain, from_s, to_s); });
     for (Mover& mover : load.modulation.trajectory.parts)
         if (const auto* travel = std::get_if<Travel>(&mover);
             travel && travel->at_end == AtEnd::hold && cycle_s(*travel) <= from_s)
@@ -95,7 +80,7 @@ double set_window(const Case& c, SensationLines& lines) {
                        "measure.at_ms";
     if (!lines.reason.empty()) return 0.0;
     for (const Gain& gain : c.scene.load.modulation.envelope.gains)
-        if (acts_once(gain) && rests(gain, settled_after_s, to_s) &&
+        if (rests(gain, settled_after_s, to_s) &&
             !(shearwake::gain({{gain}}, 0.5 * (settled_after_s + to_s)) > 0.0))
             lines.reason = "the load is off between measure.settled_after_ms and measure.at_ms";
     if (!lines.reason.empty()) return 0.0;

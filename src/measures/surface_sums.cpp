@@ -240,7 +240,6 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
             const double value = slab(i - x_start, j);
             row_u2 += w * value * value;
             row_weight += w;
-            sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
         });
         focal_u2.add(row_u2);
         focal_weight.add(row_weight);

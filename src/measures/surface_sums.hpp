@@ -25,7 +25,6 @@ struct SurfaceSums {
     double focal_u2 = 0.0;     // sum w u^2 [m^2]
     double focal_weight = 0.0; // sum w, in samples
     double peak = 0.0;         // max |u| [m]
-    double focal_peak = 0.0;   // max |u| where w > 0 [m]
     bool operator==(const SurfaceSums&) const = default;
 };
 
@@ -44,7 +43,6 @@ inline constexpr std::array sum_parts = {
     SumPart{&SurfaceSums::focal_u2, Reduction::sum},
     SumPart{&SurfaceSums::focal_weight, Reduction::sum},
     SumPart{&SurfaceSums::peak, Reduction::max},
-    SumPart{&SurfaceSums::focal_peak, Reduction::max},
 };
 static_assert(sizeof(SurfaceSums) == sum_parts.size() * sizeof(double), "a sum has no entry");
 

@@ -204,30 +204,6 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
     return attributes;
 }
 
-CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
-                         const std::shared_ptr<const neural::Scene>& receptors, const Comm& team) {
-    const Case& c = planned.physics;
-    AfferentResult afferents;
-    if (receptors)
-        afferents = perceived(receptor_motion(planned, recorder, *receptors), *c.afferents,
-                              *receptors, team);
-    CaseResults results;
-    on_root(team, [&] {
-        results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
-                                      recorder.mean_u2());
-        add_columns(measures::sensation_columns(c, recorder.sensation()), results.groups.front());
-        if (!recorder.sensation().level_dB.empty())
-            results.groups.push_back(sensation_group(c, recorder.sensation()));
-        add_columns(energy_columns(recorder.solver()), results.groups.front());
-        add_columns(afferents.columns, results.groups.front());
-        for (VariableGroup& group : afferents.groups)
-            results.groups.push_back(std::move(group));
-        if (c.vibrometer) results.groups.push_back(vibrometer_group(c, recorder.scan_m()));
-    });
-    results.afferents = std::move(afferents.notes);
-    return results;
-}
-
 namespace {
 
 constexpr const char* extent_key = "domain.extent_mm";
@@ -283,7 +259,6 @@ void check_image_uplift(const Case& c, std::span<const measures::SurfaceSums> su
     const double change = std::sqrt(square / open_energy);
     const double eta = focal > 0.0 ? focal / open_focal * open_energy / energy - 1.0 : 0.0;
     if (!(change > tolerated_change || std::abs(eta) > tolerated_eta_change)) return;
-    const bool can_be_open = std::holds_alternative<LayeredOptions>(c.solver);
     warnings.push_back(
         {Severity::warning, extent_key,
          fmt::format("the skin rises around a load at once and at all distances; the images of the "
@@ -292,8 +267,9 @@ void check_image_uplift(const Case& c, std::span<const measures::SurfaceSums> su
                      "(relative L2){}, and ipr_abs, the sum of all motion, by more; {}",
                      1e6 * uplift_m.back(), 100.0 * change,
                      focal > 0.0 ? fmt::format(", eta by {:.2g} %", 100.0 * std::abs(eta)) : "",
-                     can_be_open ? "domain.edges = \"open\" avoids and measures it"
-                                 : "a domain of twice the size measures it")});
+                     engines::capabilities_of(c).has_open_edges
+                         ? "domain.edges = \"open\" avoids and measures it"
+                         : "a domain of twice the size measures it")});
 }
 
 } // namespace
@@ -314,18 +290,14 @@ double edge_share(const Domain& domain, const std::vector<double>& mean_u2) {
     return edge / static_cast<double>(domain.nx + domain.ny - 1) / mean;
 }
 
-std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solver,
-                                  const std::vector<std::string>& afferents,
-                                  const std::vector<double>& mean_u2,
-                                  std::span<const measures::SurfaceSums> surface) {
+std::vector<Remark> case_warnings(const Case& c, const CaseResults& results) {
     std::vector<Remark> warnings = check(c);
-    const auto edges = engines::make_engine(c.solver)->edges(c);
-    if (edges == engines::Edges::periodic && !mean_u2.empty())
-        check_returning_waves(edge_share(c.domain, mean_u2), warnings);
-    check_image_uplift(c, surface, warnings);
-    for (const Remark& warning : solver) // some follow from the case alone
+    if (engines::capabilities_of(c).edges == engines::Edges::periodic && !results.mean_u2.empty())
+        check_returning_waves(edge_share(c.domain, results.mean_u2), warnings);
+    check_image_uplift(c, results.surface, warnings);
+    for (const Remark& warning : results.solver.warnings) // some follow from the case alone
         if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
-    for (const std::string& line : afferents) {
+    for (const std::string& line : results.afferents) {
         const std::size_t colon = line.find(": ");
         if (colon == std::string::npos) continue;
         warnings.push_back({Severity::warning, line.substr(0, colon), line.substr(colon + 2)});

@@ -9,7 +9,6 @@
 #include "problem/case/plan.hpp"
 #include "problem/case/volume.hpp"
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -51,29 +50,24 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
 
 /// The results of a case in addition to its surface fields.
 struct CaseResults {
-    std::vector<VariableGroup> groups;  // as in the case file; on rank 0 only
-    std::vector<std::string> afferents; // warnings about the afferents, one line each
+    engines::SolverReport solver;       // empty without a report
+    std::vector<std::string> afferents; // warnings about the afferents, lines "key: message"
+    // On rank 0 only.
+    std::vector<VariableGroup> groups;          // as in the case file
+    std::vector<double> mean_u2;                // see SurfaceRecorder::mean_u2()
+    std::vector<measures::SurfaceSums> surface; // at the first measured depth at each frame
 };
-
-/// Reduces what was recorded to the groups of a case file and computes the response of the
-/// afferents. Call after recorder.finish(). Collective.
-CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
-                         const std::shared_ptr<const neural::Scene>& receptors, const Comm& team);
 
 /// Mean of u_z^2 over the edges of the domain divided by its mean over the domain: the share of the
 /// energy that waves carry beyond a periodic edge. `mean_u2` has the shape [nx][ny]. 0 without
 /// motion. Not collective.
 double edge_share(const Domain& domain, const std::vector<double>& mean_u2);
 
-/// The warnings that are stored with a complete case: those of `check`, of the solver (`solver`)
-/// and of the afferents (`afferents`, lines "key: message"). The computed mean of u_z^2 (empty:
-/// unknown) decides on waves that may return through periodic edges. If they carry too much energy,
-/// the severity is `error`: the readings are not valid. If they carry almost none, the warning is
-/// omitted. The sums at the first measured depth at each frame (empty: unknown) decide on the
-/// uplift by images. Not collective.
-std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solver,
-                                  const std::vector<std::string>& afferents,
-                                  const std::vector<double>& mean_u2,
-                                  std::span<const measures::SurfaceSums> surface);
+/// The warnings that are stored with a complete case: those of `check`, of the solver and of the
+/// afferents. The computed mean of u_z^2 (empty: unknown) decides on waves that may return through
+/// periodic edges. If they carry too much energy, the severity is `error`: the readings are not
+/// valid. If they carry almost none, the warning is omitted. The sums at each frame (empty:
+/// unknown) decide on the uplift by images. Not collective.
+std::vector<Remark> case_warnings(const Case& c, const CaseResults& results);
 
 } // namespace shearwake::pipeline

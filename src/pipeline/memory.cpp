@@ -155,14 +155,14 @@ double case_file_B(const Case& c, const std::shared_ptr<const neural::Scene>& re
 }
 
 /// The data of the recorder.
-std::vector<engines::Array> arrays_of_recorder(const Case& c, int ranks) {
+std::vector<engines::Allocation> arrays_of_recorder(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
     // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
     // and another plane for the sharpness.
     double planes = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) planes += plane / ranks; // transposed for the file
-    std::vector<engines::Array> arrays = {{"planes of the recorder", planes}};
+    std::vector<engines::Allocation> arrays = {{"planes of the recorder", planes}};
     if (const double sensation_B = measures::sensation_memory_B(c, ranks); sensation_B > 0.0)
         arrays.push_back({"lines of the level of sensation", sensation_B});
     if (!c.vibrometer) return arrays;
@@ -177,11 +177,11 @@ std::vector<engines::Array> arrays_of_recorder(const Case& c, int ranks) {
 
 } // namespace
 
-CasePlan plan_case(const Case& c, int ranks, const engines::Solver& engine) {
+CasePlan plan_case(const Case& c, int ranks, const engines::FrameSource& engine) {
     CasePlan plan{.receptors = receptors_of(c), .needs = engine.resources(c, ranks)};
     engines::Resources& all = plan.needs;
     all.written_B = case_file_B(c, plan.receptors, all.written_B);
-    for (const engines::Array& array : arrays_of_recorder(c, ranks))
+    for (const engines::Allocation& array : arrays_of_recorder(c, ranks))
         all.arrays.push_back(array);
     if (plan.receptors) {
         all.arrays.push_back({"receptors", afferents_memory_B(c, *plan.receptors, ranks)});
@@ -218,12 +218,12 @@ std::string size_error(const std::string& job_text, const Case& c) {
 }
 
 std::string memory_text(const engines::Resources& needs) {
-    std::vector<engines::Array> all = needs.arrays;
+    std::vector<engines::Allocation> all = needs.arrays;
     all.push_back({"program", engines::program_B});
-    std::ranges::stable_sort(all, std::greater<>{}, &engines::Array::bytes);
+    std::ranges::stable_sort(all, std::greater<>{}, &engines::Allocation::bytes);
     std::string text = fmt::format("memory per rank: {:.1f} MB", needs.memory_per_rank_B() / 1e6);
     const char* before = ": ";
-    for (const engines::Array& array : all) {
+    for (const engines::Allocation& array : all) {
         if (array.bytes < 5e4) break;
         text += fmt::format("{}{} {:.1f}", before, array.name, array.bytes / 1e6);
         before = ", ";

@@ -38,7 +38,7 @@ struct CasePlan {
     engines::Resources needs;
 };
 /// Not collective.
-CasePlan plan_case(const Case& c, int ranks, const engines::Solver& engine);
+CasePlan plan_case(const Case& c, int ranks, const engines::FrameSource& engine);
 
 /// "memory per rank: 120.0 MB: ", and the arrays with their sizes in MB, the largest first.
 std::string memory_text(const engines::Resources& needs);

@@ -5,10 +5,9 @@
 #include "base/units.hpp"
 #include "engines/registry/check.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
+#include "pipeline/compute.hpp"
 #include "pipeline/memory.hpp"
-#include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
@@ -61,12 +60,15 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
     return storage::Beginning::fresh;
 }
 
-/// Returns early if a stop was requested. After a temporary failure, such as a full disk, the case
-/// can be resumed from the newest checkpoint; after a field that is not finite, it cannot.
-void compute(const Case& c, engines::Solver& engine, const Comm& team, SurfaceRecorder& recorder,
-             storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
+/// After a temporary failure, such as a full disk, the case can be resumed from the newest
+/// checkpoint; after a field that is not finite, it cannot.
+std::optional<CaseResults>
+compute_with_checkpoints(const PlannedCase& planned, const CasePlan& plan,
+                         engines::FrameSource& engine, const Comm& team, const Sinks& sinks,
+                         storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
     try {
-        fail_together(team, [&] { engine.run(c, team, recorder, &checkpoints); });
+        std::optional<CaseResults> results = compute(planned, plan, engine, team, sinks);
+        if (results) return results;
     } catch (const FieldDiverges&) {
         checkpoints.discard();
         throw;
@@ -74,23 +76,15 @@ void compute(const Case& c, engines::Solver& engine, const Comm& team, SurfaceRe
         if (checkpoints.has_state()) writer.retain_uncommitted();
         throw;
     }
-    if (checkpoints.stop()) {
-        if (checkpoints.has_state())
-            writer.leave_for_later();
-        else
-            writer.discard();
-        return;
-    }
-    try {
-        fail_together(team, [&] { recorder.finish(); });
-    } catch (const Error&) {
-        checkpoints.discard();
-        throw;
-    }
+    if (checkpoints.has_state())
+        writer.leave_for_later();
+    else
+        writer.discard();
+    return std::nullopt;
 }
 
 std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const JobFacts& job,
-                                             engines::Solver& engine, const Comm& team,
+                                             engines::FrameSource& engine, const Comm& team,
                                              const std::filesystem::path& path,
                                              CaseCheckpoints& checkpoints,
                                              const std::function<void()>& tick) {
@@ -111,20 +105,21 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
                                    has_volume ? storage::HasVolume::yes : storage::HasVolume::no);
     checkpoints.store_with([&writer] { return writer.part_record(); });
     const bool stores_fields = !layout.empty() || has_volume;
-    SurfaceRecorder recorder(c, team, stores_fields ? &writer : nullptr, tick);
-    record_receptors(c, plan.receptors, recorder);
-    compute(c, engine, team, recorder, writer, checkpoints);
-    if (checkpoints.stop()) return std::nullopt;
+    const Sinks sinks{
+        .checkpoints = &checkpoints, .writer = stores_fields ? &writer : nullptr, .tick = tick};
+    std::optional<CaseResults> computed =
+        compute_with_checkpoints(planned, plan, engine, team, sinks, writer, checkpoints);
+    if (!computed) return std::nullopt;
 
     const Comm::Unwatched writing;
-    const CaseResults results = case_results(planned, recorder, plan.receptors, team);
-    if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
+    CaseResults& results = *computed;
+    if (team.is_root()) {
+        facts.columns_in_samples = columns_in_samples(results.groups.front());
+        facts.warnings = case_warnings(c, results);
+    }
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
-    facts.solver = recorder.solver();
-    if (team.is_root())
-        facts.warnings = case_warnings(c, recorder.solver().warnings, results.afferents,
-                                       recorder.mean_u2(), recorder.depths().front().frames);
+    facts.solver = std::move(results.solver);
     facts.solver.notes.push_back(memory_text(plan.needs));
     const std::vector<std::string> files = files_read(c);
     facts.solver.notes.insert(facts.solver.notes.end(), files.begin(), files.end());
@@ -149,7 +144,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 } // namespace
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
-                                    engines::Solver& engine, const Comm& team,
+                                    engines::FrameSource& engine, const Comm& team,
                                     const std::filesystem::path& path, CaseCheckpoints& checkpoints,
                                     const std::function<void()>& tick) {
     std::optional<CaseOutcome> outcome;

@@ -52,7 +52,7 @@ struct CaseOutcome {
 /// CaseFailure or UsageError on all its ranks, even if only one has failed; partial files are
 /// removed then, unless a checkpoint requires them. `tick` is called occasionally.
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
-                                    engines::Solver& engine, const Comm& team,
+                                    engines::FrameSource& engine, const Comm& team,
                                     const std::filesystem::path& path, CaseCheckpoints& checkpoints,
                                     const std::function<void()>& tick);
 

@@ -11,12 +11,12 @@ std::vector<Vec2> pins_of(const Case& c) {
 
 } // namespace
 
-SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, storage::CaseFileWriter* writer,
-                                 std::function<void()> tick)
-    : team_(team), tick_(std::move(tick)), sums_(c, team),
-      traces_(c, team, "trace", c.record.traces_m), pins_(c, team, "pin", pins_of(c)),
-      stresses_(c, team), scan_(c, team), mean_(c, team), instant_(c, team), sensation_(c, team) {
-    if (writer) parts_.push_back(&stored_.emplace(c, team, *writer));
+SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, const Sinks& sinks)
+    : team_(team), tick_(sinks.tick), sums_(c, team), traces_(c, team, "trace", c.record.traces_m),
+      pins_(c, team, "pin", pins_of(c)), stresses_(c, team), scan_(c, team), mean_(c, team),
+      instant_(c, team), sensation_(c, team) {
+    if (sinks.writer) parts_.push_back(&stored_.emplace(c, team, *sinks.writer));
+    if (sinks.frames) parts_.push_back(&frames_.emplace(c, team, *sinks.frames));
     parts_.insert(parts_.end(),
                   {&sums_, &traces_, &pins_, &stresses_, &scan_, &mean_, &instant_, &sensation_});
 }

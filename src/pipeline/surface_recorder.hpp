@@ -9,13 +9,20 @@
 
 namespace shearwake::pipeline {
 
+/// Receivers of parts of a case while it is computed; none is required.
+struct Sinks {
+    engines::Checkpoints* checkpoints = nullptr; // see engines::FrameSource::run
+    storage::CaseFileWriter* writer = nullptr;   // of the fields that the case stores
+    std::function<void()> tick = {};             // called once per frame, for the progress line
+    /// The surface at all frames in single precision, on rank 0 with the shape [frame][x][y]. Not a
+    /// part of checkpoints.
+    std::vector<float>* frames = nullptr;
+};
+
 /// The observer of all cases. Each of its parts records one kind of data.
 class SurfaceRecorder : public engines::Observer {
 public:
-    /// `writer` may be null (no fields are stored). `tick` is called once per frame, for the
-    /// progress line.
-    SurfaceRecorder(const Case& c, const Comm& team, storage::CaseFileWriter* writer,
-                    std::function<void()> tick);
+    SurfaceRecorder(const Case& c, const Comm& team, const Sinks& sinks);
     SurfaceRecorder(const SurfaceRecorder&) = delete; // there are pointers to its parts
     SurfaceRecorder& operator=(const SurfaceRecorder&) = delete;
 
@@ -68,6 +75,7 @@ private:
     InstantSurface instant_;
     SensationLevels sensation_;
     std::optional<StoredFields> stored_;
+    std::optional<SurfaceFrames> frames_;
     std::vector<Recording*> parts_; // all of these
     engines::SolverReport solver_;
 };

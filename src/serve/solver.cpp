@@ -7,9 +7,8 @@
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
-#include "pipeline/case_content.hpp"
+#include "pipeline/compute.hpp"
 #include "pipeline/memory.hpp"
-#include "pipeline/surface_recorder.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
@@ -50,12 +49,9 @@ Object description(const PlannedCase& planned) {
             {"surface_wave_m_s", rayleigh_speed_m_s(surface_wave_layer(c.scene.medium, width_m))}};
 }
 
-Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,
-                   const std::vector<std::string>& afferents) {
+Object warnings_of(const Case& c, const pipeline::CaseResults& results) {
     Object list = Object::array();
-    for (const Remark& remark :
-         pipeline::case_warnings(c, recorder.solver().warnings, afferents, recorder.mean_u2(),
-                                 recorder.depths().front().frames))
+    for (const Remark& remark : pipeline::case_warnings(c, results))
         list.push_back({{"severity", remark.severity == Severity::error ? "error" : "warning"},
                         {"key", remark.key},
                         {"message", remark.message}});
@@ -82,7 +78,7 @@ Solver::Solver(const Limits& limits, std::filesystem::path files, const Comm& wo
     : limits_(limits), files_(std::move(files)), world_(world) {}
 
 pipeline::CasePlan Solver::suitable_plan(const Case& c, bool with_frames) const {
-    if (!std::holds_alternative<LayeredOptions>(c.solver))
+    if (engines::capabilities_of(c).steps_in_time)
         throw UsageError(fmt::format("solver.engine: serve computes with engine \"layered\" only, "
                                      "not with \"{}\"; use run",
                                      engine_name(c.solver)));
@@ -117,70 +113,22 @@ bool Solver::compute(const Request& request, Interrupt& interrupt, Answer& answe
     const Case& c = planned.physics;
     if (const std::string error = pipeline::size_error(job.text, c); !error.empty())
         throw UsageError(error, ExitCode::bad_job);
-    if (!engine_) engine_ = engines::make_engine(LayeredOptions{});
+    if (!engine_) engine_ = engines::make_engine(SolverOptions{});
     const pipeline::CasePlan plan = suitable_plan(c, with_frames);
     check_receptors(c);
     if (interrupt.stop_asked()) return false;
-    pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
-    pipeline::record_receptors(c, plan.receptors, recorder);
-    FrameCollector collector(c, world_, recorder, rows_);
-    engines::Observer& observer =
-        with_frames ? static_cast<engines::Observer&>(collector) : recorder;
-    fail_together(world_, [&] { engine_->run(c, world_, observer, &interrupt); });
-    if (interrupt.stop()) return false;
-    pipeline::CaseResults results;
-    fail_together(world_, [&] {
-        recorder.finish();
-        results = pipeline::case_results(planned, recorder, plan.receptors, world_);
-        if (with_frames) collector.gather(frames_);
-    });
+    auto results =
+        pipeline::compute(planned, plan, *engine_, world_,
+                          {.checkpoints = &interrupt, .frames = with_frames ? &frames_ : nullptr});
+    if (!results) return false;
     on_root(world_, [&] {
         answer.members = description(planned);
-        answer.members["warnings"] = warnings_of(c, recorder, results.afferents);
+        answer.members["warnings"] = warnings_of(c, *results);
         answer.members["seconds"] = seconds_since(began);
-        answer.groups = std::move(results.groups);
+        answer.groups = std::move(results->groups);
         if (with_frames) answer.frames = {frames_, c.time.frames, c.domain.nx, c.domain.ny};
     });
     return true;
-}
-
-void FrameCollector::begin(const engines::Slab& slab) {
-    slab_ = slab;
-    together(team_, [&] {
-        rows_.resize(static_cast<std::size_t>(case_.time.frames * slab.x_count * case_.domain.ny));
-    });
-    ForwardingObserver::begin(slab);
-}
-
-void FrameCollector::frame(const engines::Frame& frame) {
-    if (frame.depth == 0) {
-        float* out = rows_.data() + frame.number * slab_.x_count * case_.domain.ny;
-        for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i)
-            for (const double value : frame.u_z_m.row(i))
-                *out++ = static_cast<float>(value);
-    }
-    ForwardingObserver::frame(frame);
-}
-
-void FrameCollector::gather(std::vector<float>& all) const {
-    if (team_.size() == 1) {
-        all.swap(rows_);
-        return;
-    }
-    const std::ptrdiff_t ny = case_.domain.ny, frames = case_.time.frames;
-    const std::vector<long> starts = team_.gather(std::vector<long>{slab_.x_start}),
-                            counts = team_.gather(std::vector<long>{slab_.x_count});
-    const std::vector<float> parts = team_.gather(rows_);
-    together(team_, [&] {
-        all.resize(team_.is_root() ? static_cast<std::size_t>(frames * case_.domain.nx * ny) : 0);
-        const float* from = parts.data();
-        for (std::size_t rank = 0; rank < starts.size(); ++rank)
-            for (std::ptrdiff_t n = 0; n < frames; ++n) {
-                float* to = all.data() + (n * case_.domain.nx + starts[rank]) * ny;
-                std::copy_n(from, counts[rank] * ny, to);
-                from += counts[rank] * ny;
-            }
-    });
 }
 
 } // namespace shearwake::serve

@@ -45,29 +45,6 @@ config::Job read_request(const Request& request, const std::filesystem::path& fi
 /// of [uncertain]. Throws BadJob. Not collective.
 nlohmann::ordered_json describe(const Request& request, const std::filesystem::path& files);
 
-/// Keeps the surface of all frames in single precision and passes everything on to another
-/// observer.
-class FrameCollector : public engines::ForwardingObserver {
-public:
-    /// `rows`: memory for the frames of this rank, which keeps its size between cases.
-    FrameCollector(const Case& c, const Comm& team, engines::Observer& next,
-                   std::vector<float>& rows)
-        : ForwardingObserver(next), case_(c), team_(team), rows_(rows) {}
-
-    void begin(const engines::Slab& slab) override;
-    void frame(const engines::Frame& frame) override;
-
-    /// Moves the frames of all ranks to rank 0, into `all` with the shape [frame][x][y]; other
-    /// ranks get an empty vector. Collective.
-    void gather(std::vector<float>& all) const;
-
-private:
-    const Case& case_;
-    const Comm& team_;
-    std::vector<float>& rows_; // [frame][x of this rank][y]
-    engines::Slab slab_;
-};
-
 /// Limits of a request.
 struct Limits {
     double memory_per_rank_B = 2e9;
@@ -105,7 +82,7 @@ private:
     std::filesystem::path files_;
     const Comm& world_;
     std::unique_ptr<engines::Engine> engine_;
-    std::vector<float> rows_, frames_; // of this rank; of all ranks, on rank 0
+    std::vector<float> frames_; // of the last request; its memory is kept
 };
 
 } // namespace shearwake::serve

@@ -27,6 +27,7 @@ public:
     bool restore(const std::function<void(const StateReader&)>&) override { return false; }
     bool stop() const override { return stops_; } // not collective
     bool stop_asked() override;
+    void progressed(double) override {}
 
 private:
     std::function<bool()> is_asked_;

@@ -172,7 +172,7 @@ TEST_CASE("series and table are identical on any number of ranks", "[mpi]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case();
     const auto record = [&](const Comm& team) {
-        pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
+        pipeline::SurfaceRecorder recorder(c, team, {});
         engines::make_engine(c.solver)->run(c, team, recorder);
         recorder.finish();
         return std::tuple(recorder.depths(), recorder.traces(), recorder.mean_u2());

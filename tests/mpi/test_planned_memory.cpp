@@ -126,7 +126,7 @@ namespace {
 
 void compute(const Case& c, const pipeline::CasePlan& plan, engines::Engine& engine,
              const Comm& team) {
-    pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
+    pipeline::SurfaceRecorder recorder(c, team, {});
     pipeline::record_receptors(c, plan.receptors, recorder);
     engine.run(c, team, recorder);
     recorder.finish();

@@ -58,8 +58,7 @@ TEST_CASE("receptor stress is unchanged when a run stops and resumes", "[mpi][ne
         recorder.record_stress(places, {0, 1, 2});
         engines::make_engine(c.solver)->run(c, world, recorder, stop);
     };
-    pipeline::SurfaceRecorder through(c, world, nullptr, {}), stopped(c, world, nullptr, {}),
-        resumed(c, world, nullptr, {});
+    pipeline::SurfaceRecorder through(c, world, {}), stopped(c, world, {}), resumed(c, world, {});
     run(through, nullptr);
     through.finish();
     run(stopped, &checkpoints);

@@ -86,7 +86,7 @@ TEST_CASE("writes the slabs of all ranks as volumes with x as the fastest index"
     const Case c = small_case();
     {
         storage::CaseFileWriter writer(folder.file("a.h5"), world, {});
-        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
+        pipeline::SurfaceRecorder recorder(c, world, {.writer = &writer});
         run_fake_engine(c, world, recorder, 0);
         recorder.finish();
         writer.commit({}, {{"status", std::string("complete")}});
@@ -101,7 +101,7 @@ TEST_CASE("fails the case if the engine does not complete its volumes", "[mpi]")
     const test::SharedFolder folder(world);
     const Case c = small_case();
     storage::CaseFileWriter writer(folder.file("a.h5"), world, {});
-    pipeline::SurfaceRecorder recorder(c, world, &writer, {});
+    pipeline::SurfaceRecorder recorder(c, world, {.writer = &writer});
     run_fake_engine(c, world, recorder, 1);
     CHECK_THROWS_AS(recorder.finish(), CaseFailure);
 }
@@ -114,7 +114,7 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
     std::string record;
     {
         storage::CaseFileWriter writer(path, world, {});
-        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
+        pipeline::SurfaceRecorder recorder(c, world, {.writer = &writer});
         run_fake_engine(c, world, recorder, 20);
         writer.flush();
         record = writer.part_record();
@@ -140,7 +140,7 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
     CHECK(world.broadcast(without) == "was left incomplete by an interrupted run");
     {
         storage::CaseFileWriter writer(path, world, {}, storage::Beginning::resume, record);
-        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
+        pipeline::SurfaceRecorder recorder(c, world, {.writer = &writer});
         run_fake_engine(c, world, recorder, 0);
         writer.commit({}, {});
     }

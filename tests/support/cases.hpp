@@ -123,7 +123,7 @@ Store frames_of_root(const Case& c, const Comm& world) {
 /// The columns of the table for a case, computed on a team. Collective.
 inline std::map<std::string, double> columns_of(const Case& c, engines::Engine& engine,
                                                 const Comm& team) {
-    pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
+    pipeline::SurfaceRecorder recorder(c, team, {});
     engine.run(c, team, recorder);
     recorder.finish();
     std::map<std::string, double> values;

@@ -15,6 +15,8 @@ public:
     void save(const std::function<void(StateWriter&)>& /*write*/) override {}
     bool restore(const std::function<void(const StateReader&)>& /*read*/) override { return false; }
     bool stop() const override { return false; }
+    bool stop_asked() override { return false; }
+    void progressed(double /*share*/) override {}
 };
 
 /// Keeps this rank's checkpoint in memory. The run ends with the first save.
@@ -29,6 +31,8 @@ public:
         return true;
     }
     bool stop() const override { return true; }
+    bool stop_asked() override { return false; }
+    void progressed(double /*share*/) override {}
 
 private:
     int left_;

@@ -32,7 +32,7 @@ TEST_CASE("first spikes along a scan are delayed by the travel time of the focus
     const PlannedCase& planned = job.plan.cases.front();
     const Case& c = planned.physics;
     const Comm alone = Comm::world().split(Comm::world().rank());
-    pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
+    pipeline::SurfaceRecorder recorder(c, alone, {});
     engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
     const neural::Scene scene = neural::make_scene(*c.afferents);

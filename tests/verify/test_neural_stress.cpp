@@ -25,7 +25,7 @@ TEST_CASE("stress below a resting focus equals that of a static load on a half-s
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     const Comm alone = Comm::world().split(Comm::world().rank());
-    pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
+    pipeline::SurfaceRecorder recorder(c, alone, {});
     recorder.record_stress({{}, {}, {}, {3e-3, 0.0}, {1.0, 0.0}}, {0, 1, 2, 2, 2});
     engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();

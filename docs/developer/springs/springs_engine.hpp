@@ -16,7 +16,7 @@ public:
     /// Its runs are not stopped.
     std::vector<std::string> choices(const Case&) const override { return {}; }
     std::vector<Remark> limits(const Case& c) const override;
-    engines::Edges edges(const Case&) const override { return engines::Edges::periodic; }
+    engines::Capabilities capabilities(const Case&) const override { return {}; }
     engines::StepChooser step_chooser(const Case&) const override { return {}; }
     engines::StepRefinement half_the_step(const Case& c) const override {
         return {.options = c.solver, .change = ""};

@@ -151,7 +151,7 @@ void add_estimates(const std::vector<const PlannedCase*>& cases,
                          .is_of_neighbour = costs.is_of_neighbour(c)};
         if (const auto rate_s = rates_s.at(engine_name(c.solver)); rate_s && costs.has_step(c))
             known_s.push_back(cost.seconds.emplace(*rate_s * cost.work));
-        if (!engines::saves_checkpoints(c.solver))
+        if (!engines::capabilities_of(c).steps_in_time)
             e.unsaved_s = std::max(e.unsaved_s, cost.seconds.value_or(1e-9 * cost.work));
         if (cost.memory_per_rank_B > e.demand.memory_per_rank_B) {
             e.demand.memory_per_rank_B = cost.memory_per_rank_B;

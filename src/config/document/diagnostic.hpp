@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/plan.hpp"
+#include "base/error.hpp"
 
 #include <cstddef>
 #include <memory>

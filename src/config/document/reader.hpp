@@ -4,16 +4,12 @@
 #include "base/field.hpp"
 #include "base/vectors.hpp"
 #include "config/document/tree.hpp"
-#include "problem/case/case.hpp"
-#include "problem/case/plan.hpp"
 
 #include <initializer_list>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 namespace shearwake::config {
@@ -98,27 +94,6 @@ private:
     std::vector<std::string> known_;
     std::vector<std::string> missing_;
     bool is_guessed_ = false; // a choice with an error, on which missing keys depend
-};
-
-/// Collects the remarks of `check` on the cases of a sweep. Remarks that differ only in their
-/// numbers are combined: the case that needs the largest domain, otherwise the first one, is
-/// reported with the number of further cases.
-class Remarks {
-public:
-    /// Checks a case that was read from `root`, which provides the location of the key of a remark.
-    void add(const Case& c, const NodePtr& root);
-    void report(DiagnosticList& diagnostics) const;
-
-private:
-    struct Group {
-        Remark reported;
-        Place at;
-        std::size_t cases = 0;
-        std::size_t last_case = 0; // number of the last counted case, from 1
-    };
-    std::map<std::tuple<Severity, std::string, std::string>, Group> groups_;
-    std::vector<const Group*> order_;
-    std::size_t added_ = 0; // number of cases
 };
 
 } // namespace shearwake::config

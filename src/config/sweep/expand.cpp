@@ -5,6 +5,7 @@
 #include "config/document/reader.hpp"
 #include "config/files/files.hpp"
 #include "config/sections/read_case.hpp"
+#include "config/sweep/sweep_remarks.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -231,7 +232,7 @@ private:
     const FileLoaders& files_;
     DiagnosticList& diagnostics_;
     std::vector<std::size_t> excluded_; // number of cases that each exclusion has matched
-    Remarks remarks_;
+    SweepRemarks remarks_;
     std::vector<PlannedCase> cases_, references_;
     std::unordered_map<std::string, std::size_t> ordinary_;      // by id
     std::unordered_map<std::string, std::string> reference_ids_; // by settings

@@ -35,7 +35,7 @@ public:
     engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<Remark> limits(const Case& c) const override;
     std::vector<std::string> choices(const Case& c) const override;
-    engines::Edges edges(const Case& c) const override;
+    engines::Capabilities capabilities(const Case& c) const override;
     engines::StepChooser step_chooser(const Case&) const override { return {}; }
     /// Also the interpolation of H has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
@@ -88,7 +88,7 @@ struct LayeredPlan {
     bool is_stored(const TransferKey& table) const;
     /// The decisions that do not depend on the ranks, one line each.
     std::vector<std::string> notes() const;
-    std::vector<engines::Array> arrays() const;
+    std::vector<engines::Allocation> arrays() const;
 };
 
 /// Adds the work of a table to the progress of a case, on a rank with ky_count rows of a team of

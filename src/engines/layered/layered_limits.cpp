@@ -104,8 +104,12 @@ std::vector<Remark> LayeredEngine::limits(const Case& c) const {
     return refused;
 }
 
-engines::Edges LayeredEngine::edges(const Case& c) const {
-    return c.domain.edges == DomainEdges::open ? engines::Edges::open : engines::Edges::periodic;
+engines::Capabilities LayeredEngine::capabilities(const Case& c) const {
+    const bool is_open = c.domain.edges == DomainEdges::open;
+    return {.edges = is_open ? engines::Edges::open : engines::Edges::periodic,
+            .steps_in_time = false,
+            .has_open_edges = true,
+            .has_tangential = !is_open};
 }
 
 std::vector<std::string> LayeredEngine::choices(const Case& c) const {

@@ -193,10 +193,10 @@ bool LayeredPlan::is_stored(const TransferKey& table) const {
            TransferTable::expanded_bytes(table, ky_count) <= TransferTable::largest_expansion_B;
 }
 
-std::vector<engines::Array> LayeredPlan::arrays() const {
+std::vector<engines::Allocation> LayeredPlan::arrays() const {
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
     const std::ptrdiff_t stored_nx = moves_along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
-    std::vector<engines::Array> all = {
+    std::vector<engines::Allocation> all = {
         {"spectra of frames",
          static_cast<double>(frames_together * ky_count * stored_nx) * sizeof(Complex)}};
     constexpr std::array names = {"transfer function of the displacement",

@@ -25,7 +25,7 @@ public:
     engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
-    engines::Edges edges(const Case& c) const override;
+    engines::Capabilities capabilities(const Case& c) const override;
     /// The limits of the step follow from all nodes, which takes long where the medium varies
     /// laterally.
     engines::StepChooser step_chooser(const Case& c) const override;
@@ -71,7 +71,7 @@ double varying_coefficients(bool density, bool speeds, bool viscosity, Absorptio
 std::string note_of(const PstdPlan& plan);
 
 /// The arrays of the rank with most planes. Not collective.
-std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks);
+std::vector<engines::Allocation> arrays_of(const PstdPlan& plan, int ranks);
 /// Not collective.
 engines::Resources resources_of(const Case& c, const PstdPlan& plan, int ranks);
 

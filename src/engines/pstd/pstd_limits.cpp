@@ -71,10 +71,11 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
     return refused;
 }
 
-engines::Edges PstdEngine::edges(const Case& c) const {
-    const bool absorb =
-        std::get<PstdOptions>(c.solver).edges == PstdEdges::absorbing || c.domain.sponge_m > 0.0;
-    return absorb ? engines::Edges::layer : engines::Edges::periodic;
+engines::Capabilities PstdEngine::capabilities(const Case& c) const {
+    const auto& options = std::get<PstdOptions>(c.solver);
+    const bool absorb = options.edges == PstdEdges::absorbing || c.domain.sponge_m > 0.0;
+    return {.edges = absorb ? engines::Edges::layer : engines::Edges::periodic,
+            .is_driven_by_force = options.load == PstdLoad::traction};
 }
 
 } // namespace shearwake::pstd

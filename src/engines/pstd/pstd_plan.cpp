@@ -49,7 +49,7 @@ std::string note_of(const PstdPlan& plan) {
         plan.uneven ? "the material of each node" : "one material for each plane");
 }
 
-std::vector<engines::Array> arrays_of(const PstdPlan& plan, int ranks) {
+std::vector<engines::Allocation> arrays_of(const PstdPlan& plan, int ranks) {
     const Slabs slabs = slabs_of(plan.grid, ranks, ranks - 1); // with an edge in x
     const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
     const auto all = static_cast<double>(slabs.reals());

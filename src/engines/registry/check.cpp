@@ -179,8 +179,8 @@ double wave_speed_m_s(const Medium& medium) {
 
 /// The domain is periodic: a wave that leaves at one edge enters at the opposite one, unless a
 /// sponge absorbs it. check_sponge reports the energy that passes a sponge.
-void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
-    if (edges != engines::Edges::periodic) return;
+void check_wrap_around(const Case& c, const engines::Capabilities& can, Notes& notes) {
+    if (can.edges != engines::Edges::periodic) return;
     const double speed_m_s = wave_speed_m_s(c.scene.medium), end_s = c.time.duration_s();
     if (!(speed_m_s > 0.0)) return;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
@@ -203,9 +203,7 @@ void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
               speed_m_s, milli(back_s), milli(end_s),
               std::ceil(milli(std::max(needed_x_m, c.domain.extent_x_m())) - 1e-6),
               std::ceil(milli(std::max(needed_y_m, c.domain.extent_y_m())) - 1e-6),
-              std::holds_alternative<LayeredOptions>(c.solver)
-                  ? ", and so would domain.edges = \"open\""
-                  : "");
+              can.has_open_edges ? ", and so would domain.edges = \"open\"" : "");
 }
 
 void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
@@ -305,8 +303,7 @@ void check_pins(const Case& c, Notes& notes) {
 }
 
 void check_line_of_sight(const Case& c, Notes& notes) {
-    if (wants_tangential(c) && (!std::holds_alternative<LayeredOptions>(c.solver) ||
-                                c.domain.edges != DomainEdges::periodic))
+    if (wants_tangential(c) && !engines::capabilities_of(c).has_tangential)
         notes.add(Severity::error, "vibrometer.tilt_deg",
                   "a tilted line of sight needs the tangential displacement, which only the engine "
                   "\"layered\" with domain.edges = \"periodic\" computes; use them, or tilt_deg = "
@@ -316,9 +313,8 @@ void check_line_of_sight(const Case& c, Notes& notes) {
 } // namespace
 
 bool has_image_uplift(const Case& c) {
-    const auto* options = std::get_if<PstdOptions>(&c.solver);
-    return (!options || options->load == PstdLoad::traction) &&
-           engines::make_engine(c.solver)->edges(c) == engines::Edges::periodic;
+    const engines::Capabilities can = engines::capabilities_of(c);
+    return can.is_driven_by_force && can.edges == engines::Edges::periodic;
 }
 
 std::string image_uplift_text(const Case& c) {
@@ -351,8 +347,8 @@ std::vector<Remark> check(const Case& c) {
     check_focus_resolution(c, notes);
     check_sampling(c, notes);
     check_focus_in_domain(c, notes);
-    check_wrap_around(c, engine->edges(c), notes);
-    check_sponge(c, engine->edges(c), notes);
+    check_wrap_around(c, engine->capabilities(c), notes);
+    check_sponge(c, engine->capabilities(c).edges, notes);
     add(engine->limits(c));
     check_measured_times(c, notes);
     check_sensation(c, notes);

@@ -312,12 +312,8 @@ void check_units(const Case& c, Notes& notes) {
         std::visit(overloaded{[](const Hold&) {}, check_swing, check_travel}, mover);
     }
     for (const Gain& part : scene.load.modulation.envelope.gains) {
-        std::visit(overloaded{[&](const RampGain& ramp) {
-                                  check_time("load.modulation.ramp_ms", ramp.duration_s);
-                              },
-                              [](const SineGain&) {}, [](const SquareGain&) {},
-                              [](const WindowGain&) {}, [](const SampledGain&) {}},
-                   part);
+        if (const auto* ramp = std::get_if<RampGain>(&part))
+            check_time("load.modulation.ramp_ms", ramp->duration_s);
         if (const double most = largest(part, end_s); is_transient && most < least_strength)
             notes.add(Severity::warning, "load.modulation",
                       "until the run ends at {:.4g} ms, a ramp or window lets the load reach only "

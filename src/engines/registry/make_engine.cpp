@@ -23,8 +23,8 @@ std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {
                       solver);
 }
 
-bool saves_checkpoints(const SolverOptions& solver) {
-    return !std::holds_alternative<LayeredOptions>(solver);
+Capabilities capabilities_of(const Case& c) {
+    return make_engine(c.solver)->capabilities(c);
 }
 
 } // namespace shearwake::engines

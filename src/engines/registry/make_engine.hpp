@@ -10,7 +10,7 @@ namespace shearwake::engines {
 /// Creates the engine selected by the case's solver options. Not collective.
 std::unique_ptr<Engine> make_engine(const SolverOptions& solver);
 
-/// Whether the engine saves checkpoints, from which an interrupted case is resumed.
-bool saves_checkpoints(const SolverOptions& solver);
+/// What the engine of the case offers for it. Not collective.
+Capabilities capabilities_of(const Case& c);
 
 } // namespace shearwake::engines

@@ -19,7 +19,7 @@ public:
     engines::Resources resources(const Case& c, int ranks) const override;
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
-    engines::Edges edges(const Case& c) const override;
+    engines::Capabilities capabilities(const Case& c) const override;
     engines::StepChooser step_chooser(const Case& c) const override;
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,

@@ -100,8 +100,8 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     return refused;
 }
 
-engines::Edges SpectralEngine::edges(const Case& c) const {
-    return c.domain.sponge_m > 0.0 ? engines::Edges::sponge : engines::Edges::periodic;
+engines::Capabilities SpectralEngine::capabilities(const Case& c) const {
+    return {.edges = c.domain.sponge_m > 0.0 ? engines::Edges::sponge : engines::Edges::periodic};
 }
 
 engines::StepChooser SpectralEngine::step_chooser(const Case& c) const {

@@ -73,7 +73,7 @@ double box_B(const VariationPlan& v, int ranks) {
            strain_planes_B(v, nx, ny, ranks);
 }
 
-using Arrays = std::vector<engines::Array>;
+using Arrays = std::vector<engines::Allocation>;
 
 /// The arrays of the stepper. The samples of materials are released before the rest is allocated.
 Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPlan& v,
@@ -95,7 +95,7 @@ Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPl
                      {"surfaces of bodies", v.surfaces * v.fullest_cells / std::max(v.cells, 1.0) *
                                                 sizeof(LateralVariation::Surface)}};
     double stepper_B = 0.0;
-    for (const engines::Array& array : arrays)
+    for (const engines::Allocation& array : arrays)
         stepper_B += array.bytes;
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(CellMaterial);
     arrays.push_back({"samples of materials at the start", std::max(0.0, sampled_B - stepper_B)});
@@ -236,7 +236,7 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
     const VariationPlan v = variation(sampled, ranks);
     engines::Resources all;
     all.arrays = arrays_of_stepper(rigid.layers, mesh, v, sponge(v), ranks);
-    for (const engines::Array& array : arrays_of_output(rigid.layers, mesh, v, ranks))
+    for (const engines::Allocation& array : arrays_of_output(rigid.layers, mesh, v, ranks))
         all.arrays.push_back(array);
     all.arrays.push_back({"material map", map_bytes(c.scene.medium)});
     all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});

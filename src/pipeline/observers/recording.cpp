@@ -79,7 +79,7 @@ void FrameSums::finish() {
         for (std::size_t n = 0; n < depth.frames.size(); ++n)
             // All ranks have the same values, so all of them throw.
             if (!std::isfinite(depth.frames[n].u2) || !std::isfinite(depth.frames[n].u4))
-                throw CaseFailure(fmt::format(
+                throw FieldDiverges(fmt::format(
                     "the field is not finite from t = {:.4g} ms, at depth {:.3g} mm",
                     1e3 * case_.time.frame_s(static_cast<std::ptrdiff_t>(n)), 1e3 * depth.depth_m));
     }
@@ -253,6 +253,39 @@ void StoredFields::finish() {
     if (wanted == 0.0 || volume_planes_ != wanted)
         throw CaseFailure(fmt::format("the engine provided {:.0f} of {:.0f} planes of the volumes",
                                       volume_planes_, wanted));
+}
+
+void SurfaceFrames::begin(const engines::Slab& slab) {
+    Recording::begin(slab);
+    together(team_, [&] {
+        all_.resize(static_cast<std::size_t>(case_.time.frames * slab.x_count * case_.domain.ny));
+    });
+}
+
+void SurfaceFrames::frame(const engines::Frame& frame) {
+    if (frame.depth != 0) return;
+    float* out = all_.data() + frame.number * slab_.x_count * case_.domain.ny;
+    for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i)
+        for (const double value : frame.u_z_m.row(i))
+            *out++ = static_cast<float>(value);
+}
+
+void SurfaceFrames::finish() {
+    if (team_.size() == 1) return;
+    const std::ptrdiff_t ny = case_.domain.ny, frames = case_.time.frames;
+    const std::vector<long> starts = team_.gather(std::vector<long>{slab_.x_start}),
+                            counts = team_.gather(std::vector<long>{slab_.x_count});
+    const std::vector<float> parts = team_.gather(all_);
+    together(team_, [&] {
+        all_.resize(team_.is_root() ? static_cast<std::size_t>(frames * case_.domain.nx * ny) : 0);
+        const float* from = parts.data();
+        for (std::size_t rank = 0; rank < starts.size(); ++rank)
+            for (std::ptrdiff_t n = 0; n < frames; ++n) {
+                float* to = all_.data() + (n * case_.domain.nx + starts[rank]) * ny;
+                std::copy_n(from, counts[rank] * ny, to);
+                from += counts[rank] * ny;
+            }
+    });
 }
 
 InstantSurface::InstantSurface(const Case& c, const Comm& team)

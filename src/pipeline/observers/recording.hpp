@@ -71,7 +71,7 @@ public:
     void frame(const engines::Frame& frame) override;
     void save(StateWriter& state) override;
     void restore(const StateReader& state) override;
-    /// Throws CaseFailure when the field is not finite.
+    /// Throws FieldDiverges when the field is not finite.
     void finish() override;
 
     const std::vector<measures::DepthSeries>& depths() const { return depths_; }
@@ -202,6 +202,21 @@ private:
     storage::CaseFileWriter& writer_;
     std::vector<std::ptrdiff_t> frames_;
     double volume_planes_ = 0.0; // so far
+};
+
+/// Keeps the surface of all frames in single precision. Not saved in checkpoints.
+class SurfaceFrames : public Recording {
+public:
+    /// `all`: on rank 0, the frames with the shape [frame][x][y] after finish(). Its memory is kept
+    /// between cases.
+    SurfaceFrames(const Case& c, const Comm& team, std::vector<float>& all)
+        : Recording(c, team), all_(all) {}
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void finish() override;
+
+private:
+    std::vector<float>& all_; // of this rank until finish(), [frame][x of this rank][y]
 };
 
 /// Stores the surface at the instant `measure.at` and fits the angle of the wake to it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/error.hpp"
 #include "base/vectors.hpp"
 #include "problem/case/case.hpp"
 
@@ -12,8 +13,6 @@
 #include <vector>
 
 namespace shearwake {
-
-enum class Severity { warning, error };
 
 /// A warning or an error about a case. `key` is the job key to change.
 struct Remark {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace shearwake {
 namespace {
@@ -103,7 +104,32 @@ double greatest_frequency_Hz(const SampledGain& g) {
     return g.interval_s > 0.0 ? 0.5 / g.interval_s : 0.0;
 }
 
+constexpr double rounding = 1e-12;
+
 } // namespace
+
+std::optional<GainConflict> SquareGain::complete(bool has_edge) {
+    // From the end of one edge to the next, at most half of the shorter part of a period.
+    const double shorter_s = std::min(duty, 1.0 - duty) / frequency_Hz;
+    if (!has_edge) edge_s = std::min(usual_edge_s, 0.5 * shorter_s);
+    if (edge_s <= shorter_s * (1.0 + rounding)) return std::nullopt;
+    return GainConflict{
+        "edge_us",
+        fmt::format("must be at most {:.6g}, the shorter part of a period, but is {:.6g}",
+                    1e6 * shorter_s, 1e6 * edge_s)};
+}
+
+std::optional<GainConflict> WindowGain::complete(bool has_edge) {
+    const double lasts_s = to_s - from_s;
+    if (!has_edge) edge_s = std::min(usual_edge_s, 0.5 * lasts_s);
+    if (!(lasts_s > 0.0))
+        return GainConflict{"to_ms", fmt::format("must be after from_ms = {:.6g}, but is {:.6g}",
+                                                 1e3 * from_s, 1e3 * to_s)};
+    if (2.0 * edge_s <= lasts_s * (1.0 + rounding)) return std::nullopt;
+    return GainConflict{"edge_us",
+                        fmt::format("must be at most {:.6g}, half of the window, but is {:.6g}",
+                                    0.5e6 * lasts_s, 1e6 * edge_s)};
+}
 
 double gain(const Envelope& envelope, double t_s) {
     double product = 1.0;
@@ -138,6 +164,40 @@ bool acts_once(const Gain& gain) {
                    [](const SquareGain&) { return false; }, [](const WindowGain&) { return true; },
                    [](const SampledGain& g) { return !g.repeat; }},
         gain);
+}
+
+bool rests(const Gain& gain, double from_s, double to_s) {
+    return std::visit(overloaded{[](const SineGain&) { return false; },
+                                 [&](const RampGain& g) {
+                                     return g.start_s + g.duration_s <= from_s || g.start_s >= to_s;
+                                 },
+                                 [](const SquareGain&) { return false; },
+                                 [&](const WindowGain& g) {
+                                     return (g.from_s + g.edge_s <= from_s &&
+                                             g.to_s - g.edge_s >= to_s) ||
+                                            g.to_s <= from_s || g.from_s >= to_s;
+                                 },
+                                 [&](const SampledGain& g) {
+                                     return !g.repeat && g.period_s() - g.interval_s <= from_s;
+                                 }},
+                      gain);
+}
+
+bool is_smooth(const Gain& gain) {
+    return std::holds_alternative<SineGain>(gain);
+}
+
+Edge edge_of(const Gain& gain) {
+    return std::visit(overloaded{[](const SineGain&) { return Edge{}; },
+                                 [](const RampGain& g) {
+                                     return Edge{g.duration_s, std::abs(g.to - g.from)};
+                                 },
+                                 [](const SquareGain& g) {
+                                     return Edge{g.edge_s, g.depth};
+                                 },
+                                 [](const WindowGain& g) { return Edge{g.edge_s}; },
+                                 [](const SampledGain& g) { return Edge{g.interval_s}; }},
+                      gain);
 }
 
 double largest(const Gain& gain, double end_s) {

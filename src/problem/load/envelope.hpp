@@ -4,6 +4,8 @@
 #include "base/field.hpp"
 
 #include <limits>
+#include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -30,9 +32,16 @@ void walk_on(Walk& walk, On& on, Field field = {}) {
     walk(on, field);
 }
 
+/// Two numbers of a gain that contradict each other: the key to change, and what it must be.
+struct GainConflict {
+    const char* key = "";
+    std::string message;
+};
+
 /// 1 - depth/2 (1 + cos(2 pi f t + phase)): from 1 - depth to 1; squared when on pressure.
 struct SineGain {
     static constexpr const char* name = "sine";
+    static constexpr bool is_wave = true; // of am_wave
     double frequency_Hz = 0.0;
     double depth = 1.0;
     double phase_rad = 0.0;
@@ -90,6 +99,7 @@ void walk_fields(Walk& walk, G& g) {
 /// square wave would jump.
 struct SquareGain {
     static constexpr const char* name = "square";
+    static constexpr bool is_wave = true;
     double frequency_Hz = 0.0;
     double duty = 0.5;
     double depth = 1.0;
@@ -97,6 +107,9 @@ struct SquareGain {
     double edge_s = 0.0;
     GainOn on = GainOn::force;
     bool operator==(const SquareGain&) const = default;
+
+    /// Chooses the duration of the edges if it is not given, and checks the numbers.
+    std::optional<GainConflict> complete(bool has_edge);
 };
 
 template <class Walk, Is<SquareGain> G>
@@ -127,6 +140,9 @@ struct WindowGain {
     double edge_s = 0.0;
     GainOn on = GainOn::force;
     bool operator==(const WindowGain&) const = default;
+
+    /// As for SquareGain.
+    std::optional<GainConflict> complete(bool has_edge);
 };
 
 template <class Walk, Is<WindowGain> G>
@@ -198,6 +214,17 @@ void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>
 double repetition_Hz(const Gain& gain);
 /// Whether the gain rises or falls once, which a load that repeats for ever cannot.
 bool acts_once(const Gain& gain);
+/// Whether a gain that rises or falls once does not change in this time; false for others.
+bool rests(const Gain& gain, double from_s, double to_s);
+
+/// Whether a gain oscillates smoothly. The frequencies of others resolve their edges already.
+bool is_smooth(const Gain& gain);
+/// Duration and size of the edges of a gain; of samples, the lines between them.
+struct Edge {
+    double duration_s = 0.0; // 0: none, or a jump
+    double size = 1.0;
+};
+Edge edge_of(const Gain& gain);
 
 /// The largest value of a ramp or a window until a time, and 1 for other gains.
 double largest(const Gain& gain, double end_s);

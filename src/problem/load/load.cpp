@@ -320,6 +320,18 @@ std::vector<Vec2> foci(const Modulation& modulation, double t_s) {
     return places;
 }
 
+const char* am_wave_type() {
+    static const std::string type = [] {
+        std::string words;
+        for_each_alternative(std::type_identity<Gain>{}, [&]<class G>(const G&) {
+            if constexpr (requires { G::is_wave; })
+                words += (words.empty() ? "word:" : "|") + std::string(G::name);
+        });
+        return words;
+    }();
+    return type.c_str();
+}
+
 std::optional<double> modulation_frequency_Hz(const Modulation& modulation) {
     if (const double of_gain = gain_frequency_Hz(modulation.envelope); of_gain > 0.0)
         return of_gain;

@@ -22,11 +22,14 @@ struct Modulation {
     bool operator==(const Modulation&) const = default;
 };
 
+/// The values of `am_wave` as the type of a key: the gains that are waves.
+const char* am_wave_type();
+
 /// The keys of the kinds with an amplitude modulation.
 template <class Walk>
 void walk_am_keys(Walk& walk) {
     walk.key({.key = "am_wave",
-              .type = "word:sine|square",
+              .type = am_wave_type(),
               .fallback = "`\"sine\"`",
               .meaning = "of AM, AM-STM and DTP: shape of the amplitude modulation. The keys that "
                          "begin with `am_` are those of an envelope of that shape, see below"});

@@ -202,7 +202,7 @@ void require_resources(const config::Job& job, const OutputFolder& folder,
 void require_time(const Arrangement& work, const Deadline& deadline) {
     std::optional<std::size_t> longest;
     for (std::size_t i = 0; i < work.cases.size(); ++i)
-        if (!engines::saves_checkpoints(work.cases[i]->physics.solver) &&
+        if (!engines::capabilities_of(work.cases[i]->physics).steps_in_time &&
             (!longest || work.work[i] > work.work[*longest]))
             longest = i;
     if (!longest || !deadline.exists()) return;

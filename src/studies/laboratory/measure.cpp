@@ -4,8 +4,7 @@
 #include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/afferent_result.hpp"
-#include "pipeline/case_content.hpp"
+#include "pipeline/compute.hpp"
 #include "pipeline/run_case.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/checksum/checksum.hpp"
@@ -34,7 +33,7 @@ constexpr std::uintmax_t largest_fit_B = 4'000'000;
 
 /// Passes measured frames of the surface to an observer as an engine passes computed ones, so that
 /// measurements have the same measures and files as simulations.
-class ReplayEngine : public engines::Solver {
+class ReplayEngine : public engines::FrameSource {
 public:
     /// `prefix`: of the converted surface (ConvertedData); `repetition`: 0 for the data themselves.
     ReplayEngine(std::filesystem::path prefix, std::size_t repetition,
@@ -154,16 +153,12 @@ void add_columns_of(const std::vector<VariableGroup>& groups, Columns& columns) 
 Columns repeated_columns(const PlannedCase& planned, const std::filesystem::path& prefix,
                          std::size_t repetitions, const Comm& world) {
     Columns columns;
-    for (std::size_t n = 1; n < repetitions; ++n)
-        fail_together(world, [&] {
-            ReplayEngine engine(prefix, n, {});
-            pipeline::SurfaceRecorder recorder(planned.physics, world, nullptr, [] {});
-            engine.run(planned.physics, world, recorder, nullptr);
-            recorder.finish();
-            const pipeline::CaseResults results = pipeline::case_results(
-                planned, recorder, pipeline::receptors_of(planned.physics), world);
-            if (world.is_root()) add_columns_of(results.groups, columns);
-        });
+    for (std::size_t n = 1; n < repetitions; ++n) {
+        ReplayEngine engine(prefix, n, {});
+        const auto plan = pipeline::plan_case(planned.physics, world.size(), engine);
+        const auto results = pipeline::compute(planned, plan, engine, world, {});
+        if (world.is_root()) add_columns_of(results->groups, columns);
+    }
     return columns;
 }
 

@@ -27,10 +27,7 @@ void scale_times(Case& c, double factor) {
     for (double& time_s : c.record.snapshots_s)
         time_s *= factor;
     for (Gain& gain : c.scene.load.modulation.envelope.gains)
-        std::visit(overloaded{[&](SampledGain& sampled) { sampled.interval_s *= factor; },
-                              [](SineGain&) {}, [](RampGain&) {}, [](SquareGain&) {},
-                              [](WindowGain&) {}},
-                   gain);
+        if (auto* sampled = std::get_if<SampledGain>(&gain)) sampled->interval_s *= factor;
 }
 
 void scale_viscosity(ShearLoss& loss, double factor) {

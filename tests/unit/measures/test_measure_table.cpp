@@ -45,8 +45,8 @@ TEST_CASE("text in brackets is omitted without its details", "[measures]") {
 }
 
 TEST_CASE("parts of sums add, and the larger peaks are kept", "[measures]") {
-    const SurfaceSums a{1, 2, 3, 4, 5, 6, 7, 8}, b{10, 20, 30, 40, 50, 60, 6, 9};
-    CHECK(combine(a, b) == SurfaceSums{11, 22, 33, 44, 55, 66, 7, 9});
+    const SurfaceSums a{1, 2, 3, 4, 5, 6, 7}, b{10, 20, 30, 40, 50, 60, 6};
+    CHECK(combine(a, b) == SurfaceSums{11, 22, 33, 44, 55, 66, 7});
 }
 
 } // namespace test_measure_table

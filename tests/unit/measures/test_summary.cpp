@@ -44,8 +44,7 @@ measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scal
                                  .u4 = 100 * u2 * u2,
                                  .focal_u2 = 20 * u2,
                                  .focal_weight = disc_cells,
-                                 .peak = u,
-                                 .focal_peak = u});
+                                 .peak = u});
     }
     return series;
 }

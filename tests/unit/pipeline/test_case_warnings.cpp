@@ -39,7 +39,7 @@ std::vector<double> with_edges(const Domain& d, double edge) {
 }
 
 std::vector<Remark> of_extent(const std::vector<double>& mean_u2) {
-    auto warnings = pipeline::case_warnings(small_domain(), {}, {}, mean_u2, {});
+    auto warnings = pipeline::case_warnings(small_domain(), {.mean_u2 = mean_u2});
     std::erase_if(warnings, [](const Remark& w) { return w.key != "domain.extent_mm"; });
     return warnings;
 }
@@ -102,7 +102,8 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
         // Nothing has returned where the mean of u_z^2 is known to be 0 on the edges. It is not
         // kept without a period of modulation.
         const auto text = [&](const std::vector<double>& means) -> std::string {
-            for (const Remark& w : pipeline::case_warnings(c, {}, {}, means, surface))
+            for (const Remark& w :
+                 pipeline::case_warnings(c, {.mean_u2 = means, .surface = surface}))
                 if (w.message.find("lift the whole domain") != std::string::npos) return w.message;
             return "";
         };
@@ -156,8 +157,8 @@ TEST_CASE("the uplift by images begins as the flow from rest and ends at the sta
 TEST_CASE("warnings of the solver and of the receptors are kept with their keys", "[warnings]") {
     const Remark capped{Severity::warning, "solver.spectral.contrast_cap", "capped at 1000 times"};
     const auto warnings = pipeline::case_warnings(
-        small_domain(), {capped}, {"afferents.pins_mm: pins of radius 1 mm overlap: use 0.5"}, {},
-        {});
+        small_domain(), {.solver = {.warnings = {capped}},
+                         .afferents = {"afferents.pins_mm: pins of radius 1 mm overlap: use 0.5"}});
     CHECK(std::ranges::find(warnings, capped) != warnings.end());
     CHECK(warnings.back() ==
           Remark{Severity::warning, "afferents.pins_mm", "pins of radius 1 mm overlap: use 0.5"});

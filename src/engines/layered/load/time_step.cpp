@@ -192,38 +192,11 @@ constexpr double shortest_step_s = 5e-6;
 /// the footprint, and is not yet a sum of powers there, which BreakError underestimates.
 constexpr double longest_share_of_crossing = 0.35;
 
-/// Whether a gain oscillates smoothly. The frequencies of others resolve their edges already.
-bool is_smooth(const Gain& gain) {
-    return std::visit(
-        overloaded{[](const SineGain&) { return true; }, [](const RampGain&) { return false; },
-                   [](const SquareGain&) { return false; }, [](const WindowGain&) { return false; },
-                   [](const SampledGain&) { return false; }},
-        gain);
-}
-
 /// The highest frequency of smooth gains.
 double smooth_frequency_Hz(const Envelope& envelope) {
     Envelope smooth;
     std::ranges::copy_if(envelope.gains, std::back_inserter(smooth.gains), is_smooth);
     return greatest_envelope_frequency_Hz(smooth);
-}
-
-/// Duration and size of the edges of a gain; of samples, the lines between them.
-struct Edge {
-    double duration_s = 0.0; // 0: none, or a jump, which BreakError estimates
-    double size = 1.0;
-};
-Edge find_edge(const Gain& gain) {
-    return std::visit(overloaded{[](const SineGain&) { return Edge{}; },
-                                 [](const RampGain& g) {
-                                     return Edge{g.duration_s, std::abs(g.to - g.from)};
-                                 },
-                                 [](const SquareGain& g) {
-                                     return Edge{g.edge_s, g.depth};
-                                 },
-                                 [](const WindowGain& g) { return Edge{g.edge_s}; },
-                                 [](const SampledGain& g) { return Edge{g.interval_s}; }},
-                      gain);
 }
 
 /// The error of samples that are hardly shorter than the edges, whose breaks BreakError finds only
@@ -233,7 +206,7 @@ double edge_error(const Envelope& envelope, double step_s) {
     constexpr double half_edge_error = 4e-5;
     double sum = 0.0;
     for (const Gain& gain : envelope.gains)
-        if (const auto [duration_s, size] = find_edge(gain); duration_s > 0.0)
+        if (const auto [duration_s, size] = edge_of(gain); duration_s > 0.0)
             sum += size * half_edge_error * std::pow(2.0 * step_s / duration_s, 7);
     return std::min(sum, 1.0);
 }

@@ -161,7 +161,7 @@ void EndlessBodies::solve(const std::vector<double>& target, double scale) {
     share_acceleration();
 }
 
-engines::Array EndlessBodies::array() const {
+engines::Allocation EndlessBodies::array() const {
     const std::size_t unknowns = systems_.unknowns();
     return {"endless rigid bodies",
             static_cast<double>((systems_.mine().size() * unknowns * unknowns + rows_.size()) *

@@ -21,7 +21,7 @@ public:
     void end_row(std::ptrdiff_t row) override;
     void begin_forces(std::ptrdiff_t row) override;
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
-    engines::Array array() const override;
+    engines::Allocation array() const override;
     std::vector<RigidMotion> motions() const override;
 
 private:

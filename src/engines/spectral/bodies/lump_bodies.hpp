@@ -46,7 +46,7 @@ public:
     void end_row(std::ptrdiff_t row) override { planes_->end_row(row); }
     void begin_forces(std::ptrdiff_t row) override { planes_->begin_row(row); }
     void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) override;
-    engines::Array array() const override {
+    engines::Allocation array() const override {
         return {"rigid lumps", inverse_.memory_B() + planes_->memory_B()};
     }
     std::vector<RigidMotion> motions() const override;

@@ -62,7 +62,7 @@ public:
     virtual void begin_forces(std::ptrdiff_t row) = 0;
     virtual void add_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) = 0;
     /// What this rank has allocated, under its name in SpectralPlan::resources().
-    virtual engines::Array array() const = 0;
+    virtual engines::Allocation array() const = 0;
     /// The displacements of all bodies, for output.
     virtual std::vector<RigidMotion> motions() const = 0;
 

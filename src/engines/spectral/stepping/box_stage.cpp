@@ -38,7 +38,7 @@ public:
         s_.planes.get(s_.predicted.strain);
         s_.predicted.valid = true;
     }
-    std::vector<engines::Array> arrays() const override { return s_.arrays(); }
+    std::vector<engines::Allocation> arrays() const override { return s_.arrays(); }
     void save(StateWriter& state) const override { s_.save_displacement(state); }
     void restore(const StateReader& state) override {
         s_.restore_displacement(state);
@@ -83,8 +83,8 @@ public:
         complete_and_predict();
         iteration_.advance_strains();
     }
-    std::vector<engines::Array> arrays() const override {
-        std::vector<engines::Array> all = iteration_.arrays();
+    std::vector<engines::Allocation> arrays() const override {
+        std::vector<engines::Allocation> all = iteration_.arrays();
         all.push_back({"box of elastic bodies", box_.memory_B()});
         return all;
     }

@@ -21,7 +21,7 @@ public:
         if (s_.varies()) s_.add_planes(s_.change);
     }
 
-    std::vector<engines::Array> arrays() const override { return {s_.bodies->array()}; }
+    std::vector<engines::Allocation> arrays() const override { return {s_.bodies->array()}; }
     void save(StateWriter& state) const override { s_.bodies->save(state); }
     void restore(const StateReader& state) override { s_.bodies->restore(state); }
 };

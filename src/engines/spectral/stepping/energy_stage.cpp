@@ -21,7 +21,7 @@ public:
         if (s_.field.variation().iterates)
             s_.reference = std::max(s_.kinetic.of(s_.team), std::abs(s_.work.of(s_.team)));
     }
-    std::vector<engines::Array> arrays() const override { return {}; } // a number per ky
+    std::vector<engines::Allocation> arrays() const override { return {}; } // a number per ky
     void save(StateWriter& state) const override { s_.watch.save(state); }
     void restore(const StateReader& state) override { s_.watch.restore(state); }
 };

@@ -53,7 +53,7 @@ class Output : public OutputStage {
 public:
     Output(StepState& state, std::ptrdiff_t per_frame);
     void advance() override;
-    std::vector<engines::Array> arrays() const override;
+    std::vector<engines::Allocation> arrays() const override;
     // What is saved for the start of a step is emitted at its end, before a checkpoint.
     void save(StateWriter&) const override {}
     void restore(const StateReader&) override {}
@@ -98,7 +98,7 @@ void Output::advance() {
     if (saved_frame_) receptors_.remember(s_.before.data());
 }
 
-std::vector<engines::Array> Output::arrays() const {
+std::vector<engines::Allocation> Output::arrays() const {
     return {{"volumes of strain and stress", tensors_.allocated_B()},
             {"stress at receptors", receptors_.allocated_B()}};
 }

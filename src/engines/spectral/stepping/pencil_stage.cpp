@@ -24,7 +24,7 @@ public:
         if (s_.varies()) s_.planes.get(s_.change);
     }
 
-    std::vector<engines::Array> arrays() const override { return s_.arrays(); }
+    std::vector<engines::Allocation> arrays() const override { return s_.arrays(); }
     void save(StateWriter& state) const override { s_.save_displacement(state); }
     void restore(const StateReader& state) override { s_.restore_displacement(state); }
 

@@ -90,7 +90,7 @@ public:
     void advance() override {
         if (s_.sponge_acts_at(s_.step)) damp();
     }
-    std::vector<engines::Array> arrays() const override {
+    std::vector<engines::Allocation> arrays() const override {
         return {{"sponge", static_cast<double>(planes_.size() * sizeof(double))}};
     }
     // Whether it acts follows from the step.

@@ -26,7 +26,7 @@ public:
     virtual void advance() = 0;
     /// What this rank has allocated for the stage, under the names of SpectralPlan::resources().
     /// Not collective.
-    virtual std::vector<engines::Array> arrays() const = 0;
+    virtual std::vector<engines::Allocation> arrays() const = 0;
     /// Save and restore what the stage carries from step to step. Collective.
     virtual void save(StateWriter& state) const = 0;
     virtual void restore(const StateReader& state) = 0;
@@ -101,7 +101,7 @@ public:
     /// Replaces the previous strain by the next one. Not collective.
     void advance_strains();
 
-    std::vector<engines::Array> arrays() const;
+    std::vector<engines::Allocation> arrays() const;
     void save(StateWriter& state) const;
     void restore(const StateReader& state);
 

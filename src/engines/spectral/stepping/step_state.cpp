@@ -169,7 +169,7 @@ DistributedRows StepState::rows() const {
             .row_length = vectors.blocks() * size() * lane_count};
 }
 
-std::vector<engines::Array> StepState::arrays() const {
+std::vector<engines::Allocation> StepState::arrays() const {
     const std::size_t blocks = now.size() + before.size() + predicted.change.size();
     return {{"factors", static_cast<double>(factors_.size() * sizeof(Block))},
             {"displacement", static_cast<double>(blocks * sizeof(Block))}};

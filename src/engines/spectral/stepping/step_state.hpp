@@ -138,7 +138,7 @@ public:
     void each_reaction(const Reaction& use);
 
     /// The factors and u, and what a step predicts. Not collective.
-    std::vector<engines::Array> arrays() const;
+    std::vector<engines::Allocation> arrays() const;
     /// Save and restore u. Collective.
     void save_displacement(StateWriter& state) const;
     void restore_displacement(const StateReader& state);

@@ -37,10 +37,10 @@ void Stepper::finish(engines::Observer& observer) {
     output_->emit_earlier(observer);
 }
 
-std::vector<engines::Array> Stepper::arrays() const {
-    std::vector<engines::Array> all;
+std::vector<engines::Allocation> Stepper::arrays() const {
+    std::vector<engines::Allocation> all;
     for (const auto& stage : stages_)
-        for (engines::Array& array : stage->arrays())
+        for (engines::Allocation& array : stage->arrays())
             all.push_back(std::move(array));
     return all;
 }

@@ -52,7 +52,7 @@ public:
     void restore(const StateReader& state) override;
 
     /// The arrays of all stages on this rank. Not collective.
-    std::vector<engines::Array> arrays() const;
+    std::vector<engines::Allocation> arrays() const;
 
     EnergyBalance energy() { return energy_of(state_); }
 

@@ -25,7 +25,7 @@ public:
         if (iteration_.solve({.full = response, .rounded = {}}) > 0) displace(iteration_.stress());
         iteration_.advance_strains();
     }
-    std::vector<engines::Array> arrays() const override { return iteration_.arrays(); }
+    std::vector<engines::Allocation> arrays() const override { return iteration_.arrays(); }
     void save(StateWriter& state) const override { iteration_.save(state); }
     void restore(const StateReader& state) override { iteration_.restore(state); }
 
@@ -107,7 +107,7 @@ void StrainIteration::advance_strains() {
     std::swap(s_.strain, s_.strain_before);
 }
 
-std::vector<engines::Array> StrainIteration::arrays() const {
+std::vector<engines::Allocation> StrainIteration::arrays() const {
     const LateralVariation& v = s_.field.variation();
     std::size_t values = v.lambda.size() + v.mu.size() + v.viscosity.size() +
                          v.implicit_lambda.size() + v.implicit_mu.size() + v.implicit_mass.size();

@@ -215,11 +215,11 @@ TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
     spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone, 1);
     stepper.advance(); // the first iteration in a box allocates its right-hand side
     std::vector<std::string> found;
-    for (const engines::Array& array : stepper.arrays()) {
+    for (const engines::Allocation& array : stepper.arrays()) {
         if (array.bytes == 0.0) continue;
         found.push_back(array.name);
         double planned = 0.0;
-        for (const engines::Array& other : plan_of(c).resources(1).arrays)
+        for (const engines::Allocation& other : plan_of(c).resources(1).arrays)
             if (other.name == array.name) planned = other.bytes;
         INFO(array.name);
         CHECK(planned == Approx(array.bytes).epsilon(0.1)); // what plan promises
