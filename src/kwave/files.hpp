@@ -168,6 +168,9 @@ template <class Real>
 void write_records(const OutputFile& output, const pstd::Recorder& recorder, const Input& input,
                    const pstd::Stepper<Real>& stepper, const Comm& team);
 
+/// A hash of the input file and of everything else that determines the result. Not collective.
+std::string identity_of(const Arguments& arguments, long steps);
+
 /// The name of the checkpoint before the last one. Not collective.
 std::filesystem::path previous_checkpoint(const std::filesystem::path& checkpoint);
 

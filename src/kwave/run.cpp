@@ -20,11 +20,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <vector>
-#include <xxhash.h>
 
 namespace shearwake::kwave {
 namespace {
@@ -36,21 +34,6 @@ void print(const Comm& world, const std::string& line) {
     if (!world.is_root()) return;
     fmt::print("{}\n", line);
     std::fflush(stdout);
-}
-
-/// A hash of the input file and of everything else that determines the result. Not collective.
-std::string identity_of(const Arguments& a, long steps) {
-    std::ifstream file(a.input, std::ios::binary);
-    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
-                                                                         XXH3_freeState);
-    XXH3_64bits_reset(state.get());
-    std::vector<char> block(1 << 20);
-    while (file.read(block.data(), std::ssize(block)) || file.gcount() > 0)
-        XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
-    const std::string rest =
-        fmt::format("{} {} {} {}", fmt::join(a.records, " "), a.first_step, steps, a.precision);
-    XXH3_64bits_update(state.get(), rest.data(), rest.size());
-    return fmt::format("{:016x}", XXH3_64bits_digest(state.get()));
 }
 
 /// An unstable step is an error, a step that may be unstable a warning. Collective.

@@ -301,6 +301,21 @@ std::string caution(const storage::PlanIndex& plan, const Table& table) {
                : "";
 }
 
+/// The headlines of all cases, with the cautions that concern them.
+std::string markdown_table(const storage::PlanIndex& plan, const Table& table) {
+    std::vector<std::string> columns = {"id", "reference"};
+    columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
+    for (const measures::Measure& measure : measures::all_measures())
+        if (measure.shown == measures::Shown::headlines)
+            for (const std::string& name : columns_of(measure, table)) {
+                columns.push_back(name);
+                columns.push_back(error_column(name)); // omitted unless the table has it
+            }
+    columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
+    return "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
+           markdown(table, columns) + caution(plan, table);
+}
+
 } // namespace
 
 Table table_of(const ReduceInput& input) {
@@ -349,19 +364,7 @@ ReducedTables reduce(const ReduceInput& input) {
             written.points_to_add += axis.next.size();
     }
 
-    std::vector<std::string> columns = {"id", "reference"};
-    columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
-    for (const measures::Measure& measure : measures::all_measures())
-        if (measure.shown == measures::Shown::headlines)
-            for (const std::string& name : columns_of(measure, table)) {
-                columns.push_back(name);
-                columns.push_back(error_column(name)); // omitted unless the table has it
-            }
-    columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
-    storage::write_file(written.markdown,
-                        "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
-                            markdown(table, columns) + caution(plan, table));
-
+    storage::write_file(written.markdown, markdown_table(plan, table));
     std::vector<std::string> main = plan.swept_keys;
     if (main.size() > 3) main.resize(3);
     main.insert(main.end(), {"eta_period_1", "eta_period_over_reference_1", "peak_um",

@@ -3,20 +3,17 @@
 #include "kwave/run.hpp"
 #include "pipeline/provenance.hpp"
 
+#include <initializer_list>
+#include <set>
+#include <string>
+#include <utility>
+
 namespace shearwake::app {
 
-void add_kwave(CLI::App& app, Action& action) {
-    auto [command, arguments] = add_command<kwave::Arguments>(
-        app, action, "kwave",
-        "run the elastic input file of k-Wave (pstdElastic3D with 'SaveToDisk') and write the "
-        "output file of its compiled programs; exit code 1 for every error, as they have",
-        kwave::run);
-    add_value(command, "-i", arguments.input, "FILE",
-              "input file of pstdElastic3D or of scripts/import-kwave")
-        ->required();
-    add_value(command, "-o", arguments.output, "FILE",
-              "output file; an existing one is removed at the start")
-        ->required();
+namespace {
+
+/// The options that name what is recorded.
+void add_records(CLI::App& command, std::set<std::string>& records) {
     for (const auto& [name, text] : std::initializer_list<std::pair<const char*, const char*>>{
              {"-p,--p_raw", "pressure at the sensor in every step (default)"},
              {"--p_max", "maximum of the pressure at the sensor"},
@@ -43,8 +40,25 @@ void add_kwave(CLI::App& app, Action& action) {
         std::string record = names.substr(names.find("--") + 2);
         if (record.ends_with("_raw")) record.resize(record.size() - 4);
         command.add_flag_callback(
-            names, [&records = arguments.records, record] { records.insert(record); }, text);
+            names, [&records, record] { records.insert(record); }, text);
     }
+}
+
+} // namespace
+
+void add_kwave(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<kwave::Arguments>(
+        app, action, "kwave",
+        "run the elastic input file of k-Wave (pstdElastic3D with 'SaveToDisk') and write the "
+        "output file of its compiled programs; exit code 1 for every error, as they have",
+        kwave::run);
+    add_value(command, "-i", arguments.input, "FILE",
+              "input file of pstdElastic3D or of scripts/import-kwave")
+        ->required();
+    add_value(command, "-o", arguments.output, "FILE",
+              "output file; an existing one is removed at the start")
+        ->required();
+    add_records(command, arguments.records);
     add_value(command, "-s", arguments.first_step, "STEP",
               "first step that is recorded (default 1)")
         ->check(CLI::Range(1L, 1L << 30));

@@ -20,10 +20,10 @@ Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Tab
     Gain gain = read_alternative<Gain>(reader, shape, table).value_or(SineGain{});
     const bool read = reader.diagnostics().errors() == before;
     const auto complete = [&](auto& alternative) {
-        if constexpr (requires { alternative.complete(true); }) {
-            const std::string prefix(table.prefix);
-            const auto conflict = alternative.complete(reader.has(prefix + "edge_us"));
-            if (conflict && read) reader.error(prefix + conflict->key, conflict->message);
+        if constexpr (requires { alternative.complete(); }) {
+            const auto conflict = alternative.complete();
+            if (conflict && read)
+                reader.error(std::string(table.prefix) + conflict->key, conflict->message);
         }
     };
     std::visit(complete, gain);

@@ -255,6 +255,59 @@ void check_vibrometer(const Case& c, Notes& notes) {
                   milli(reach_m), milli(c.domain.spacing_m));
 }
 
+/// A length far below the focus: typed in m.
+void check_length(const Case& c, const char* key, double length_m, double share, const char* what,
+                  Notes& notes) {
+    const double width_m = fwhm_m(c.scene.load.footprint);
+    if (length_m > 0.0 && length_m < share * width_m)
+        notes.add(Severity::warning, key,
+                  "{} is {:.3g} mm, but the focus is {:.3g} mm wide (FWHM): it is practically at "
+                  "rest; lengths are in mm",
+                  what, milli(length_m), milli(width_m));
+}
+
+/// A time below an output interval: typed in s.
+void check_time(const Case& c, const char* key, double time_s, Notes& notes) {
+    if (time_s > 0.0 && time_s < c.time.interval_s * (1.0 - 1e-9))
+        notes.add(Severity::warning, key,
+                  "{:.3g} ms is shorter than the output interval of {:.3g} us and has no effect on "
+                  "what is recorded; the time is in ms",
+                  milli(time_s), 1e6 * c.time.interval_s);
+}
+
+void check_modulation_units(const Case& c, Notes& notes) {
+    const Modulation& modulation = c.scene.load.modulation;
+    const bool is_transient = c.time.regime == Regime::transient;
+    const double end_s = c.time.duration_s();
+    for (const Mover& mover : modulation.trajectory.parts) {
+        const auto check_travel = [&](const Travel& travel) {
+            check_length(c, "load.modulation.path", reach_of_path_m(travel.path), tiny_path_share,
+                         "the size of the path", notes);
+            const double pass_s = cycle_s(travel);
+            if (is_transient && std::isfinite(pass_s) && end_s < least_share_of_path * pass_s)
+                notes.add(Severity::warning, "load.modulation",
+                          "a pass along the path lasts {:.4g} ms, but the run {:.4g} ms, which is "
+                          "{:.2g} % of it; speeds are in m/s, frequencies in Hz, times in ms",
+                          milli(pass_s), milli(end_s), 100.0 * end_s / pass_s);
+            check_time(c, "load.modulation.corner_dwell_ms", travel.corners.dwell_s, notes);
+        };
+        const auto check_swing = [&](const Swing& swing) {
+            check_length(c, "load.modulation.lm_amplitude_mm", norm(swing.amplitude_m), tiny_share,
+                         "the amplitude of the motion", notes);
+        };
+        std::visit(overloaded{[](const Hold&) {}, check_swing, check_travel}, mover);
+    }
+    for (const Gain& part : modulation.envelope.gains) {
+        if (const auto* ramp = std::get_if<RampGain>(&part))
+            check_time(c, "load.modulation.ramp_ms", ramp->duration_s, notes);
+        if (const double most = largest(part, end_s); is_transient && most < least_strength)
+            notes.add(Severity::warning, "load.modulation",
+                      "until the run ends at {:.4g} ms, a ramp or window lets the load reach only "
+                      "{:.2g} % of its strength; times are in ms",
+                      milli(end_s), 100.0 * most);
+    }
+}
+
 /// Lengths far below the focus, and times below an output interval: typed in m or s.
 void check_units(const Case& c, Notes& notes) {
     const Scene& scene = c.scene;
@@ -277,51 +330,9 @@ void check_units(const Case& c, Notes& notes) {
             "the layers are {:.3g} mm thick in total, but the focus is {:.3g} mm wide (FWHM): "
             "the base below them determines the motion; thickness_mm is in mm",
             milli(thickness_m), milli(width_m));
-    const auto check_length = [&](const char* key, double length_m, double share,
-                                  const char* what) {
-        if (length_m > 0.0 && length_m < share * width_m)
-            notes.add(
-                Severity::warning, key,
-                "{} is {:.3g} mm, but the focus is {:.3g} mm wide (FWHM): it is practically at "
-                "rest; lengths are in mm",
-                what, milli(length_m), milli(width_m));
-    };
-    const auto check_time = [&](const char* key, double time_s) {
-        if (time_s > 0.0 && time_s < interval_s * (1.0 - 1e-9))
-            notes.add(Severity::warning, key,
-                      "{:.3g} ms is shorter than the output interval of {:.3g} us and has no "
-                      "effect on what is recorded; the time is in ms",
-                      milli(time_s), 1e6 * interval_s);
-    };
-    for (const Mover& mover : scene.load.modulation.trajectory.parts) {
-        const auto check_travel = [&](const Travel& travel) {
-            check_length("load.modulation.path", reach_of_path_m(travel.path), tiny_path_share,
-                         "the size of the path");
-            const double pass_s = cycle_s(travel);
-            if (is_transient && std::isfinite(pass_s) && end_s < least_share_of_path * pass_s)
-                notes.add(Severity::warning, "load.modulation",
-                          "a pass along the path lasts {:.4g} ms, but the run {:.4g} ms, which is "
-                          "{:.2g} % of it; speeds are in m/s, frequencies in Hz, times in ms",
-                          milli(pass_s), milli(end_s), 100.0 * end_s / pass_s);
-            check_time("load.modulation.corner_dwell_ms", travel.corners.dwell_s);
-        };
-        const auto check_swing = [&](const Swing& swing) {
-            check_length("load.modulation.lm_amplitude_mm", norm(swing.amplitude_m), tiny_share,
-                         "the amplitude of the motion");
-        };
-        std::visit(overloaded{[](const Hold&) {}, check_swing, check_travel}, mover);
-    }
-    for (const Gain& part : scene.load.modulation.envelope.gains) {
-        if (const auto* ramp = std::get_if<RampGain>(&part))
-            check_time("load.modulation.ramp_ms", ramp->duration_s);
-        if (const double most = largest(part, end_s); is_transient && most < least_strength)
-            notes.add(Severity::warning, "load.modulation",
-                      "until the run ends at {:.4g} ms, a ramp or window lets the load reach only "
-                      "{:.2g} % of its strength; times are in ms",
-                      milli(end_s), 100.0 * most);
-    }
+    check_modulation_units(c, notes);
     const double settled_s = c.measure.settled_after_s;
-    check_time("measure.settled_after_ms", settled_s);
+    check_time(c, "measure.settled_after_ms", settled_s, notes);
     if (is_transient && settled_s >= interval_s && fastest_m_s * settled_s < tiny_share * width_m)
         notes.add(Severity::warning, "measure.settled_after_ms",
                   "within {:.3g} ms, shear waves travel {:.3g} mm, but the focus is {:.3g} mm wide "

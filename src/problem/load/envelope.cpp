@@ -108,10 +108,10 @@ constexpr double rounding = 1e-12;
 
 } // namespace
 
-std::optional<GainConflict> SquareGain::complete(bool has_edge) {
+std::optional<GainConflict> SquareGain::complete() {
     // From the end of one edge to the next, at most half of the shorter part of a period.
     const double shorter_s = std::min(duty, 1.0 - duty) / frequency_Hz;
-    if (!has_edge) edge_s = std::min(usual_edge_s, 0.5 * shorter_s);
+    if (edge_s == 0.0) edge_s = std::min(usual_edge_s, 0.5 * shorter_s);
     if (edge_s <= shorter_s * (1.0 + rounding)) return std::nullopt;
     return GainConflict{
         "edge_us",
@@ -119,9 +119,9 @@ std::optional<GainConflict> SquareGain::complete(bool has_edge) {
                     1e6 * shorter_s, 1e6 * edge_s)};
 }
 
-std::optional<GainConflict> WindowGain::complete(bool has_edge) {
+std::optional<GainConflict> WindowGain::complete() {
     const double lasts_s = to_s - from_s;
-    if (!has_edge) edge_s = std::min(usual_edge_s, 0.5 * lasts_s);
+    if (edge_s == 0.0) edge_s = std::min(usual_edge_s, 0.5 * lasts_s);
     if (!(lasts_s > 0.0))
         return GainConflict{"to_ms", fmt::format("must be after from_ms = {:.6g}, but is {:.6g}",
                                                  1e3 * from_s, 1e3 * to_s)};

@@ -108,8 +108,8 @@ struct SquareGain {
     GainOn on = GainOn::force;
     bool operator==(const SquareGain&) const = default;
 
-    /// Chooses the duration of the edges if it is not given, and checks the numbers.
-    std::optional<GainConflict> complete(bool has_edge);
+    /// Chooses the duration of the edges if it is 0, not given, and compares the numbers.
+    std::optional<GainConflict> complete();
 };
 
 template <class Walk, Is<SquareGain> G>
@@ -142,7 +142,7 @@ struct WindowGain {
     bool operator==(const WindowGain&) const = default;
 
     /// As for SquareGain.
-    std::optional<GainConflict> complete(bool has_edge);
+    std::optional<GainConflict> complete();
 };
 
 template <class Walk, Is<WindowGain> G>

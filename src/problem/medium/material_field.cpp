@@ -128,71 +128,96 @@ Vec3 weighted_normal(const Body& body, Vec3 centre_m, Vec3 size_m, const Materia
                 slope({0.0, 0.0, step * size_m.z})};
 }
 
-/// See material_of_cell.
-CellMaterial cell_of_map(const MaterialMap& map, const Properties& layer, Vec3 centre_m,
-                         Vec3 size_m) {
-    constexpr int along = 4, last = along - 1; // points per axis
-    constexpr double of_point = 1.0 / (along * along * along);
-    const auto offset_m = [&](int i, int j, int k) {
+/// A cell of a map, divided into `along` points along each axis.
+struct MapCell {
+    static constexpr int along = 4;
+    const MaterialMap& map;
+    const Properties& layer;
+    Vec3 centre_m, size_m;
+
+    Vec3 offset_m(int i, int j, int k) const {
         const auto place = [](int n) { return (n + 0.5) / along - 0.5; };
-        return Vec3{place(i) * size_m.x, place(j) * size_m.y, place(k) * size_m.z};
-    };
-    const auto each_part = [&](Vec3 at_m, const auto& use) {
+        return {place(i) * size_m.x, place(j) * size_m.y, place(k) * size_m.z};
+    }
+    /// Calls `use` with the shares and materials of the neighbours of a position in the map.
+    void each_part(Vec3 at_m, const auto& use) const {
         each_neighbour(map, at_m, [&](double share, const MapSample& value) {
             use(share, material_of(with_given(layer, value)));
         });
-    };
-    const Material centre = material_of(with_given(layer, sample(map, centre_m)));
-    constexpr double coarse = 1.5; // cells between points that interpolation resolves
-    if (std::max({map.spacing_m.x, map.spacing_m.y, map.spacing_m.z}) >
-        coarse * std::max(size_m.x, size_m.y))
-        return uniform(centre);
-    Material least = centre, greatest = centre;
-    const auto widen = [&](double, const Material& m) {
+    }
+    /// Whether the spacing of the map is so coarse that its interpolation is resolved.
+    bool resolves_map() const {
+        constexpr double coarse = 1.5; // cells between points that interpolation resolves
+        return std::max({map.spacing_m.x, map.spacing_m.y, map.spacing_m.z}) >
+               coarse * std::max(size_m.x, size_m.y);
+    }
+};
+
+/// The least and the greatest shear properties of some materials.
+struct ShearRange {
+    Material least, greatest;
+
+    void widen(const Material& m) {
         least.mu_Pa = std::min(least.mu_Pa, m.mu_Pa);
         least.viscosity_Pa_s = std::min(least.viscosity_Pa_s, m.viscosity_Pa_s);
         greatest.mu_Pa = std::max(greatest.mu_Pa, m.mu_Pa);
         greatest.viscosity_Pa_s = std::max(greatest.viscosity_Pa_s, m.viscosity_Pa_s);
-    };
+    }
+    /// Whether there is an interface between the materials.
+    bool has_interface() const {
+        constexpr double interface = 1.2; // below, the means differ by less than 1 %
+        return greatest.mu_Pa > interface * least.mu_Pa ||
+               greatest.viscosity_Pa_s > interface * least.viscosity_Pa_s;
+    }
+};
+
+/// See material_of_cell.
+CellMaterial cell_of_map(const MapCell& cell) {
+    constexpr int along = MapCell::along, last = along - 1;
+    constexpr double of_point = 1.0 / (along * along * along);
+    const Material centre = material_of(with_given(cell.layer, sample(cell.map, cell.centre_m)));
+    if (cell.resolves_map()) return uniform(centre);
+    ShearRange range{centre, centre};
     for (const int i : {0, last})
         for (const int j : {0, last})
             for (const int k : {0, last})
-                each_part(centre_m + offset_m(i, j, k), widen);
-    constexpr double interface = 1.2; // below, the means differ by less than 1 %
-    if (greatest.mu_Pa <= interface * least.mu_Pa &&
-        greatest.viscosity_Pa_s <= interface * least.viscosity_Pa_s)
-        return uniform(centre);
+                cell.each_part(cell.centre_m + cell.offset_m(i, j, k),
+                               [&](double, const Material& part) { range.widen(part); });
+    if (!range.has_interface()) return uniform(centre);
 
     std::vector<Part> parts;
     CellMaterial m;
     double per_p = 0.0, lambda_per_p = 0.0;
+    const auto add = [&](Vec3 slope, double share, const Material& part) {
+        parts.push_back({uniform(part), share});
+        range.widen(part);
+        const double p = part.lambda_Pa + 2.0 * part.mu_Pa;
+        m.density_kg_m3 += share * part.density_kg_m3;
+        m.mu_Pa += share * part.mu_Pa;
+        m.viscosity_Pa_s += share * part.viscosity_Pa_s;
+        per_p += share / p;
+        lambda_per_p += share * part.lambda_Pa / p;
+        const Material& greatest = range.greatest;
+        const double value =
+            part.mu_Pa / greatest.mu_Pa +
+            (greatest.viscosity_Pa_s > 0.0 ? part.viscosity_Pa_s / greatest.viscosity_Pa_s : 0.0);
+        m.normal = m.normal + (share * value) * slope;
+    };
+    const Vec3 size_m = cell.size_m;
     for (int i = 0; i < along; ++i)
         for (int j = 0; j < along; ++j)
             for (int k = 0; k < along; ++k) {
-                const Vec3 place_m = offset_m(i, j, k);
+                const Vec3 place_m = cell.offset_m(i, j, k);
                 const Vec3 slope{place_m.x / (size_m.x * size_m.x),
                                  place_m.y / (size_m.y * size_m.y),
                                  place_m.z / (size_m.z * size_m.z)};
-                each_part(centre_m + place_m, [&](double weight, const Material& part) {
-                    const double share = of_point * weight;
-                    parts.push_back({uniform(part), share});
-                    widen(share, part);
-                    const double p = part.lambda_Pa + 2.0 * part.mu_Pa;
-                    m.density_kg_m3 += share * part.density_kg_m3;
-                    m.mu_Pa += share * part.mu_Pa;
-                    m.viscosity_Pa_s += share * part.viscosity_Pa_s;
-                    per_p += share / p;
-                    lambda_per_p += share * part.lambda_Pa / p;
-                    const double value = part.mu_Pa / greatest.mu_Pa +
-                                         (greatest.viscosity_Pa_s > 0.0
-                                              ? part.viscosity_Pa_s / greatest.viscosity_Pa_s
-                                              : 0.0);
-                    m.normal = m.normal + (share * value) * slope;
+                cell.each_part(cell.centre_m + place_m, [&](double weight, const Material& part) {
+                    add(slope, of_point * weight, part);
                 });
             }
     m.lambda_Pa = lambda_per_p / per_p;
-    if (least.mu_Pa == 0.0) return uniform(m); // next to a fluid
-    set_shear(m, parts, material_of(layer));
+    if (range.least.mu_Pa == 0.0) return uniform(m); // next to a fluid
+    set_shear(m, parts, material_of(cell.layer));
     return m;
 }
 
@@ -206,7 +231,7 @@ CellMaterial material_of_cell(const Medium& medium, std::size_t layer, Vec3 cent
     Properties around = properties_of(medium.layers.at(layer));
     CellMaterial material = uniform(material_of(around));
     if (medium.map) {
-        if (norm(size_m) > 0.0) material = cell_of_map(*medium.map, around, centre_m, size_m);
+        if (norm(size_m) > 0.0) material = cell_of_map({*medium.map, around, centre_m, size_m});
         around = with_given(around, sample(*medium.map, centre_m));
         if (norm(size_m) == 0.0) material = uniform(material_of(around));
     }
