@@ -63,11 +63,12 @@ struct CaseResults {
 /// motion. Not collective.
 double edge_share(const Domain& domain, const std::vector<double>& mean_u2);
 
-/// The warnings that are stored with a complete case: those of `check`, of the solver and of the
-/// afferents. The computed mean of u_z^2 (empty: unknown) decides on waves that may return through
-/// periodic edges. If they carry too much energy, the severity is `error`: the readings are not
-/// valid. If they carry almost none, the warning is omitted. The sums at each frame (empty:
-/// unknown) decide on the uplift by images. Not collective.
-std::vector<Remark> case_warnings(const Case& c, const CaseResults& results);
+/// The warnings that are stored with a complete case: those of `check` (`expected`), of the solver
+/// and of the afferents. The computed mean of u_z^2 (empty: unknown) decides on waves that may
+/// return through periodic edges. If they carry too much energy, the severity is `error`: the
+/// readings are not valid. If they carry almost none, the warning is omitted. The sums at each
+/// frame (empty: unknown) decide on the uplift by images. Not collective.
+std::vector<Remark> case_warnings(const Case& c, const CaseResults& results,
+                                  const std::vector<Remark>& expected);
 
 } // namespace shearwake::pipeline

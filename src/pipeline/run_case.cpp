@@ -12,7 +12,9 @@
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace shearwake::pipeline {
 namespace {
@@ -113,9 +115,14 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 
     const Comm::Unwatched writing;
     CaseResults& results = *computed;
+    std::vector<Remark> discovered;
     if (team.is_root()) {
         facts.columns_in_samples = columns_in_samples(results.groups.front());
-        facts.warnings = case_warnings(c, results);
+        const std::vector<Remark> expected = check(c);
+        facts.warnings = case_warnings(c, results, expected);
+        std::ranges::copy_if(facts.warnings, std::back_inserter(discovered), [&](const Remark& w) {
+            return std::ranges::find(expected, w) == expected.end();
+        });
     }
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
@@ -137,6 +144,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
                         .checksum = writer.commit(results.groups, attributes)};
     if (team.is_root()) outcome.digest = storage::digest_of(results.groups, attributes);
     outcome.solver = std::move(facts.solver);
+    outcome.discovered = std::move(discovered);
     checkpoints.discard();
     return outcome;
 }

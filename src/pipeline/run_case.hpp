@@ -13,6 +13,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace shearwake::pipeline {
 
@@ -42,6 +43,8 @@ struct CaseOutcome {
     engines::SolverReport solver;
     engines::Resources needs;
     bool is_resumed = false; // from a checkpoint, so that this run has computed a part of it
+    // On the root of the team.
+    std::vector<Remark> discovered; // warnings that `check` did not predict
     // Of the case file, on the root of the team.
     std::string checksum; // its last line
     storage::CaseDigest digest;

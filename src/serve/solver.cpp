@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "config/job.hpp"
+#include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
@@ -51,7 +52,7 @@ Object description(const PlannedCase& planned) {
 
 Object warnings_of(const Case& c, const pipeline::CaseResults& results) {
     Object list = Object::array();
-    for (const Remark& remark : pipeline::case_warnings(c, results))
+    for (const Remark& remark : pipeline::case_warnings(c, results, check(c)))
         list.push_back({{"severity", remark.severity == Severity::error ? "error" : "warning"},
                         {"key", remark.key},
                         {"message", remark.message}});

@@ -37,7 +37,7 @@ class SolverNotes(ProgramTest):
         for line in (capped, "conjugate gradients on complete planes; the density varies"):
             self.assertEqual(said.count(line), 1, said)  # of two cases
 
-        said = self.shearwake("run", "job.toml").said
+        said = self.shearwake("run", "job.toml", "--verbose").said
         self.assertEqual(said.count("is capped at 1000 times (contrast_cap): it reflects 0.9"), 2, said)  # and a warning
         self.assertEqual(said.count("iterations"), 2, said)  # each case has its own
         for path in case_files(self.out):
@@ -96,9 +96,10 @@ class SolverNotes(ProgramTest):
     def test_notes_of_layers_state_only_the_time_step(self):
         steps = ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 50.0 }')
         self.write_job(without_reference(steps, *SHORT))
-        said = self.shearwake("run", "job.toml").said
+        said = self.shearwake("run", "job.toml", "--verbose").said
         self.assertEqual(said.count("time step"), 1, said)  # a message is printed only once
         self.assertNotIn("iterations", said)
+        self.assertNotIn("time step", self.shearwake("run", "job.toml", "--out", "short").said)
         quiet = self.shearwake("run", "job.toml", "--out", "other", "--quiet")
         self.assertEqual(quiet.stderr, "")
         for path in case_files(self.out):
@@ -126,6 +127,6 @@ class SolverNotes(ProgramTest):
         self.write_job(changed(*SHORT))
         for edge_us in (50, 70, 100):
             said = self.shearwake("run", "job.toml", "-S", "load.modulation.am_wave=square", "-S", f"load.modulation.am_edge_us={edge_us}",
-                                  "--out", f"{edge_us}").said
+                                  "--out", f"{edge_us}", "--verbose").said
             self.says(said, "estimated error below 2e-05 of the maximum of the field")
             self.assertNotIn("time_step_us", said)

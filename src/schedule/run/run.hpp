@@ -41,6 +41,7 @@ struct RunArguments : JobArguments {
     std::filesystem::path log_json; // empty: none
     bool force = false;             // run although the estimates exceed memory, disk or time limit
     bool quiet = false;
+    bool verbose = false; // print the choices of the engine
     bool is_round =
         false;         // results may ask for further cases, so the sweep does not end with the run
     bool json = false; // a JSON document instead of the closing message

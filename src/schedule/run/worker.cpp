@@ -183,7 +183,7 @@ bool Worker::compute(const PlannedCase& planned) {
         std::error_code none;
         std::filesystem::remove(list_.folder.failure(planned.id), none);
     });
-    report(planned, outcome->solver);
+    report(planned, *outcome);
     if (!team_.is_root()) return true;
     const engines::Resources& needs = outcome->needs;
     if (!outcome->is_resumed) {
@@ -203,15 +203,24 @@ void Worker::record_rates() const {
     }
 }
 
-/// Prints one line with the iterations of the case and the choices that no case before it made.
-void Worker::report(const PlannedCase& planned, const engines::SolverReport& solver) try {
+/// Prints the warnings that the computation of the case has added and, if requested, its iterations
+/// and choices; each text once.
+void Worker::report(const PlannedCase& planned, const pipeline::CaseOutcome& outcome) try {
+    if (!team_.is_root() || list_.arguments.quiet) return;
+    for (const Remark& remark : outcome.discovered)
+        if (reported_.insert(remark.message).second)
+            progress_.report(fmt::format("case {}: {}: {}: {}", planned.id,
+                                         remark.severity == Severity::error ? "error" : "warning",
+                                         remark.key, remark.message));
+    if (!list_.arguments.verbose) return;
+    const engines::SolverReport& solver = outcome.solver;
     std::vector<std::string> news;
     if (solver.iterations > 0)
         news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
                                    solver.iterations, solver.most_iterations));
     for (const std::string& note : solver.notes)
         if (reported_.insert(note).second) news.push_back(note);
-    if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
+    if (!news.empty())
         progress_.report(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
 } catch (const std::bad_alloc&) { // the case is complete
 }

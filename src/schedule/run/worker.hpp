@@ -100,7 +100,7 @@ private:
     bool compute(const PlannedCase& planned);
     /// Records the rates of the complete cases of all teams. Collective over the world.
     void record_rates() const;
-    void report(const PlannedCase& planned, const engines::SolverReport& solver);
+    void report(const PlannedCase& planned, const pipeline::CaseOutcome& outcome);
     void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
     void record_failure(const PlannedCase& planned, const std::string& reason) const;

@@ -39,7 +39,8 @@ std::vector<double> with_edges(const Domain& d, double edge) {
 }
 
 std::vector<Remark> of_extent(const std::vector<double>& mean_u2) {
-    auto warnings = pipeline::case_warnings(small_domain(), {.mean_u2 = mean_u2});
+    auto warnings =
+        pipeline::case_warnings(small_domain(), {.mean_u2 = mean_u2}, check(small_domain()));
     std::erase_if(warnings, [](const Remark& w) { return w.key != "domain.extent_mm"; });
     return warnings;
 }
@@ -103,7 +104,7 @@ TEST_CASE("the uplift by images is reported where it changes the field or eta", 
         // kept without a period of modulation.
         const auto text = [&](const std::vector<double>& means) -> std::string {
             for (const Remark& w :
-                 pipeline::case_warnings(c, {.mean_u2 = means, .surface = surface}))
+                 pipeline::case_warnings(c, {.mean_u2 = means, .surface = surface}, check(c)))
                 if (w.message.find("lift the whole domain") != std::string::npos) return w.message;
             return "";
         };
@@ -157,8 +158,10 @@ TEST_CASE("the uplift by images begins as the flow from rest and ends at the sta
 TEST_CASE("warnings of the solver and of the receptors are kept with their keys", "[warnings]") {
     const Remark capped{Severity::warning, "solver.spectral.contrast_cap", "capped at 1000 times"};
     const auto warnings = pipeline::case_warnings(
-        small_domain(), {.solver = {.warnings = {capped}},
-                         .afferents = {"afferents.pins_mm: pins of radius 1 mm overlap: use 0.5"}});
+        small_domain(),
+        {.solver = {.warnings = {capped}},
+         .afferents = {"afferents.pins_mm: pins of radius 1 mm overlap: use 0.5"}},
+        check(small_domain()));
     CHECK(std::ranges::find(warnings, capped) != warnings.end());
     CHECK(warnings.back() ==
           Remark{Severity::warning, "afferents.pins_mm", "pins of radius 1 mm overlap: use 0.5"});
