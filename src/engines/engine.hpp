@@ -119,7 +119,7 @@ public:
     /// case.
     virtual StepChooser step_chooser(const Case& c) const = 0;
     /// The refinement in time for an estimate of the error.
-    virtual StepRefinement half_the_step(const Case& c) const = 0;
+    virtual StepRefinement refine_time_step(const Case& c) const = 0;
 };
 
 /// A choice of an engine. `key` is empty, or the key to change where the choice reduces the

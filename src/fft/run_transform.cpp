@@ -92,12 +92,12 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::ve
     : RunTransform(slabs, team, std::vector<std::vector<RowRun>>{std::move(runs)}, layout) {}
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team,
-                           std::vector<std::vector<RowRun>> sheets, const Layout& layout)
-    : slabs_(slabs), team_(team), sheets_(std::move(sheets)), layout_(layout),
+                           std::vector<std::vector<RowRun>> run_sets, const Layout& layout)
+    : slabs_(slabs), team_(team), run_sets_(std::move(run_sets)), layout_(layout),
       me_(static_cast<std::size_t>(team.rank())) {
     gather_shares();
     long first = slabs.ny(), last = 0; // range of y with runs
-    for (const std::vector<RowRun>& runs : sheets_)
+    for (const std::vector<RowRun>& runs : run_sets_)
         for (const RowRun& run : runs) {
             first = std::min<long>(first, run.begin);
             last = std::max<long>(last, run.end);
@@ -114,7 +114,7 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team,
 
 void RunTransform::gather_shares() {
     std::vector<long> mine = {layout_.lines.ky_start, layout_.lines.ky_count};
-    for (const std::vector<RowRun>& runs : sheets_) {
+    for (const std::vector<RowRun>& runs : run_sets_) {
         mine.push_back(runs.empty() ? 0 : layout_.x_start + runs.front().row);
         mine.push_back(runs.empty() ? 0 : layout_.x_start + runs.back().row + 1);
     }
@@ -132,7 +132,7 @@ RunTransform::Rows RunTransform::rows_at(std::ptrdiff_t i, const Range& of) cons
 }
 
 /// Transforms rows to their modes, in the buffer of modes_of().
-void RunTransform::transform(Rows rows, Rest& runs, const double* values) const {
+void RunTransform::transform(Rows rows, RemainingRuns& runs, const double* values) const {
     if (!window_) {
         for (std::ptrdiff_t r = 0; r < rows.count; ++r)
             transform_row(rows.first + r, runs, values, slabs_.work_->line(r));
@@ -148,7 +148,7 @@ void RunTransform::transform(Rows rows, Rest& runs, const double* values) const 
     window_->to_modes();
 }
 
-void RunTransform::untransform(Rows rows, Rest& runs, double* values) const {
+void RunTransform::untransform(Rows rows, RemainingRuns& runs, double* values) const {
     if (!window_) {
         for (std::ptrdiff_t r = 0; r < rows.count; ++r)
             untransform_row(rows.first + r, runs, slabs_.work_->line(r), values);
@@ -188,7 +188,7 @@ void RunTransform::gather_columns(Rows rows, const Lines& from, const Complex* c
     });
 }
 
-void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
+void RunTransform::transform_row(std::ptrdiff_t row, RemainingRuns& runs, const double* values,
                                  Complex* modes) const {
     SlabTransform::Work& w = *slabs_.work_;
     if (runs.empty() || runs.front().row != row) {
@@ -202,7 +202,7 @@ void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* v
     fftw_execute_dft_r2c(w.y_to_spectral.get(), w.row_.data(), raw(modes));
 }
 
-void RunTransform::untransform_row(std::ptrdiff_t row, Rest& runs, Complex* modes,
+void RunTransform::untransform_row(std::ptrdiff_t row, RemainingRuns& runs, Complex* modes,
                                    double* values) const {
     if (runs.empty() || runs.front().row != row) return;
     SlabTransform::Work& w = *slabs_.work_;
@@ -247,10 +247,10 @@ auto* RunTransform::lines_of(Real* lines, std::ptrdiff_t plane) const {
 
 // Data exchanged between two ranks is ordered as [plane][ky of the rank with the lines][row of the
 // rank with the rows]. Data that stays on this rank is copied directly.
-RunTransform::Parcels RunTransform::parcels(std::span<const Plane> planes) const {
+RunTransform::ExchangeBuffers RunTransform::exchange_buffers(std::span<const Plane> planes) const {
     SlabTransform::Work& w = *slabs_.work_;
     const std::ptrdiff_t rows = rows_of(planes, shares_[me_]);
-    Parcels p;
+    ExchangeBuffers p;
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
         const Share& of = shares_[rank];
         const bool other = rank != me_;
@@ -266,12 +266,12 @@ RunTransform::Parcels RunTransform::parcels(std::span<const Plane> planes) const
 
 void RunTransform::to_lines(const double* values, std::span<const Plane> planes,
                             double* lines) const {
-    Parcels parcel = parcels(planes);
+    ExchangeBuffers buffers = exchange_buffers(planes);
     for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p) {
         const Plane& plane = planes[static_cast<std::size_t>(p)];
         const Range& mine = shares_[me_].rows[plane.sheet];
         Complex* here = lines_of(lines, p);
-        Rest rest = sheets_[plane.sheet];
+        RemainingRuns rest = run_sets_[plane.sheet];
         const std::ptrdiff_t begin = mine.begin - layout_.x_start;
         for (Rows now = rows_at(begin, mine); now.count > 0;
              now = rows_at(now.first + now.count, mine)) {
@@ -283,32 +283,33 @@ void RunTransform::to_lines(const double* values, std::span<const Plane> planes,
                 if (rank == me_)
                     put_columns(now, to, here + mine.begin + at, layout_.pitch);
                 else
-                    put_columns(now, to, parcel.rows.data() + parcel.of_rows_at[rank] + at,
+                    put_columns(now, to, buffers.rows.data() + buffers.of_rows_at[rank] + at,
                                 mine.count());
             }
         }
         for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-            if (rank != me_) parcel.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
+            if (rank != me_)
+                buffers.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
     }
     if (shares_.size() > 1)
-        team_.all_to_all(std::span<const Complex>(parcel.rows), parcel.of_rows, parcel.lines,
-                         parcel.of_lines);
+        team_.all_to_all(std::span<const Complex>(buffers.rows), buffers.of_rows, buffers.lines,
+                         buffers.of_lines);
     for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p)
         for (std::ptrdiff_t k = 0; k < layout_.lines.ky_count; ++k)
-            fill_line(parcel, planes[static_cast<std::size_t>(p)].sheet,
+            fill_line(buffers, planes[static_cast<std::size_t>(p)].sheet,
                       lines_of(lines, p) + k * layout_.pitch);
 }
 
-void RunTransform::fill_line(Parcels& parcel, std::size_t sheet, Complex* line) const {
+void RunTransform::fill_line(ExchangeBuffers& buffers, std::size_t sheet, Complex* line) const {
     std::ptrdiff_t filled = 0; // index in x; the parts of the ranks are in ascending order
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
         const Range& of = shares_[rank].rows[sheet];
         if (of.count() == 0) continue;
         std::fill(line + filled, line + of.begin, 0.0);
         if (rank != me_) {
-            std::copy_n(parcel.lines.data() + parcel.of_lines_at[rank], of.count(),
+            std::copy_n(buffers.lines.data() + buffers.of_lines_at[rank], of.count(),
                         line + of.begin);
-            parcel.of_lines_at[rank] += of.count();
+            buffers.of_lines_at[rank] += of.count();
         }
         filled = of.end;
     }
@@ -317,23 +318,23 @@ void RunTransform::fill_line(Parcels& parcel, std::size_t sheet, Complex* line) 
 
 void RunTransform::to_values(const double* lines, std::span<const Plane> planes,
                              double* values) const {
-    Parcels parcel = parcels(planes);
+    ExchangeBuffers buffers = exchange_buffers(planes);
     for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p)
         for (std::ptrdiff_t k = 0; k < layout_.lines.ky_count; ++k)
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
                 const Range& of = shares_[rank].rows[planes[static_cast<std::size_t>(p)].sheet];
                 if (rank == me_ || of.count() == 0) continue;
                 std::copy_n(lines_of(lines, p) + k * layout_.pitch + of.begin, of.count(),
-                            parcel.lines.data() + parcel.of_lines_at[rank]);
-                parcel.of_lines_at[rank] += of.count();
+                            buffers.lines.data() + buffers.of_lines_at[rank]);
+                buffers.of_lines_at[rank] += of.count();
             }
     if (shares_.size() > 1)
-        team_.all_to_all(std::span<const Complex>(parcel.lines), parcel.of_lines, parcel.rows,
-                         parcel.of_rows);
+        team_.all_to_all(std::span<const Complex>(buffers.lines), buffers.of_lines, buffers.rows,
+                         buffers.of_rows);
     for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p) {
         const Plane& plane = planes[static_cast<std::size_t>(p)];
         const Range& mine = shares_[me_].rows[plane.sheet];
-        Rest rest = sheets_[plane.sheet];
+        RemainingRuns rest = run_sets_[plane.sheet];
         const std::ptrdiff_t begin = mine.begin - layout_.x_start;
         for (Rows now = rows_at(begin, mine); now.count > 0;
              now = rows_at(now.first + now.count, mine)) {
@@ -344,13 +345,14 @@ void RunTransform::to_values(const double* lines, std::span<const Plane> planes,
                 if (rank == me_)
                     gather_columns(now, from, lines_of(lines, p) + mine.begin + at, layout_.pitch);
                 else
-                    gather_columns(now, from, parcel.rows.data() + parcel.of_rows_at[rank] + at,
+                    gather_columns(now, from, buffers.rows.data() + buffers.of_rows_at[rank] + at,
                                    mine.count());
             }
             untransform(now, rest, values + plane.first);
         }
         for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-            if (rank != me_) parcel.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
+            if (rank != me_)
+                buffers.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
     }
 }
 

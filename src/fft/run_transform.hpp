@@ -76,7 +76,7 @@ public:
                  const Layout& layout);
     /// Planes with different runs that are exchanged together.
     RunTransform(const SlabTransform& slabs, const Comm& team,
-                 std::vector<std::vector<RowRun>> sheets, const Layout& layout);
+                 std::vector<std::vector<RowRun>> run_sets, const Layout& layout);
 
     /// Number of doubles between the lines of consecutive planes.
     std::ptrdiff_t lines_reals() const { return layout_.reals; }
@@ -109,41 +109,42 @@ private:
     };
     void gather_shares();
     /// Number of values exchanged with each rank, and offset of the next ones to be copied.
-    struct Parcels {
+    struct ExchangeBuffers {
         std::vector<std::ptrdiff_t> of_rows, of_lines;
         std::vector<std::ptrdiff_t> of_rows_at, of_lines_at;
         std::span<std::complex<double>> rows, lines;
     };
-    Parcels parcels(std::span<const Plane> planes) const;
+    ExchangeBuffers exchange_buffers(std::span<const Plane> planes) const;
     static std::vector<Plane> equal_planes(std::ptrdiff_t count, std::size_t cells);
     std::ptrdiff_t rows_of(std::span<const Plane> planes, const Share& share) const;
     /// The lines of a plane; null if this rank has none.
     template <class Real>
     auto* lines_of(Real* lines, std::ptrdiff_t plane) const;
     /// Copies the data received for a line, and zeros for rows without runs.
-    void fill_line(Parcels& parcels, std::size_t sheet, std::complex<double>* line) const;
+    void fill_line(ExchangeBuffers& exchange_buffers, std::size_t sheet,
+                   std::complex<double>* line) const;
     /// Runs that have not been processed yet, in ascending order.
-    using Rest = std::span<const RowRun>;
+    using RemainingRuns = std::span<const RowRun>;
     /// Rows that are transformed together.
     struct Rows {
         std::ptrdiff_t first, count;
     };
     /// The rows of this rank from i on; none at the end.
     Rows rows_at(std::ptrdiff_t i, const Range& of) const;
-    void transform(Rows rows, Rest& runs, const double* values) const;
-    void untransform(Rows rows, Rest& runs, double* values) const;
+    void transform(Rows rows, RemainingRuns& runs, const double* values) const;
+    void untransform(Rows rows, RemainingRuns& runs, double* values) const;
     void put_columns(Rows rows, const Lines& to, std::complex<double>* columns,
                      std::ptrdiff_t pitch) const;
     void gather_columns(Rows rows, const Lines& from, const std::complex<double>* columns,
                         std::ptrdiff_t pitch) const;
-    void transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
+    void transform_row(std::ptrdiff_t row, RemainingRuns& runs, const double* values,
                        std::complex<double>* modes) const;
-    void untransform_row(std::ptrdiff_t row, Rest& runs, std::complex<double>* modes,
+    void untransform_row(std::ptrdiff_t row, RemainingRuns& runs, std::complex<double>* modes,
                          double* values) const;
 
     const SlabTransform& slabs_;
     Comm team_;
-    std::vector<std::vector<RowRun>> sheets_;
+    std::vector<std::vector<RowRun>> run_sets_;
     Layout layout_;
     std::size_t me_;
     std::vector<Share> shares_;         // by rank

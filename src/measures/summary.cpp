@@ -224,7 +224,7 @@ public:
         columns_.add(name, peak_Hz, reason, where_);
     }
     void add_rms(const Band& band) {
-        const std::string reason = why_not(band.high_Hz);
+        const std::string reason = missing_reason(band.high_Hz);
         columns_.add(band.column,
                      reason.empty()
                          ? rms_between(time_, displacement_, {band.low_Hz, band.high_Hz}) * 1e6
@@ -232,7 +232,7 @@ public:
                      reason, where_);
     }
     void add_share(const char* name, std::span<const double> values, const FrequencyBand& band) {
-        const std::string reason = why_not(band.high_Hz);
+        const std::string reason = missing_reason(band.high_Hz);
         double share = not_a_number;
         if (reason.empty()) {
             const ShareBands of = share_bands(time_, band);
@@ -255,7 +255,7 @@ private:
         return rest;
     }
     bool is_periodic() const { return time_.regime == Regime::periodic; }
-    std::string why_not(double high_Hz) const {
+    std::string missing_reason(double high_Hz) const {
         if (!note_.empty() || high_Hz <= 0.5 / time_.interval_s) return note_;
         return fmt::format("frames every {:g} us cannot represent {:g} Hz", time_.interval_s * 1e6,
                            high_Hz);

@@ -180,8 +180,8 @@ void require_one_run(const Comm& world, int argc, char** argv) {
     std::string arguments;
     for (int i = 1; i < argc; ++i)
         arguments += std::string(argv[i]) + '\0';
-    std::error_code none;
-    const std::string folder = std::filesystem::current_path(none).string();
+    std::error_code ignored;
+    const std::string folder = std::filesystem::current_path(ignored).string();
     struct stat info {};
     const long node = ::stat(".", &info) == 0 ? static_cast<long>(info.st_ino) : 0;
     const bool other_arguments = world.broadcast(std::string(arguments)) != arguments;

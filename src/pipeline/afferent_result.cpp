@@ -20,15 +20,16 @@ using neural::Scene;
 using neural::SpikeTimes;
 
 /// The duration of the motion or stress without its repetitions.
-double once_s(const ReceptorMotion& motion) {
+double cycle_duration_s(const ReceptorMotion& motion) {
     const auto& lines = motion.compression_Pa.empty() ? motion.pins.u_m : motion.compression_Pa;
     return static_cast<double>(lines.empty() ? 0 : lines.front().size()) / motion.pins.rate_Hz;
 }
 
 neural::CountedTime counted_time(const ReceptorMotion& motion) {
     if (!motion.repetitions.is_periodic()) return {};
-    const double from_s = static_cast<double>(motion.repetitions.run_in) * once_s(motion);
-    return {from_s, from_s + static_cast<double>(motion.repetitions.counted) * once_s(motion)};
+    const double from_s = static_cast<double>(motion.repetitions.run_in) * cycle_duration_s(motion);
+    return {from_s,
+            from_s + static_cast<double>(motion.repetitions.counted) * cycle_duration_s(motion)};
 }
 
 neural::Course course_of(const ReceptorMotion& motion) {
@@ -42,7 +43,7 @@ neural::PinStimulus stimulus_of(const ReceptorMotion& motion, const AfferentOpti
     if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
         return neural::carrier_stimulus(*carrier, scene.pins_mm, radius_mm,
                                         static_cast<double>(motion.repetitions.total()) *
-                                            once_s(motion));
+                                            cycle_duration_s(motion));
     neural::PinStimulus stimulus{
         .at_mm = scene.pins_mm, .radius_mm = radius_mm, .rate_Hz = pins.rate_Hz};
     stimulus.indentation_mm = neural::Lines(pins.u_m.size(), pins.u_m.front().size());
@@ -331,8 +332,8 @@ void record_receptors(const Case& c, const std::shared_ptr<const Scene>& scene,
     recorder.record_stress(at_m, std::move(depths));
 }
 
-AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
-                         const Scene& scene, const Comm& team) {
+AfferentResult simulate_afferents(const ReceptorMotion& motion, const AfferentOptions& options,
+                                  const Scene& scene, const Comm& team) {
     const std::size_t n = scene.afferents.size();
     const auto ranks = static_cast<std::size_t>(team.size()),
                rank = static_cast<std::size_t>(team.rank());
@@ -340,7 +341,7 @@ AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& op
     const std::uint64_t key = stable_hash(motion.name);
     AfferentResult result;
     SpikeTimes mine_s;
-    double duration_s = static_cast<double>(motion.repetitions.counted) * once_s(motion);
+    double duration_s = static_cast<double>(motion.repetitions.counted) * cycle_duration_s(motion);
     if (uses_stress(options.input)) {
         result.notes = texts_of(neural::check_stress(motion.compression_Pa, motion.pins.rate_Hz, n,
                                                      options.silence_s, course_of(motion)));

@@ -58,8 +58,8 @@ void record_receptors(const Case& c, const std::shared_ptr<const neural::Scene>&
 /// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
 /// elsewhere. The spikes do not depend on the number of ranks. Throws CaseFailure on all ranks if
 /// pins or traces are not valid. Collective.
-AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
-                         const neural::Scene& scene, const Comm& team);
+AfferentResult simulate_afferents(const ReceptorMotion& motion, const AfferentOptions& options,
+                                  const neural::Scene& scene, const Comm& team);
 
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);

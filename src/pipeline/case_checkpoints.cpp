@@ -183,10 +183,10 @@ double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner
 }
 
 void remove_checkpoints(const fs::path& stem) {
-    std::error_code missing; // also where no case has ever written one
-    for (const auto& entry : fs::directory_iterator(stem.parent_path(), missing))
+    std::error_code ignored; // also where no case has ever written one
+    for (const auto& entry : fs::directory_iterator(stem.parent_path(), ignored))
         for (const fs::path& path : paths_of(stem)) // and the parts that a killed run has left
-            if (entry.path().string().starts_with(path.string())) fs::remove(entry.path(), missing);
+            if (entry.path().string().starts_with(path.string())) fs::remove(entry.path(), ignored);
 }
 
 } // namespace shearwake::pipeline

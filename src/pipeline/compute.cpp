@@ -15,8 +15,8 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
     const Case& c = planned.physics;
     AfferentResult afferents;
     if (receptors)
-        afferents = perceived(receptor_motion(planned, recorder, *receptors), *c.afferents,
-                              *receptors, team);
+        afferents = simulate_afferents(receptor_motion(planned, recorder, *receptors), *c.afferents,
+                                       *receptors, team);
     CaseResults results{.solver = recorder.solver(),
                         .afferents = std::move(afferents.notes),
                         .groups = {},

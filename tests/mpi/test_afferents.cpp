@@ -40,9 +40,10 @@ TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neura
     options.noise = Switch::on;
     options.pins_m = {{-3e-3, 0.0}, {3e-3, 0.0}};
     const neural::Scene scene = neural::make_scene(options);
-    const pipeline::AfferentResult shared = pipeline::perceived(vibration(), options, scene, world);
+    const pipeline::AfferentResult shared =
+        pipeline::simulate_afferents(vibration(), options, scene, world);
     const pipeline::AfferentResult alone =
-        pipeline::perceived(vibration(), options, scene, world.split(world.rank()));
+        pipeline::simulate_afferents(vibration(), options, scene, world.split(world.rank()));
     // Every rank computes all spikes alone. Rank 0 compares, and the result is broadcast.
     long same = 1;
     if (world.is_root())
@@ -58,7 +59,7 @@ TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {
     AfferentOptions options;
     options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // one metre outside of the hand
     const neural::Scene scene = neural::make_scene(options);
-    CHECK_THROWS_AS(pipeline::perceived(vibration(), options, scene, world), CaseFailure);
+    CHECK_THROWS_AS(pipeline::simulate_afferents(vibration(), options, scene, world), CaseFailure);
 }
 
 } // namespace test_afferents

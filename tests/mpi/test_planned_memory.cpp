@@ -132,8 +132,8 @@ void compute(const Case& c, const pipeline::CasePlan& plan, engines::Engine& eng
     recorder.finish();
     if (!plan.receptors) return;
     const PlannedCase planned{.id = "case", .physics = c, .settings = {}, .reference_id = ""};
-    pipeline::perceived(pipeline::receptor_motion(planned, recorder, *plan.receptors), *c.afferents,
-                        *plan.receptors, team);
+    pipeline::simulate_afferents(pipeline::receptor_motion(planned, recorder, *plan.receptors),
+                                 *c.afferents, *plan.receptors, team);
 }
 
 void check_memory(bool of_long_cases) {

@@ -183,18 +183,18 @@ TEST_CASE("planes with different runs are transformed together as each alone", "
     const fft::SlabShare& share = transform.share();
     // Runs in rows 3 to 25, in row 8 only, and in no row: on most ranks some planes have none.
     const std::pair<std::ptrdiff_t, std::ptrdiff_t> rows[] = {{3, 26}, {8, 9}, {0, 0}};
-    std::vector<std::vector<fft::RowRun>> sheets;
+    std::vector<std::vector<fft::RowRun>> run_sets;
     std::vector<fft::RunTransform::Plane> planes;
     std::vector<double> given;
     for (const auto& [begin, end] : rows) {
-        planes.push_back({sheets.size(), given.size()});
+        planes.push_back({run_sets.size(), given.size()});
         std::size_t cells = 0;
-        std::vector<fft::RowRun>& runs = sheets.emplace_back();
+        std::vector<fft::RowRun>& runs = run_sets.emplace_back();
         for (std::ptrdiff_t i = 0; i < share.x_count; ++i) {
             if (share.x_start + i < begin || share.x_start + i >= end) continue;
             runs.push_back({i, 4, 11, cells});
             for (std::ptrdiff_t j = 4; j < 11; ++j)
-                given.push_back(noise(share.x_start + i + 40 * std::ssize(sheets), j));
+                given.push_back(noise(share.x_start + i + 40 * std::ssize(run_sets), j));
             cells += 7;
         }
     }
@@ -203,7 +203,7 @@ TEST_CASE("planes with different runs are transformed together as each alone", "
                                            nx,
                                            transform.line_pitch(),
                                            transform.lines_reals()};
-    const fft::RunTransform all(transform, world, sheets, layout);
+    const fft::RunTransform all(transform, world, run_sets, layout);
     const auto reals = static_cast<std::size_t>(transform.lines_reals());
     fft::AlignedVector<double> together(3 * reals, 7.0);
     std::vector<double> back(given.size());
@@ -211,7 +211,7 @@ TEST_CASE("planes with different runs are transformed together as each alone", "
     all.to_values(together.data(), planes, back.data());
     for (std::size_t p = 0; p < 3; ++p) {
         // A window of the same columns, so that the same sums are computed.
-        std::vector<std::vector<fft::RowRun>> both = {sheets[p], sheets[0]};
+        std::vector<std::vector<fft::RowRun>> both = {run_sets[p], run_sets[0]};
         const fft::RunTransform one(transform, world, both, layout);
         const std::vector<fft::RunTransform::Plane> plane = {{0, planes[p].first}};
         fft::AlignedVector<double> alone(reals, 7.0);

@@ -36,7 +36,7 @@ TEST_CASE("first spikes along a scan are delayed by the travel time of the focus
     engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
     const neural::Scene scene = neural::make_scene(*c.afferents);
-    const pipeline::AfferentResult result = pipeline::perceived(
+    const pipeline::AfferentResult result = pipeline::simulate_afferents(
         pipeline::receptor_motion(planned, recorder, scene), *c.afferents, scene, alone);
 
     const VariableGroup& group = result.groups.at(0);

@@ -18,7 +18,7 @@ public:
     std::vector<Remark> limits(const Case& c) const override;
     engines::Capabilities capabilities(const Case&) const override { return {}; }
     engines::StepChooser step_chooser(const Case&) const override { return {}; }
-    engines::StepRefinement half_the_step(const Case& c) const override {
+    engines::StepRefinement refine_time_step(const Case& c) const override {
         return {.options = c.solver, .change = ""};
     }
     void run(const Case& c, const Comm& team, engines::Observer& observer,

@@ -209,7 +209,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     motion.name = canonical(options); // seeds the noise
     pipeline::AfferentResult result;
     try {
-        result = pipeline::perceived(motion, options, neural::make_scene(options), world);
+        result = pipeline::simulate_afferents(motion, options, neural::make_scene(options), world);
     } catch (const CaseFailure& failure) {
         throw UsageError(failure.what());
     }

@@ -35,9 +35,9 @@ std::string off_frame_message(const TimeAxis& time, double t_s) {
 }
 
 /// Whether no error has occurred since construction: only then are values compared with each other.
-class Sound {
+class NoNewErrors {
 public:
-    explicit Sound(const DiagnosticList& diagnostics)
+    explicit NoNewErrors(const DiagnosticList& diagnostics)
         : diagnostics_(diagnostics), before_(diagnostics.errors()) {}
     explicit operator bool() const { return diagnostics_.errors() == before_; }
 
@@ -101,16 +101,16 @@ double read_focal_radius_m(Reader& reader, const Load& load) {
 
 Domain read_domain(Reader& reader) {
     if (reader.empty()) return {};
-    const Sound sound(reader.diagnostics());
+    const NoNewErrors no_new_errors(reader.diagnostics());
     Domain domain;
     const Vec2 extent_m = reader.point("extent_mm", range_of<Domain>("extent_mm"));
     read_fields(reader, domain);
     reader.finish();
-    if (!sound) return domain;
+    if (!no_new_errors) return domain;
     domain.nx = points_along(reader, extent_m.x, domain.spacing_m);
     domain.ny = points_along(reader, extent_m.y, domain.spacing_m);
     const double shorter_m = std::min(domain.extent_x_m(), domain.extent_y_m());
-    if (sound && 2.0 * domain.sponge_m >= shorter_m)
+    if (no_new_errors && 2.0 * domain.sponge_m >= shorter_m)
         reader.error("sponge_mm",
                      fmt::format("must leave a measured region between the margins: it must be "
                                  "below {} mm, half of the shorter side, but is {}",
@@ -156,7 +156,7 @@ void set_duration(const Reader& reader, double duration_s, TimeAxis& time) {
 
 TimeAxis read_time(Reader& reader, const Load* load) {
     if (reader.empty()) return {};
-    const Sound sound(reader.diagnostics());
+    const NoNewErrors no_new_errors(reader.diagnostics());
     TimeAxis time;
     const auto duration_s = reader.find_number("duration_ms", range_of<TimeAxis>("duration_ms"));
     const double longest_s = read_optional_number(reader, field_of<TimeAxis>("longest_period_ms"));
@@ -164,7 +164,7 @@ TimeAxis read_time(Reader& reader, const Load* load) {
     const bool repeats = time.regime == Regime::periodic;
     if (!repeats && !reader.has("duration_ms")) reader.missing("duration_ms");
     reader.finish();
-    if (!sound) return time;
+    if (!no_new_errors) return time;
     if (!repeats)
         set_duration(reader, *duration_s, time);
     else if (load)
@@ -358,7 +358,7 @@ std::span<const std::string_view> case_tables() {
 
 std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const FileLoaders& files,
                               DiagnosticList& diagnostics) {
-    const Sound sound(diagnostics);
+    const NoNewErrors no_new_errors(diagnostics);
     Reader root(with_medium_preset(job), "", diagnostics);
     for (const std::string_view needed : {"medium", "load", "domain", "time"})
         if (!root.has(needed)) diagnostics.error(job->at, fmt::format("[{}] is missing", needed));
@@ -372,7 +372,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.scene.medium = read_medium(medium, files.load_map);
     c.scene.load = read_load(load, c.scene.medium, other_kinds, files);
     c.domain = read_domain(domain);
-    c.time = read_time(time, sound ? &c.scene.load : nullptr);
+    c.time = read_time(time, no_new_errors ? &c.scene.load : nullptr);
     c.solver = read_solver(solver, c.time);
     c.afferents = read_afferents(afferents, c.domain, &c.scene.load, files.load_text);
     c.measure =
@@ -381,7 +381,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     check_receptor_depths(afferents, c);
     c.vibrometer = read_vibrometer(vibrometer, c, files.load_text);
     c.sensation = read_sensation(sensation, c, files.load_text);
-    return sound ? std::optional(std::move(c)) : std::nullopt;
+    return no_new_errors ? std::optional(std::move(c)) : std::nullopt;
 }
 
 } // namespace shearwake::config

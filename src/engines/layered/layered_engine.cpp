@@ -82,7 +82,7 @@ public:
                              lines_.data() + l * coarse_);
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
                               count, plane(), fft::reals(spectra_.data() + ky * stored_nx_ + kx));
-                progress.did(CaseProgress::Stage::samples, static_cast<double>(lines));
+                progress.record_completed(CaseProgress::Stage::samples, static_cast<double>(lines));
             }
         }
     }
@@ -259,7 +259,7 @@ void LayeredEngine::store_table(std::unique_ptr<TransferTable>& table, const Tra
                                             is_open ? open_grid_.get() : nullptr, &progress);
 }
 
-engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
+engines::StepRefinement LayeredEngine::refine_time_step(const Case& c) const {
     auto options = std::get<LayeredOptions>(c.solver);
     options.time_step_s = 0.5 * time_transform(solved_case(c), options).step_s;
     options.interpolation_tolerance = std::max(0.25 * options.interpolation_tolerance, 1e-12);
@@ -301,7 +301,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     });
     if (stops) throw engines::StopRequested{};
 
-    progress.did(CaseProgress::Stage::setup);
+    progress.record_completed(CaseProgress::Stage::setup);
     std::optional<FieldSpectra::Energy> energy;
     if (tables_[loss_table]) energy = spectra->energy(*tables_[loss_table]);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
@@ -323,7 +323,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                     emit(first + n, depth,
                          View2<const double>(plane.data() + inner.offset, inner.x_count,
                                              given.domain.ny, share.padded_ny));
-                    progress.did(CaseProgress::Stage::frames);
+                    progress.record_completed(CaseProgress::Stage::frames);
                 }
             }
         }

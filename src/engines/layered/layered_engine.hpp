@@ -38,7 +38,7 @@ public:
     engines::Capabilities capabilities(const Case& c) const override;
     engines::StepChooser step_chooser(const Case&) const override { return {}; }
     /// Also the interpolation of H has a tolerance.
-    engines::StepRefinement half_the_step(const Case& c) const override;
+    engines::StepRefinement refine_time_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 

@@ -108,7 +108,7 @@ engines::StepChooser PstdEngine::step_chooser(const Case& c) const {
     return [&](engines::ChoiceLimit limit) { return step_of(c, limit).step_s; };
 }
 
-engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
+engines::StepRefinement PstdEngine::refine_time_step(const Case& c) const {
     auto options = std::get<PstdOptions>(c.solver);
     const double step_s = 0.5 * options.time_step_s.value_or(step_of(c).step_s);
     options.time_step_s = step_s;

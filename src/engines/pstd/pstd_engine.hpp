@@ -29,7 +29,7 @@ public:
     /// The limits of the step follow from all nodes, which takes long where the medium varies
     /// laterally.
     engines::StepChooser step_chooser(const Case& c) const override;
-    engines::StepRefinement half_the_step(const Case& c) const override;
+    engines::StepRefinement refine_time_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 

@@ -64,7 +64,7 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     return plan.notes(errors, plan.variation(variation_of(plan), 1));
 }
 
-engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
+engines::StepRefinement SpectralEngine::refine_time_step(const Case& c) const {
     auto options = std::get<SpectralOptions>(c.solver);
     const double before = options.accuracy;
     if (options.time_step_s || before < 2.0 * SpectralOptions::least_accuracy) {

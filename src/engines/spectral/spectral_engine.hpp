@@ -21,7 +21,7 @@ public:
     std::vector<Remark> limits(const Case& c) const override;
     engines::Capabilities capabilities(const Case& c) const override;
     engines::StepChooser step_chooser(const Case& c) const override;
-    engines::StepRefinement half_the_step(const Case& c) const override;
+    engines::StepRefinement refine_time_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 

@@ -110,12 +110,13 @@ Arrays arrays_of_output(const Case& c, const DepthMesh& mesh, const VariationPla
         2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * most_rows(ny, ranks));
     const double displacement_B = most_rows(ny, ranks) * up(nx / 2.0, lane_count) * 3.0 *
                                   static_cast<double>(mesh.levels() - 1) * parts * sizeof(Block);
-    const double perceived = ReceptorStress::planes(c, mesh),
+    const double stress_planes = ReceptorStress::planes(c, mesh),
                  strains = v.surfaces > 0.0 ? double{strain_components} : 0.0;
     return {{"planes of the transform", (ranks > 1 ? 3.0 : 2.0) * plane_B},
             {"volumes of strain and stress",
              records_tensors(c.record) ? displacement_B + (24.0 + nodes) * plane_B : 0.0},
-            {"stress at receptors", perceived > 0.0 ? (2.0 + perceived + strains) * plane_B : 0.0}};
+            {"stress at receptors",
+             stress_planes > 0.0 ? (2.0 + stress_planes + strains) * plane_B : 0.0}};
 }
 
 } // namespace

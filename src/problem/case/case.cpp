@@ -79,7 +79,7 @@ double hashed_numbers(const Case& c) {
     return text.numbers();
 }
 
-std::string unmistakable(std::string id) {
+std::string avoid_numeric_id(std::string id) {
     const auto digits = std::ranges::count_if(id, [](char c) { return c >= '0' && c <= '9'; });
     const bool is_number =
         digits == std::ssize(id) || (digits + 1 == std::ssize(id) && id.find('e') != id.npos);
@@ -88,7 +88,7 @@ std::string unmistakable(std::string id) {
 }
 
 std::string case_id(const Case& c) {
-    return unmistakable(hex(stable_hash(canonical_text(c))));
+    return avoid_numeric_id(hex(stable_hash(canonical_text(c))));
 }
 
 std::string settings_text(const std::vector<Setting>& settings) {

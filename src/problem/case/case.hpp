@@ -346,6 +346,6 @@ double hashed_numbers(const Case& c);
 std::string case_id(const Case& c);
 /// The id, with another first digit if it consists of digits and at most one e, which programs that
 /// read tables would take as a number.
-std::string unmistakable(std::string id);
+std::string avoid_numeric_id(std::string id);
 
 } // namespace shearwake

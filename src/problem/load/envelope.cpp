@@ -11,35 +11,35 @@ namespace shearwake {
 namespace {
 
 /// Rises from 0 at time 0 to 1 at `duration_s`.
-double risen(double since_s, double duration_s) {
+double sin2_step(double since_s, double duration_s) {
     if (since_s >= duration_s) return 1.0;
     if (since_s <= 0.0) return 0.0;
     return std::pow(std::sin(0.25 * two_pi * since_s / duration_s), 2);
 }
 
-double drive(const SineGain& g, double t_s) {
+double gain_value(const SineGain& g, double t_s) {
     return 1.0 - 0.5 * g.depth * (1.0 + std::cos(two_pi * g.frequency_Hz * t_s + g.phase_rad));
 }
 
-double drive(const RampGain& g, double t_s) {
-    return g.from + (g.to - g.from) * risen(t_s - g.start_s, g.duration_s);
+double gain_value(const RampGain& g, double t_s) {
+    return g.from + (g.to - g.from) * sin2_step(t_s - g.start_s, g.duration_s);
 }
 
-double drive(const SquareGain& g, double t_s) {
+double gain_value(const SquareGain& g, double t_s) {
     const double periods = g.frequency_Hz * t_s + g.phase_rad / two_pi;
     const double since_rise_s = (periods - std::floor(periods)) / g.frequency_Hz;
     const double high_s = g.duty / g.frequency_Hz;
-    const double up = since_rise_s < high_s ? risen(since_rise_s, g.edge_s)
-                                            : 1.0 - risen(since_rise_s - high_s, g.edge_s);
+    const double up = since_rise_s < high_s ? sin2_step(since_rise_s, g.edge_s)
+                                            : 1.0 - sin2_step(since_rise_s - high_s, g.edge_s);
     return 1.0 - g.depth * (1.0 - up);
 }
 
-double drive(const WindowGain& g, double t_s) {
+double gain_value(const WindowGain& g, double t_s) {
     if (t_s < g.from_s || t_s > g.to_s) return 0.0;
-    return std::min(risen(t_s - g.from_s, g.edge_s), risen(g.to_s - t_s, g.edge_s));
+    return std::min(sin2_step(t_s - g.from_s, g.edge_s), sin2_step(g.to_s - t_s, g.edge_s));
 }
 
-double drive(const SampledGain& g, double t_s) {
+double gain_value(const SampledGain& g, double t_s) {
     const auto count = static_cast<std::ptrdiff_t>(g.values.size());
     if (count == 0) return 1.0;
     const auto value = [&](std::ptrdiff_t n) { return g.values[static_cast<std::size_t>(n)]; };
@@ -136,8 +136,8 @@ double gain(const Envelope& envelope, double t_s) {
     for (const Gain& factor : envelope.gains)
         product *= std::visit(
             [&](const auto& g) {
-                const double driven = drive(g, t_s);
-                return g.on == GainOn::pressure ? driven * driven : driven;
+                const double value = gain_value(g, t_s);
+                return g.on == GainOn::pressure ? value * value : value;
             },
             factor);
     return product;

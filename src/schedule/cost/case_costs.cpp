@@ -169,9 +169,9 @@ namespace fs = std::filesystem;
 
 /// The existing folder in which `path` is, or will be.
 fs::path existing_parent(const fs::path& path) {
-    std::error_code unknown;
-    fs::path at = fs::absolute(path, unknown);
-    while (!fs::exists(at, unknown) && at.has_relative_path())
+    std::error_code ignored;
+    fs::path at = fs::absolute(path, ignored);
+    while (!fs::exists(at, ignored) && at.has_relative_path())
         at = at.parent_path();
     return at;
 }

@@ -50,11 +50,11 @@ std::string validity_text(const OutputFolder& folder, const Plan& plan) {
 std::string stopped_text(const OutputFolder& folder, const Plan& plan, const Selection& selection,
                          const WorkResult& result, const RunArguments& arguments) {
     std::string text;
-    if (result.put_off > 0)
+    if (result.postponed > 0)
         text += fmt::format("\n{} cases were not started, since they cannot finish within the "
                             "remaining time",
-                            result.put_off);
-    if (std::error_code none; std::filesystem::exists(folder.stop_file(), none))
+                            result.postponed);
+    if (std::error_code ignored; std::filesystem::exists(folder.stop_file(), ignored))
         text += fmt::format("\n{} stops all runs: remove it to continue",
                             shell_word(folder.stop_file().string()));
     if (const std::string cases = resumable_cases(folder, plan, selection.work); !cases.empty())
@@ -71,11 +71,11 @@ std::string stopped_text(const OutputFolder& folder, const Plan& plan, const Sel
 std::size_t left_to_others(const OutputFolder& folder, const Plan& plan,
                            const Selection& selection) {
     if (selection.not_selected == 0) return 0;
-    std::error_code none;
+    std::error_code ignored;
     const auto open = std::ranges::count_if(selection.others, [&](std::size_t number) {
         const std::string& id = plan.cases[number].id;
-        return !std::filesystem::exists(folder.case_file(id), none) &&
-               !std::filesystem::exists(folder.failure(id), none);
+        return !std::filesystem::exists(folder.case_file(id), ignored) &&
+               !std::filesystem::exists(folder.failure(id), ignored);
     });
     return static_cast<std::size_t>(open);
 }
@@ -117,7 +117,7 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
     if (ending == Ending::stopped)
         return text + stopped_text(folder, plan, selection, result, arguments);
     const long left = static_cast<long>(selection.work.size()) - result.done - result.failed -
-                      result.put_off - result.elsewhere;
+                      result.postponed - result.elsewhere;
     if (left > 0)
         text += fmt::format("\n{} cases were not started: {} computes them", left,
                             run_command_line(arguments));
@@ -148,12 +148,12 @@ nlohmann::ordered_json closing_document(const OutputFolder& folder, const config
     using Json = nlohmann::ordered_json;
     const storage::JournalContents journal = storage::read_journals(folder.root);
     Json failed = Json::array();
-    std::error_code none;
+    std::error_code ignored;
     for (const PlannedCase& c : job.plan.cases) {
         const auto entry = journal.cases.find(c.id);
         if (entry != journal.cases.end() &&
             entry->second.state == storage::CaseHistory::State::failed &&
-            !std::filesystem::exists(folder.case_file(c.id), none))
+            !std::filesystem::exists(folder.case_file(c.id), ignored))
             failed.push_back({{"id", c.id},
                               {"settings", storage::settings_json(c.settings)},
                               {"reason", entry->second.reason}});

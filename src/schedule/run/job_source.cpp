@@ -110,10 +110,10 @@ void check_columns(const config::Job& job, const std::string& file) {
 
 /// Throws UsageError for a folder, with the job file of an output folder. Not collective.
 void refuse_folder(const std::filesystem::path& path) {
-    std::error_code unknown;
-    if (!std::filesystem::is_directory(path, unknown)) return;
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored)) return;
     const OutputFolder folder{path};
-    if (!std::filesystem::exists(folder.job(), unknown))
+    if (!std::filesystem::exists(folder.job(), ignored))
         throw UsageError(fmt::format("{} is a folder; give a job file (TOML)", path.string()));
     throw UsageError(fmt::format("{} is an output folder; give a job file, such as the job of this "
                                  "folder: {}",

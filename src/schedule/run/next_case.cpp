@@ -19,9 +19,9 @@ using namespace std::chrono_literals;
 constexpr double allowance = 1.2;
 
 bool is_newer(const std::filesystem::path& file, std::filesystem::file_time_type time) {
-    std::error_code missing;
-    const auto written = std::filesystem::last_write_time(file, missing);
-    return !missing && written >= time;
+    std::error_code error;
+    const auto written = std::filesystem::last_write_time(file, error);
+    return !error && written >= time;
 }
 
 } // namespace
@@ -77,7 +77,7 @@ std::optional<std::size_t> Worker::next_in_portions() {
 Worker::Claim Worker::claim(std::size_t place) {
     const PlannedCase& planned = *list_.work.cases[place];
     if (!in_time(place)) {
-        if (!has_ended_elsewhere(planned)) counters_.fetch_add(put_off, 1);
+        if (!has_ended_elsewhere(planned)) counters_.fetch_add(postponed, 1);
         return Claim::ended;
     }
     const storage::CaseClaims::Answer answer = claims_->claim(planned.id);
@@ -97,9 +97,9 @@ Worker::Claim Worker::claim(std::size_t place) {
 bool Worker::has_ended_elsewhere(const PlannedCase& planned) {
     // A file that has got its name since is complete; others are verified.
     const std::filesystem::path file = list_.folder.case_file(planned.id);
-    std::error_code missing;
-    const auto written = std::filesystem::last_write_time(file, missing);
-    if (!missing && (written >= list_.began || storage::is_complete(file, planned.id))) {
+    std::error_code error;
+    const auto written = std::filesystem::last_write_time(file, error);
+    if (!error && (written >= list_.began || storage::is_complete(file, planned.id))) {
         counters_.fetch_add(elsewhere, 1);
         return true;
     }

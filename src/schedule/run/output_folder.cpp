@@ -47,8 +47,8 @@ std::vector<std::string> foreign_cases(const Plan& plan, const OutputFolder& fol
     for (const PlannedCase& c : plan.cases)
         ids.insert(c.id);
     std::vector<std::string> names;
-    std::error_code missing;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing))
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), ignored))
         if (entry.path().extension() == ".h5" && !ids.contains(entry.path().stem().string()))
             names.push_back(entry.path().filename().string());
     return names;
@@ -77,9 +77,9 @@ std::string cases_left_out(const Plan& plan, const OutputFolder& folder) {
 /// minute is assumed to be abandoned.
 bool is_abandoned(const std::filesystem::path& part) {
     namespace fs = std::filesystem;
-    std::error_code missing;
+    std::error_code ignored;
     return storage::has_ended(storage::process_in(part)) ||
-           fs::file_time_type::clock::now() - fs::last_write_time(part, missing) >
+           fs::file_time_type::clock::now() - fs::last_write_time(part, ignored) >
                std::chrono::minutes(1);
 }
 
@@ -87,16 +87,16 @@ bool is_abandoned(const std::filesystem::path& part) {
 /// needs it.
 void remove_part(const OutputFolder& folder, const std::filesystem::path& part,
                  storage::CaseClaims& claims) {
-    std::error_code missing;
+    std::error_code ignored;
     const std::string name = part.filename().string();
     const auto end = name.find(".h5.");
     if (end == std::string::npos) {
-        if (is_abandoned(part)) std::filesystem::remove(part, missing);
+        if (is_abandoned(part)) std::filesystem::remove(part, ignored);
         return;
     }
     const std::string id = name.substr(0, end);
     if (claims.claim(id) == storage::CaseClaims::Answer::refused) return;
-    if (!pipeline::has_checkpoint(folder.checkpoints(id))) std::filesystem::remove(part, missing);
+    if (!pipeline::has_checkpoint(folder.checkpoints(id))) std::filesystem::remove(part, ignored);
     claims.release(id);
 }
 
@@ -113,8 +113,8 @@ std::filesystem::path OutputFolder::index(const std::string& run, const std::str
 std::vector<std::string> OutputFolder::recorded_runs() const {
     constexpr std::string_view first = "progress.", last = ".json";
     std::vector<std::string> runs;
-    std::error_code missing; // a run may end at any time
-    for (const auto& entry : std::filesystem::directory_iterator(root, missing)) {
+    std::error_code ignored; // a run may end at any time
+    for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
         const std::string name = entry.path().filename().string();
         if (name.starts_with(first) && name.ends_with(last) &&
             name.size() > first.size() + last.size())
@@ -129,15 +129,15 @@ bool OutputFolder::has_lost_plan() const {
 }
 
 OutputFolder folder_of_results(const std::filesystem::path& path) {
-    std::error_code unknown;
-    if (!std::filesystem::is_regular_file(path, unknown)) return {path};
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return {path};
     if (path.extension() != ".toml")
         throw UsageError(fmt::format("{} is a file; give the output folder of a run, for example "
                                      "out/quickstart",
                                      path.string()));
-    config::DiagnosticList ignored;
+    config::DiagnosticList diagnostics;
     const config::NodePtr job = config::parse_toml(
-        storage::read_file(path, storage::largest_user_text_B), path.string(), ignored);
+        storage::read_file(path, storage::largest_user_text_B), path.string(), diagnostics);
     const config::NodePtr name = job ? config::find(job, {{"job"}, {"name"}}) : nullptr;
     const auto* word = name ? std::get_if<std::string>(&name->value) : nullptr;
     throw UsageError(fmt::format(
@@ -195,20 +195,20 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
 void remove_left_over(const OutputFolder& folder, storage::CaseClaims& claims,
                       storage::CaseIndex& index) {
     namespace fs = std::filesystem;
-    std::error_code missing; // the folder does not exist yet, or another run has removed the file
+    std::error_code ignored; // the folder does not exist yet, or another run has removed the file
     storage::remove_ended_runs(folder.locks());
     for (const std::string& run : folder.recorded_runs())
-        if (!fs::exists(folder.locks() / (run + ".run"))) fs::remove(folder.progress(run), missing);
-    for (const auto& entry : fs::directory_iterator(folder.root / "checkpoints", missing)) {
+        if (!fs::exists(folder.locks() / (run + ".run"))) fs::remove(folder.progress(run), ignored);
+    for (const auto& entry : fs::directory_iterator(folder.root / "checkpoints", ignored)) {
         const std::string name = entry.path().filename().string();
-        if (index.is_complete(name.substr(0, name.find('.')))) fs::remove(entry.path(), missing);
+        if (index.is_complete(name.substr(0, name.find('.')))) fs::remove(entry.path(), ignored);
     }
     for (const auto& place :
          {folder.root, folder.cases(), folder.tables(), folder.failure("").parent_path()})
-        for (const auto& entry : fs::directory_iterator(place, missing))
+        for (const auto& entry : fs::directory_iterator(place, ignored))
             if (entry.path().filename().string().find(".part") != std::string::npos)
                 remove_part(folder, entry.path(), claims);
-    for (const auto& entry : fs::directory_iterator(folder.locks(), missing))
+    for (const auto& entry : fs::directory_iterator(folder.locks(), ignored))
         if (const std::string id = entry.path().stem().string();
             entry.path().extension() == ".case" && index.is_complete(id) &&
             claims.claim(id) != storage::CaseClaims::Answer::refused)

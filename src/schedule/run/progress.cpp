@@ -90,11 +90,11 @@ void Progress::write_state() const {
     std::ofstream file(part);
     file << json() << '\n';
     file.close();
-    std::error_code none;
+    std::error_code ignored;
     if (file)
-        std::filesystem::rename(part, log_.state, none);
+        std::filesystem::rename(part, log_.state, ignored);
     else
-        std::filesystem::remove(part, none);
+        std::filesystem::remove(part, ignored);
 }
 
 void Progress::update(const SweepCounts& counts) {
@@ -144,8 +144,8 @@ void Progress::report(const std::string& text) {
 
 void Progress::finish() {
     if (!log_.lines.empty() && has_unlogged_) write_log();
-    std::error_code none;
-    if (!log_.state.empty()) std::filesystem::remove(log_.state, none);
+    std::error_code ignored;
+    if (!log_.state.empty()) std::filesystem::remove(log_.state, ignored);
     if (drawn_) fmt::print(stderr, "\n");
     drawn_ = false;
 }
@@ -154,9 +154,9 @@ std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder,
                                                   const std::vector<std::string>& runs) {
     std::optional<RecordedProgress> sum;
     for (const std::string& name : runs) {
-        std::error_code missing; // the run may end at any time
-        const auto written = std::filesystem::last_write_time(folder.progress(name), missing);
-        if (missing) continue;
+        std::error_code error; // the run may end at any time
+        const auto written = std::filesystem::last_write_time(folder.progress(name), error);
+        if (error) continue;
         const std::chrono::duration<double> age =
             std::filesystem::file_time_type::clock::now() - written;
         try {

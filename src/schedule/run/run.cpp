@@ -122,7 +122,7 @@ void require_files(const OutputFolder& folder, const Plan& plan,
 /// failures; otherwise failures of files and --fail-fast determine the exit code.
 bool was_stopped(const WorkResult& result) {
     if (result.asked_to_stop) return true;
-    return result.put_off > 0 && !result.given_up;
+    return result.postponed > 0 && !result.given_up;
 }
 
 bool is_stopped(const WorkResult& result, const Selection& selection) {

@@ -180,8 +180,8 @@ bool Worker::compute(const PlannedCase& planned) {
                           engine_name(planned.physics.solver), outcome->checksum);
         storage::add_to_index(list_.folder.index(list_.run, host_),
                               list_.folder.case_file(planned.id), outcome->digest);
-        std::error_code none;
-        std::filesystem::remove(list_.folder.failure(planned.id), none);
+        std::error_code ignored;
+        std::filesystem::remove(list_.folder.failure(planned.id), ignored);
     });
     report(planned, *outcome);
     if (!team_.is_root()) return true;
@@ -295,8 +295,8 @@ bool Worker::stop_asked() {
     bool is_asked = stop_requested() || list_.deadline.left_s() <= 0.0;
     if (world_.is_root() && now - last_stop_file_ > 500ms) {
         last_stop_file_ = now;
-        std::error_code unknown;
-        is_asked = is_asked || std::filesystem::exists(list_.folder.stop_file(), unknown);
+        std::error_code ignored;
+        is_asked = is_asked || std::filesystem::exists(list_.folder.stop_file(), ignored);
     }
     if (is_asked && !signal_reported_) {
         signal_reported_ = true;
@@ -350,7 +350,7 @@ WorkResult Worker::wait_for_others() {
     return {.done = of(done),
             .failed = of(failed),
             .failed_files = of(failed_files),
-            .put_off = of(put_off),
+            .postponed = of(postponed),
             .elsewhere = of(elsewhere),
             .asked_to_stop = of(signalled) != 0,
             .given_up = of(given_up) != 0,

@@ -41,7 +41,7 @@ struct WorkResult {
     long done = 0;
     long failed = 0;            // for any reason, also in another run since this one began
     long failed_files = 0;      // because of files or disks
-    long put_off = 0;           // would not have finished in time
+    long postponed = 0;         // would not have finished in time
     long elsewhere = 0;         // completed by another run since this one began
     bool asked_to_stop = false; // by a signal, the STOP file or the time limit
     bool given_up = false;      // after file errors, or after any failure with --fail-fast
@@ -74,7 +74,7 @@ private:
         signalled,
         given_up,
         teams_ended,
-        put_off,
+        postponed,
         elsewhere,
         folder_removed,
         partial_ppm, // sum of the complete shares of the running cases, in millionths

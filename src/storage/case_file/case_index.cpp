@@ -120,8 +120,8 @@ bool is_storable(const CaseDigest& digest) {
 CaseIndex::CaseIndex(fs::path folder, Trust trust,
                      std::function<void(const VerifyProgress&)> report)
     : folder_(std::move(folder)), trust_(trust), report_(std::move(report)) {
-    std::error_code missing;
-    for (const auto& file : fs::directory_iterator(folder_, missing)) {
+    std::error_code ignored;
+    for (const auto& file : fs::directory_iterator(folder_, ignored)) {
         const std::string name = file.path().filename().string();
         if (!name.starts_with("index") || !name.ends_with(".jsonl")) continue;
         std::istringstream lines(read_file(file.path()));
@@ -178,8 +178,8 @@ void CaseIndex::put(const std::string& id, const CaseStamp& stamp, CaseDigest di
 /// Reads all files that are not checked yet and match their checksum.
 void CaseIndex::read_missing() {
     std::vector<std::pair<std::string, Stamp>> missing;
-    std::error_code gone;
-    for (const auto& entry : fs::directory_iterator(folder_ / "cases", gone)) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder_ / "cases", ignored)) {
         if (entry.path().extension() != ".h5") continue;
         const std::string id = entry.path().stem().string();
         const auto stamp = stamp_of(entry.path());
@@ -199,7 +199,7 @@ void CaseIndex::read_missing() {
         const auto known = known_.find(id);
         const bool in_index = known != known_.end() && known->second.stamp == stamp;
         if (!unreadable.empty()) {
-            if (fs::exists(files[i], gone)) put(id, stamp, damaged(id, unreadable));
+            if (fs::exists(files[i], ignored)) put(id, stamp, damaged(id, unreadable));
         } else if (!check.damage.empty()) {
             put(id, stamp, lost(id, check.damage));
         } else if (in_index && known->second.digest.is_complete()) {

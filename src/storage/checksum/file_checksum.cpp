@@ -187,9 +187,9 @@ bool find_recorded(const fs::path& path, ChecksumLine& line) {
     const std::string id = "\"id\":\"" + path.stem().string() + "\"",
                       name = fmt::format("\"{}\":\"", recorded_checksum);
     bool found = false;
-    std::error_code missing;
+    std::error_code ignored;
     for (const auto& entry :
-         fs::directory_iterator(fs::absolute(path).parent_path().parent_path(), missing)) {
+         fs::directory_iterator(fs::absolute(path).parent_path().parent_path(), ignored)) {
         const std::string file = entry.path().filename().string();
         if (!file.starts_with("journal") || !file.ends_with(".jsonl")) continue;
         std::istringstream lines(read_file(entry.path()));
@@ -235,8 +235,8 @@ std::string checksum_in(const fs::path& path) try {
     text.pop_back();
     return text;
 } catch (const UsageError&) {
-    std::error_code unknown;
-    if (fs::exists(path, unknown)) throw;
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) throw;
     return "";
 }
 

@@ -15,9 +15,9 @@ namespace {
 constexpr unsigned most_threads = 4;
 
 double size_of(const std::filesystem::path& path) {
-    std::error_code gone;
-    const auto bytes = std::filesystem::file_size(path, gone);
-    return gone ? 0.0 : static_cast<double>(bytes);
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(path, error);
+    return error ? 0.0 : static_cast<double>(bytes);
 }
 
 VerifiedFile verify(const std::filesystem::path& path) {
@@ -37,11 +37,11 @@ std::vector<VerifiedFile> verify_files(const std::vector<std::filesystem::path>&
     for (const auto& file : files)
         progress.all_bytes += size_of(file);
     std::atomic<std::size_t> next{0};
-    std::mutex telling;
+    std::mutex report_mutex;
     const auto work = [&] {
         for (std::size_t i = next++; i < files.size(); i = next++) {
             verified[i] = verify(files[i]);
-            const std::scoped_lock lock(telling);
+            const std::scoped_lock lock(report_mutex);
             ++progress.files;
             progress.bytes += static_cast<double>(verified[i].check.bytes);
             if (report) report(progress);

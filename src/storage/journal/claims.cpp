@@ -69,8 +69,8 @@ bool has_created(const fs::path& file, const std::string& text) {
 
 std::vector<std::string> runs_in(const fs::path& locks) {
     std::vector<std::string> runs;
-    std::error_code missing;
-    for (const auto& entry : fs::directory_iterator(locks, missing))
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(locks, ignored))
         if (entry.path().extension() == ".run") runs.push_back(entry.path().stem().string());
     return runs;
 }

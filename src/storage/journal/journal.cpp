@@ -158,8 +158,8 @@ std::string journal_name(const std::string& run, const std::string& host) {
 
 JournalContents read_journals(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> paths;
-    std::error_code missing; // a missing folder has none
-    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+    std::error_code ignored; // a missing folder has none
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
         const std::string name = entry.path().filename().string();
         if (name.starts_with("journal") && name.ends_with(".jsonl")) paths.push_back(entry.path());
     }

@@ -50,8 +50,8 @@ Refinement twice_the_domain(const Case& c) {
     return r;
 }
 
-Refinement half_the_step(const Case& c) {
-    const engines::StepRefinement step = engines::make_engine(c.solver)->half_the_step(c);
+Refinement refine_time_step(const Case& c) {
+    const engines::StepRefinement step = engines::make_engine(c.solver)->refine_time_step(c);
     Refinement r{.name = "time",
                  .change = step.change + (step.change.empty() ? "" : ", and ") +
                            "half the frame interval",
@@ -75,7 +75,7 @@ Case without_fields(Case c) {
 
 std::vector<Refinement> refinements(const Case& c) {
     const Case base = without_fields(c);
-    return {half_the_spacing(base), half_the_step(base), twice_the_domain(base)};
+    return {half_the_spacing(base), refine_time_step(base), twice_the_domain(base)};
 }
 
 namespace {

@@ -103,8 +103,8 @@ void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_jso
     const int status =
         run_python_module("shearwake.laboratory.measure_scan",
                           {data.string(), file.string(), prefix.string()}, scan_packages);
-    std::error_code none;
-    std::filesystem::remove(file, none);
+    std::error_code ignored;
+    std::filesystem::remove(file, ignored);
     if (status == static_cast<int>(ExitCode::usage)) throw UsageError("the scan cannot be used");
     if (status != 0)
         throw UsageError(fmt::format("the conversion of the scan failed (exit {})", status),

@@ -64,7 +64,7 @@ double window_s(const Case& c) {
 namespace {
 
 /// The reason why the case cannot be optimised; empty if it can.
-std::string why_not(const Case& c, const OptimiseOptions& options) {
+std::string unsupported_reason(const Case& c, const OptimiseOptions& options) {
     const Modulation& modulation = c.scene.load.modulation;
     if (!modulation.envelope.gains.empty())
         return fmt::format("the modulation {} has an envelope, which would be replaced; use a kind "
@@ -122,7 +122,7 @@ void require_updates(const Knots& knots, double update_rate_Hz) {
 
 void require_optimisable(const Case& c, const std::string& id, const Knots& knots,
                          const OptimiseOptions& options) {
-    if (const std::string reason = why_not(c, options); !reason.empty())
+    if (const std::string reason = unsupported_reason(c, options); !reason.empty())
         throw UsageError(fmt::format("case {} cannot be optimised: {}", id, reason),
                          ExitCode::bad_job);
     require_periods(c, options.am_frequencies_Hz, "am_frequency_Hz");

@@ -53,8 +53,8 @@ ReceptorMotion repeating(const AfferentOptions& options, std::size_t counted,
 }
 
 AfferentResult felt_alone(const ReceptorMotion& motion, const AfferentOptions& options) {
-    return perceived(motion, options, neural::make_scene(options),
-                     Comm::world().split(Comm::world().rank()));
+    return simulate_afferents(motion, options, neural::make_scene(options),
+                              Comm::world().split(Comm::world().rank()));
 }
 
 std::vector<double> values(const AfferentResult& result, const std::string& name) {

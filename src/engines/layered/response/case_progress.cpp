@@ -10,7 +10,7 @@ void CaseProgress::expect(Stage stage, double units, double work_ns) {
     expected_ns_ += work_ns;
 }
 
-void CaseProgress::did(Stage stage, double units) {
+void CaseProgress::record_completed(Stage stage, double units) {
     const Part& all = part(stage);
     if (!checkpoints_ || !(all.units > 0.0)) return;
     done_ns_ += all.work_ns * units / all.units;

@@ -21,7 +21,7 @@ public:
     /// The expected work of a stage. Not collective.
     double work_ns(Stage stage) const { return part(stage).work_ns; }
     /// Reports completed units of a stage. Cheap. Not collective.
-    void did(Stage stage, double units = 1.0);
+    void record_completed(Stage stage, double units = 1.0);
     /// Whether a stop was requested, see engines::Checkpoints::stop_asked(). Collective.
     bool stop_asked() { return checkpoints_ && checkpoints_->stop_asked(); }
     /// Throws StopRequested if a stop was requested. Collective.

@@ -68,7 +68,7 @@ TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progres
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
             mine.values.insert(mine.values.end(), packed.begin(), packed.end());
-            if (progress) progress->did(Stage::response);
+            if (progress) progress->record_completed(Stage::response);
         }
     });
     if (stops) throw engines::StopRequested{};
@@ -108,7 +108,7 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
                        values_.data() + (depth * static_cast<std::size_t>(ky_count_) +
                                          static_cast<std::size_t>(ky)) *
                                             row_size);
-                if (progress) progress->did(Stage::expansion);
+                if (progress) progress->record_completed(Stage::expansion);
             }
     });
     if (grid) expand_open(*grid, tables, team, progress);
@@ -120,7 +120,7 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
     std::vector<Complex> tables;
     bool stops = false;
     const auto block_done = [&] {
-        if (progress) progress->did(Stage::radial);
+        if (progress) progress->record_completed(Stage::radial);
         stops = progress && progress->stop_asked();
         return !stops;
     };
@@ -135,7 +135,7 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
                 losses.push_back(fit_at(key_, key_.time.omega(m), [&] {
                     return fit_loss(response, key_.spacing_m, key_.tolerance);
                 }));
-                if (progress) progress->did(Stage::response);
+                if (progress) progress->record_completed(Stage::response);
             }
             if (!stops) tables = grid.loss.tables(losses, block_done);
             return;
@@ -155,7 +155,7 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
                 for (std::size_t d = 0; d < depths; ++d)
                     h[first + d * nodes + i] = of_node[d];
             }
-            if (progress) progress->did(Stage::response);
+            if (progress) progress->record_completed(Stage::response);
         }
         if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
     });
@@ -197,7 +197,7 @@ void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> t
                         *out = value;
                         out += frequencies();
                     }
-                    if (progress) progress->did(Stage::expansion);
+                    if (progress) progress->record_completed(Stage::expansion);
                 }
             }
         for (std::size_t depth = 0; depth < depths && !stops; ++depth)

@@ -105,19 +105,19 @@ StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& sl
         static_cast<std::size_t>(points_together(static_cast<double>(points), of_point_B));
     for (std::size_t first = 0; first < points; first += together) {
         const std::size_t end = std::min(first + together, points);
-        std::vector<std::vector<fft::RowRun>> sheets;
+        std::vector<std::vector<fft::RowRun>> run_sets;
         std::vector<fft::RunTransform::Plane> planes;
         for (std::size_t p = first; p < end; ++p) {
             const PlaneCells::Point& point = cells.points[p];
-            sheets.push_back(point.runs);
-            for (fft::RowRun& run : sheets.back()) {
+            run_sets.push_back(point.runs);
+            for (fft::RowRun& run : run_sets.back()) {
                 run.begin -= corner.y;
                 run.end -= corner.y;
             }
             for (std::size_t c = 0; c < components; ++c)
                 planes.push_back({p - first, cells.range(p).first + c * point.cells});
         }
-        groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(sheets), layout),
+        groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(run_sets), layout),
                            std::move(planes)});
     }
 }

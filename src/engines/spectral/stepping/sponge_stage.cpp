@@ -178,12 +178,12 @@ private:
             double* plane = planes_.data() + first * stride;
             const std::ptrdiff_t planes = std::min(planes_at_once, count_ - first);
             runs_->to_values(plane, planes, values_.data(), cells);
-            lose(planes);
+            damp_velocity(planes);
             runs_->to_lines(values_.data(), cells, planes, plane);
         }
     }
 
-    void lose(std::ptrdiff_t planes) {
+    void damp_velocity(std::ptrdiff_t planes) {
         double* v = values_.data();
         for (std::ptrdiff_t p = 0; p < planes; ++p)
             for (std::ptrdiff_t i = 0; i < slabs_->share().x_count; ++i) {

@@ -30,15 +30,15 @@ TEST_CASE("the share of a layered case is its complete work over its total work"
     progress.expect(Stage::frames, 100.0, 90.0);
     CHECK(progress.work_ns(Stage::response) == 10.0);
     CHECK(progress.work_ns(Stage::samples) == 0.0);
-    progress.did(Stage::response);
+    progress.record_completed(Stage::response);
     CHECK(listener.shares.back() == Approx(0.01));
-    progress.did(Stage::response, 9.0);
+    progress.record_completed(Stage::response, 9.0);
     CHECK(listener.shares.back() == Approx(0.1));
-    progress.did(Stage::frames, 50.0);
+    progress.record_completed(Stage::frames, 50.0);
     CHECK(listener.shares.back() == Approx(0.55));
-    progress.did(Stage::samples); // without expected work
+    progress.record_completed(Stage::samples); // without expected work
     CHECK(listener.shares.size() == 3);
-    progress.did(Stage::frames, 50.0);
+    progress.record_completed(Stage::frames, 50.0);
     CHECK(listener.shares.back() == Approx(1.0));
 }
 

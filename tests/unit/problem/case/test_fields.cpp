@@ -280,14 +280,14 @@ TEST_CASE("every field of every option struct decides the id of a case", "[field
 
 TEST_CASE("an id is never a number for programs that read tables", "[fields]") {
     for (const char* number : {"68169e2466327440", "0012345678901234", "1234567890123456"}) {
-        const std::string id = unmistakable(number);
+        const std::string id = avoid_numeric_id(number);
         INFO(id);
         CHECK(id.size() == 16);
         CHECK(std::isalpha(static_cast<unsigned char>(id.front())) != 0);
         CHECK(id.substr(1) == std::string(number).substr(1));
     }
     for (const char* id : {"0c563b767c5d4791", "e123456789012345", "12e456e890123456"})
-        CHECK(unmistakable(id) == id);
+        CHECK(avoid_numeric_id(id) == id);
 }
 
 } // namespace test_fields
