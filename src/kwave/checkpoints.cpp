@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +18,19 @@ namespace fs = std::filesystem;
 
 fs::path previous_checkpoint(const fs::path& checkpoint) {
     return checkpoint.string() + ".previous";
+}
+
+Locks lock_files(std::initializer_list<fs::path> files) {
+    Locks locks;
+    for (const fs::path& file : files) {
+        if (file.empty()) continue;
+        locks.push_back(std::make_unique<storage::FileLock>(file.string() + ".lock"));
+        if (locks.back()->is_refused())
+            throw UsageError(fmt::format("another process is writing {}; wait for its end, or "
+                                         "choose another file",
+                                         file.string()));
+    }
+    return locks;
 }
 
 std::string identity_of(const Arguments& a, long steps) {

@@ -7,9 +7,11 @@
 #include "kwave/run.hpp"
 #include "parallel/comm.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
+#include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -167,6 +169,11 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
 template <class Real>
 void write_records(const OutputFile& output, const pstd::Recorder& recorder, const Input& input,
                    const pstd::Stepper<Real>& stepper, const Comm& team);
+
+using Locks = std::vector<std::unique_ptr<storage::FileLock>>;
+/// Excludes other processes that write these files; empty names are ignored. Throws UsageError
+/// (usage) if there is one. Not collective.
+Locks lock_files(std::initializer_list<std::filesystem::path> files);
 
 /// A hash of the input file and of everything else that determines the result. Not collective.
 std::string identity_of(const Arguments& arguments, long steps);

@@ -352,15 +352,12 @@ ExitCode run(const Arguments& given, const Comm& world) {
     for (auto* path : {&arguments.output, &arguments.checkpoint})
         if (!path->empty()) *path = std::filesystem::absolute(*path);
     Phases phases;
-    std::vector<std::unique_ptr<storage::FileLock>> locks;
+    Locks locks;
     bool are_checked = false;
     try {
         check_arguments(arguments);
         are_checked = true;
-        on_root(world, [&] {
-            for (const auto* path : {&arguments.output, &arguments.checkpoint})
-                if (!path->empty()) locks.push_back(std::make_unique<storage::FileLock>(*path));
-        });
+        on_root(world, [&] { locks = lock_files({arguments.output, arguments.checkpoint}); });
     } catch (const UsageError& error) {
         if (are_checked && error.code() == ExitCode::usage) throw; // another run writes the file
         end_run(arguments, error);

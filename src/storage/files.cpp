@@ -206,24 +206,28 @@ double free_bytes(const fs::path& path) {
     return static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize);
 }
 
-FileLock::FileLock(const fs::path& file) : path_(file.string() + ".lock") {
+FileLock::FileLock(fs::path file, std::chrono::milliseconds patience) : path_(std::move(file)) {
+    const auto end = std::chrono::steady_clock::now() + patience;
     struct stat held {
     }, named{};
     do { // again if the process that held it has just removed it
         if (fd_ >= 0) ::close(fd_);
         fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (fd_ < 0) refuse("cannot open", path_, errno);
-        if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-            ::close(fd_);
-            throw UsageError(fmt::format("another process is writing {}; wait for its end, or "
-                                         "choose another file",
-                                         file.string()));
+        while (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            if (std::chrono::steady_clock::now() >= end) {
+                ::close(fd_);
+                fd_ = -1;
+                return;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
     } while (::fstat(fd_, &held) != 0 || ::stat(path_.c_str(), &named) != 0 ||
              held.st_ino != named.st_ino);
 }
 
 FileLock::~FileLock() {
+    if (is_refused()) return;
     ::unlink(path_.c_str());
     ::close(fd_);
 }

@@ -89,16 +89,19 @@ void publish(const std::filesystem::path& part, const std::filesystem::path& pat
 /// Free space for this user in bytes.
 double free_bytes(const std::filesystem::path& path);
 
-/// Excludes other processes that write the same file, by a lock of `<file>.lock`. File systems
-/// without locks exclude none.
+/// Excludes other processes by a lock of a file, which is removed at the end. File systems without
+/// locks exclude none.
 class FileLock {
 public:
-    /// Throws UsageError (usage) if another process holds it, and UsageError (environment) if the
-    /// lock cannot be created.
-    explicit FileLock(const std::filesystem::path& file);
+    /// Waits at most for the time `patience`. Throws UsageError (environment) if the file cannot be
+    /// created.
+    explicit FileLock(std::filesystem::path file, std::chrono::milliseconds patience = {});
     ~FileLock();
     FileLock(const FileLock&) = delete;
     FileLock& operator=(const FileLock&) = delete;
+
+    /// Whether another process still holds it.
+    bool is_refused() const { return fd_ < 0; }
 
 private:
     std::filesystem::path path_;

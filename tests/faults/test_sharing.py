@@ -43,7 +43,7 @@ class EqualCommands(FaultTest):
         ended = self.assert_shared(self.start_equal(3), 12, reference)
         self.assertEqual(sum(counts[1] for counts in ended), 12)
         self.assertEqual(len(list(self.out.glob("journal.*.jsonl"))), 3)
-        self.assertEqual([path.name for path in (self.out / "locks").iterdir()], ["folder"])
+        self.assertEqual([path.name for path in (self.out / "locks").iterdir()], [])
 
     def test_a_command_without_a_case_left_waits_for_the_others(self):
         self.write_job(both_engines(1))

@@ -152,7 +152,7 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                                      "another folder with --out",
                                      folder.root.string()));
     storage::make_directory(folder.locks());
-    const storage::FolderLock lock(folder.locks(), patience_with_others);
+    const storage::FileLock lock(storage::folder_lock(folder.locks()), patience_with_others);
     const std::string text = storage::plan_text(job.plan);
     std::string warning;
     if (fs::exists(folder.plan())) {
@@ -190,6 +190,16 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
     // The plan is written last, since a folder without a plan counts as new.
     if (!fs::exists(folder.plan())) storage::write_file(folder.plan(), text);
     return warning;
+}
+
+void remove_other_plan(const OutputFolder& folder, const Plan& plan) {
+    storage::make_directory(folder.locks());
+    const storage::FileLock lock(storage::folder_lock(folder.locks()), patience_with_others);
+    if (!std::filesystem::exists(folder.plan()) ||
+        storage::compare_plan(storage::read_file(folder.plan()), plan) == storage::PlanMatch::same)
+        return;
+    storage::require_no_run(folder.locks());
+    std::filesystem::remove(folder.plan());
 }
 
 void remove_left_over(const OutputFolder& folder, storage::CaseClaims& claims,

@@ -82,6 +82,10 @@ OutputFolder folder_of_results(const std::filesystem::path& path);
 /// writable. Not collective.
 std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend = false);
 
+/// Removes another plan, since another selection of cases replaces it; the cases that both have
+/// remain. Throws UsageError if a run is active. Not collective.
+void remove_other_plan(const OutputFolder& folder, const Plan& plan);
+
 /// Removes what ended runs have left: their locks and progress, partial files unless a checkpoint
 /// needs them, and checkpoints of complete cases. Not collective.
 void remove_left_over(const OutputFolder& folder, storage::CaseClaims& claims,

@@ -77,20 +77,6 @@ std::vector<std::string> runs_in(const fs::path& locks) {
 
 } // namespace
 
-FolderLock::FolderLock(const fs::path& locks, std::chrono::milliseconds patience, const char* name)
-    : fd_(::open((locks / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    if (fd_ < 0) refuse(locks / name);
-    const auto end = std::chrono::steady_clock::now() + patience;
-    while (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK && !is_refused_) {
-        is_refused_ = std::chrono::steady_clock::now() >= end;
-        if (!is_refused_) std::this_thread::sleep_for(20ms);
-    }
-}
-
-FolderLock::~FolderLock() {
-    ::close(fd_);
-}
-
 ActiveRun::ActiveRun(const fs::path& locks)
     : file_(file_of_run(locks, process_name())),
       fd_(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
@@ -185,7 +171,7 @@ CaseClaims::Answer CaseClaims::claim(const std::string& id) {
         std::this_thread::sleep_for(20ms);
     if (owner && owner != "" && owner != run_ && watch_.look(*owner) != RunWatch::State::ended)
         return Answer::refused;
-    const FolderLock lock(locks_, 0ms);
+    const FileLock lock(folder_lock(locks_));
     if (lock.is_refused() || text_of(file) != owner)
         return Answer::refused; // another run is faster
     std::error_code ignored;

@@ -17,24 +17,10 @@ namespace shearwake::storage {
 /// `<id>.case`, which contains the name of the run. Since a file is created by one process only,
 /// this requires no locks of the file system: they only reveal sooner that a run has ended.
 
-/// Excludes other processes while the plan or the owner of a case changes. File systems without
-/// locks exclude none. Not collective.
-class FolderLock {
-public:
-    /// Waits at most for the time `patience`. Locks of different names are independent.
-    FolderLock(const std::filesystem::path& locks, std::chrono::milliseconds patience,
-               const char* name = "folder");
-    ~FolderLock();
-    FolderLock(const FolderLock&) = delete;
-    FolderLock& operator=(const FolderLock&) = delete;
-
-    /// Whether another process still holds it.
-    bool is_refused() const { return is_refused_; }
-
-private:
-    int fd_;
-    bool is_refused_ = false;
-};
+/// The file that a FileLock locks while the plan or the owner of a case changes.
+inline std::filesystem::path folder_lock(const std::filesystem::path& locks) {
+    return locks / "folder";
+}
 
 /// The file of a run, on rank 0 from its start to its end: it is locked, and contains a count that
 /// increases every two seconds.

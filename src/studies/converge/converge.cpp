@@ -60,23 +60,16 @@ ExitCode converge_job(const ConvergeArguments& arguments, const Comm& world) {
     const Plan plan = job.plan; // the studied cases refer to it
     const RefinedPlan refined = refined_plan(plan, arguments.only, arguments.cases);
     job.plan = refined.plan;
-    job.diagnostics.clear();                       // `run` reports them
-    std::optional<storage::FolderLock> study_lock; // on rank 0
+    job.diagnostics.clear();                     // `run` reports them
+    std::optional<storage::FileLock> study_lock; // on rank 0
     on_root(world, [&] {
         require_python(table_packages); // before anything is computed
         storage::make_directory(study.locks());
-        if (study_lock.emplace(study.locks(), std::chrono::milliseconds(0), "study").is_refused())
+        if (study_lock.emplace(study.locks() / "study").is_refused())
             throw UsageError(fmt::format("{} is being used by another shearwake converge; wait for "
                                          "it or stop it",
                                          study.root.string()));
-        const storage::FolderLock lock(study.locks(), std::chrono::minutes(1));
-        // Another selection replaces the plan; the cases that both have remain.
-        if (std::filesystem::exists(study.plan()) &&
-            storage::compare_plan(storage::read_file(study.plan()), job.plan) !=
-                storage::PlanMatch::same) {
-            storage::require_no_run(study.locks());
-            std::filesystem::remove(study.plan());
-        }
+        schedule::remove_other_plan(study, job.plan);
         copy_known_cases(sweep, study, job.plan);
     });
     schedule::RunArguments run{arguments};

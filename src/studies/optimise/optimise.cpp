@@ -26,8 +26,13 @@ constexpr double most_of_knots_B = 2.5e9; // on the disk at the same time
 Study read_study(const schedule::RunArguments& arguments, const Comm& world) {
     config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     if (!job.optimise)
-        throw UsageError(fmt::format("{} has no table [optimise]", arguments.job.string()),
-                         ExitCode::bad_job);
+        throw UsageError(
+            fmt::format("{} has no table [optimise]; add, for example:\n"
+                        "[optimise]\n"
+                        "over = [\"envelope\"]\n"
+                        "strength_at_least = [0.9] # of the rms of the unmodulated load",
+                        arguments.job.string()),
+            ExitCode::bad_job);
     const OptimiseOptions options = *job.optimise;
     std::vector<OptimisedCase> cases = optimised_cases(job.plan, options);
     const schedule::OutputFolder folder =
@@ -145,15 +150,7 @@ std::vector<std::string> add_cases(PlanBuilder& builder, const Study& study, con
 /// the cases that both have remain. Collective.
 ExitCode run_plan(const Study& study, const Plan& plan, const schedule::OutputFolder& folder,
                   const Comm& world) {
-    on_root(world, [&] {
-        storage::make_directory(folder.locks());
-        const storage::FolderLock lock(folder.locks(), std::chrono::minutes(1));
-        if (fs::exists(folder.plan()) && storage::compare_plan(storage::read_file(folder.plan()),
-                                                               plan) != storage::PlanMatch::same) {
-            storage::require_no_run(folder.locks());
-            fs::remove(folder.plan());
-        }
-    });
+    on_root(world, [&] { schedule::remove_other_plan(folder, plan); });
     config::Job job = study.job;
     job.plan = plan;
     job.diagnostics.clear(); // `run` reports them
@@ -267,7 +264,7 @@ void require_optimisable(const Plan& plan, const OptimiseOptions& options) {
 
 ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world) {
     const Study study = read_study(arguments, world);
-    std::optional<storage::FolderLock> lock;
+    std::optional<storage::FileLock> lock;
     std::optional<PythonClient> module;
     const int ranks = world.split_by_machine().size();
     schedule::watch_for_stop_signals(world);
@@ -275,8 +272,7 @@ ExitCode optimise_job(const schedule::RunArguments& arguments, const Comm& world
         require_python(study_packages);
         const fs::path locks = study.folder.optimise() / "locks";
         storage::make_directory(locks);
-        lock.emplace(locks, std::chrono::milliseconds(0));
-        if (lock->is_refused())
+        if (lock.emplace(storage::folder_lock(locks)).is_refused())
             throw UsageError(fmt::format("another optimise is active in {}; wait until it has "
                                          "ended, or choose another folder with --out",
                                          study.folder.root.string()));
