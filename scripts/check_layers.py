@@ -10,7 +10,8 @@ ${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt
 not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry,
 benchmarks and kwave, which runs files of k-Wave on engine pstd, may. No file outside of engines, benchmarks, kwave and
 problem/case names the options of an engine, the members of SolverOptions in problem/case/solver_options.hpp.
-A folder has at most 25 source files, and `app` does not run jobs: it includes no engine.
+A folder has at most 25 source files, a file at most 400 lines, a function at most 60 lines, and `app` does not run
+jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
 cmake/components.cmake. It may include its own headers and those of the folders that it lists:
@@ -56,6 +57,9 @@ GENERATED = {"git_id.hpp"}  # by the build
 KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
 ENGINES = "${SHEARWAKE_ENGINES}"
 MOST_FILES, LEAST_LINES = 25, 40  # of a folder, of a header that is not an interface
+MOST_LINES, MOST_FUNCTION_LINES = 400, 60
+# In formatted sources, a function begins and ends in the first column, and its parameters and body are indented.
+FUNCTION = re.compile(r"^(?!namespace|struct|class|enum|union|[a-z]+:)[A-Za-z~][^\n]*\n(?:[ \t][^\n]*\n|\n)*\}(?=\s*(?:catch\b[^\n]*)?$)", re.M)
 
 
 class Component:
@@ -224,7 +228,10 @@ class Tree:
         if not in_tests and component is None:
             yield path, 1, f"src/{folder} is not a component: it has no CMakeLists.txt"
             return
-        text = without_comments(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if component:
+            yield from long_parts(text, path)
+        text = without_comments(text)
         for number, name in included(text):
             if name is None:
                 yield path, number, 'unsupported directive: write #include "..." or #include <...>'
@@ -304,6 +311,14 @@ def python_cycle(package):
     except graphlib.CycleError as error:
         ring = " -> ".join(str(path.relative_to(package)) for path in reversed(error.args[1]))
         yield error.args[1][0], 1, f"modules import each other: {ring}"
+
+
+def long_parts(text, path):
+    if (lines := text.count("\n")) > MOST_LINES:
+        yield path, 1, f"has {lines} lines; a file has at most {MOST_LINES}"
+    for match in FUNCTION.finditer(text):
+        if (lines := match[0].count("\n") + 1) > MOST_FUNCTION_LINES:
+            yield path, text.count("\n", 0, match.start()) + 1, f"has {lines} lines; a function has at most {MOST_FUNCTION_LINES}"
 
 
 def library(header):

@@ -92,9 +92,12 @@ REJECTED = [
     (lower_lists("PRIVATE upper"), "upper is listed as PRIVATE, but is not used"), (lower_lists("PRIVATE nothing"), "neither a component nor"),
     ({**lower_lists("PRIVATE upper"), **low(HIGHER)}, "lower -> upper -> lower"),
     (low("int x; // see lower/gone.hpp"), "low.cpp:5: the comment names lower/gone.hpp, which does not exist"),
+    (low("int x;\n" * 396), "low.cpp:1: has 401 lines; a file has at most 400"),
+    (low("static int slow(int a,\n                int b) {\n" + "    ++a;\n" * 58 + "}"), "low.cpp:5: has 61 lines; a function has at most 60"),
     ({**PYTHON, "analysis/shearwake/sub/plot.py": "from ..case import plot\n"}, "case.py -> sub/plot.py -> case.py"),
 ]
-ACCEPTED = [{}, ENGINE, PYTHON, low("// " + HIGHER), low("// as lower/low.cpp and NAME.cpp"), low(f"/*\n{HIGHER}\n*/"), low(f'const char* text = R"x(\n{HIGHER}\n)x";'),
+ACCEPTED = [{}, ENGINE, PYTHON, low("// " + HIGHER), low("// as lower/low.cpp and NAME.cpp"),
+            low("int fast(int a) {\n" + "    ++a;\n" * 58 + "}\n\nint next;"), low("struct Long {\n" + "    int x;\n\n" * 60 + "};"), low(f"/*\n{HIGHER}\n*/"), low(f'const char* text = R"x(\n{HIGHER}\n)x";'),
             {**OPTIONS, "src/engines/toy/toy.cpp": ENGINE["src/engines/toy/toy.cpp"] + "struct ToyOptions;\n"},
             {**OPTIONS, **low("// as ToyOptions")}]
 

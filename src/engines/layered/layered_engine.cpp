@@ -224,6 +224,42 @@ double period_times_area_s_m2(const Case& c) {
     return c.time.duration_s() * c.domain.extent_x_m() * c.domain.extent_y_m();
 }
 
+/// Passes frames from their spectra.
+struct FrameLoop {
+    const LayeredPlan& plan;
+    const Domain& domain; // of the observer
+    InnerRows inner;
+    fft::SlabTransform& slabs;
+    FieldSpectra& spectra;
+    fft::AlignedVector<double>& plane;
+    CaseProgress& progress;
+
+    /// Calls emit(frame, depth, values) for the last `depths` depths of a table. `energy`: sums for
+    /// the first of them, or null. Collective.
+    void pass(TransferTable& table, std::size_t depths, FieldSpectra::Energy* energy,
+              const auto& emit) {
+        const std::size_t other = table.key().depths_m.size() - depths; // that are not measured
+        // All ranks use the same batch, determined by the largest slab.
+        const std::ptrdiff_t batch = plan.frames_together, frames = plan.c.time.frames;
+        for (std::size_t depth = 0; depth < depths; ++depth)
+            for (std::ptrdiff_t first = 0; first < frames; first += batch) {
+                const std::ptrdiff_t count = std::min(batch, frames - first);
+                spectra.compute(table, other + depth, first, count, plan.ky_count,
+                                depth == 0 && first == 0 ? energy : nullptr, progress);
+                for (std::ptrdiff_t n = 0; n < count; ++n) {
+                    progress.end_if_asked();
+                    slabs.to_physical([&](std::ptrdiff_t ky,
+                                          Complex* row) { spectra.put_row(first, n, ky, row); },
+                                      plane.data());
+                    emit(first + n, depth,
+                         View2<const double>(plane.data() + inner.offset, inner.x_count, domain.ny,
+                                             slabs.share().padded_ny));
+                    progress.record_completed(CaseProgress::Stage::frames);
+                }
+            }
+    }
+};
+
 } // namespace
 
 void LayeredEngine::prepare(const LayeredPlan& plan, const Comm& team, CaseProgress& progress) {
@@ -285,15 +321,13 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     CaseProgress progress(checkpoints);
     prepare(plan, team, progress);
     const fft::SlabShare& share = slabs_->share();
-    // All ranks use the same batch, determined by the largest slab.
-    const std::ptrdiff_t largest = plan.ky_count, batch = plan.frames_together;
     std::optional<FieldSpectra> spectra;
     fft::AlignedVector<double> plane;
     bool stops = false;
     fail_together(team, [&] {
         try {
-            spectra.emplace(c, plan.keys[displacement_table], share, batch, batch_, steered_,
-                            progress);
+            spectra.emplace(c, plan.keys[displacement_table], share, plan.frames_together, batch_,
+                            steered_, progress);
         } catch (const engines::StopRequested&) { // on all ranks
             stops = true;
         }
@@ -306,32 +340,12 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     if (tables_[loss_table]) energy = spectra->energy(*tables_[loss_table]);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
     observer.begin({inner.x_start, inner.x_count});
-    const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& emit) {
-        const std::size_t other = table.key().depths_m.size() - depths; // that are not measured
-        for (std::size_t depth = 0; depth < depths; ++depth) {
-            for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
-                const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-                const bool is_first =
-                    &table == tables_[displacement_table].get() && depth == 0 && first == 0;
-                spectra->compute(table, other + depth, first, count, largest,
-                                 energy && is_first ? &*energy : nullptr, progress);
-                for (std::ptrdiff_t n = 0; n < count; ++n) {
-                    progress.end_if_asked();
-                    slabs_->to_physical([&](std::ptrdiff_t ky,
-                                            Complex* row) { spectra->put_row(first, n, ky, row); },
-                                        plane.data());
-                    emit(first + n, depth,
-                         View2<const double>(plane.data() + inner.offset, inner.x_count,
-                                             given.domain.ny, share.padded_ny));
-                    progress.record_completed(CaseProgress::Stage::frames);
-                }
-            }
-        }
-    };
-    each_frame(*tables_[displacement_table], c.measure.depths_m.size(),
-               [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
-                   observer.frame({.number = n, .depth = depth, .u_z_m = values});
-               });
+    FrameLoop frames{plan, given.domain, inner, *slabs_, *spectra, plane, progress};
+    frames.pass(*tables_[displacement_table], c.measure.depths_m.size(),
+                energy ? &*energy : nullptr,
+                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
+                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
+                });
     engines::SolverReport report;
     if (energy) report = report_of(energy->sums.total(period_times_area_s_m2(c), team));
     for (std::string& note : plan.notes())
@@ -339,17 +353,17 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
     warn_of_step(c, plan.keys[displacement_table].time.step_s, report);
     observer.solved(report);
     if (tables_[stress_table])
-        each_frame(*tables_[stress_table], stress_depths_m(c).size(),
-                   [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
-                       observer.stress({.number = n, .depth = depth, .compression_Pa = values});
-                   });
+        frames.pass(*tables_[stress_table], stress_depths_m(c).size(), nullptr,
+                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
+                        observer.stress({.number = n, .depth = depth, .compression_Pa = values});
+                    });
     for (const std::size_t component : {0u, 1u}) {
         if (!tables_[tangential_table]) break;
         spectra->differentiate(component);
-        each_frame(*tables_[tangential_table], 1,
-                   [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
-                       observer.tangential({.number = n, .component = component, .u_m = values});
-                   });
+        frames.pass(*tables_[tangential_table], 1, nullptr,
+                    [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
+                        observer.tangential({.number = n, .component = component, .u_m = values});
+                    });
     }
 }
 

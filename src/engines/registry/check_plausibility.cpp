@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "problem/load/acoustics/hologram.hpp"
 #include "problem/load/motion/trajectory.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +117,7 @@ void check_layers(const Case& c, Notes& notes) {
         if (damping_Hz < least_damping_Hz)
             notes.add(Severity::warning, "medium.layer",
                       "the viscosity of layer {}, {:.3g} Pa s, exceeds the shear modulus above "
-                      "{:.2g} Hz, so that hardly any wave travels; tissue has .1 to 20 Pa s",
+                      "{:.2g} Hz, so that hardly any wave travels; tissue has 0.1 to 20 Pa s",
                       i + 1, viscosity_Pa_s, damping_Hz);
     }
 }
@@ -176,7 +177,7 @@ void check_bodies(const Case& c, Notes& notes) {
         if (c_s_m_s > 0.0 && viscosity_Pa_s > large_viscosity_Pa_s && damping_Hz < least_damping_Hz)
             notes.add(Severity::warning, "medium.body",
                       "the viscosity of body {}, {:.3g} Pa s, exceeds its shear modulus above "
-                      "{:.2g} Hz; tissue has .1 to 20 Pa s",
+                      "{:.2g} Hz; tissue has 0.1 to 20 Pa s",
                       i + 1, viscosity_Pa_s, damping_Hz);
         const Bounds box = bounds(body);
         const double height_m = box.high_m.z - box.low_m.z;
@@ -243,7 +244,7 @@ void check_vibrometer(const Case& c, Notes& notes) {
     if (noise_m_s > greatest_noise_m_s)
         notes.add(Severity::warning, "vibrometer.noise_um_s_rtHz",
                   "the noise has an rms of {:.2g} m/s, more than any motion of skin; vibrometers "
-                  "have .01 to 10 um/s per square root of Hz",
+                  "have 0.01 to 10 um/s per square root of Hz",
                   noise_m_s);
     double reach_m = 0.0;
     for (const Vec2 point_m : scan.points_m)
