@@ -9,7 +9,7 @@ _shearwake() {
     if [[ $current == -* ]]; then
         choices=$(sed -nE 's/^ +(-[^ ]+).*/\1/p' <<< "$help" | tr , '\n')
     elif [[ -z $command ]]; then
-        choices=$(sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+),? .*/\1/p' <<< "$help")
+        choices=$(sed -nE 's/^  ([a-z]+)(, [a-z]+)* {2,}.*/\1/p' <<< "$help")
     else # values such as NAME TEXT:{layered,spectral,pstd}
         choices=$(sed -nE '/^Positionals:/,/^$/s/.*\{(.*)\}.*/\1/p' <<< "$help" | tr , '\n')
     fi

@@ -213,6 +213,19 @@ ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, con
     return action(world);
 }
 
+/// Removes the ranges of numbers from the help: "S:NONNEGATIVE" is not a name of a value. The
+/// choices of one_of() remain.
+void remove_ranges(CLI::App& command) {
+    for (CLI::Option* option : command.get_options())
+        try {
+            for (int i = 0;; ++i)
+                if (CLI::Validator& validator = *option->get_validator(i);
+                    !validator.get_description().starts_with('{'))
+                    validator.description("");
+        } catch (const CLI::OptionNotFound&) { // after the last one
+        }
+}
+
 /// Reads the command line and calls the function of its command. Collective over the world.
 ExitCode program(int argc, char** argv, const Comm& world) {
     Action action;
@@ -220,12 +233,18 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     app.require_subcommand(1);
     app.footer("shearwake --help explains the exit codes."); // of each command
     app.set_version_flag("--version", pipeline::version_text());
-#define SHEARWAKE_ADD_COMMAND(name) add_##name(app, action);
+#define SHEARWAKE_ADD_COMMAND(name, heading)                                                       \
+    add_##name(app, action);                                                                       \
+    app.get_subcommand(#name)->group(heading);
     SHEARWAKE_COMMANDS(SHEARWAKE_ADD_COMMAND)
 #undef SHEARWAKE_ADD_COMMAND
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",
              [] { return pipeline::version_text() + "\n"; });
+    for (const char* name : {"help", "version"})
+        app.get_subcommand(name)->group("Reference");
+    for (CLI::App* command : app.get_subcommands({}))
+        remove_ranges(*command);
     app.footer(footer + exit_code_list());
     app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     try {
@@ -239,9 +258,9 @@ ExitCode program(int argc, char** argv, const Comm& world) {
 
 /// Whether the command computes, in which case it needs MPI.
 bool computes(int argc, char** argv) {
-    constexpr std::string_view names[] = {"run",     "reduce", "optimise", "converge",
-                                          "fit",     "serve",  "evaluate", "measure",
-                                          "respond", "kwave",  "bench",    "lens"};
+    constexpr std::string_view names[] = {"run",   "reduce", "optimise", "optimize", "converge",
+                                          "fit",   "serve",  "evaluate", "measure",  "respond",
+                                          "kwave", "bench",  "lens"};
     return argc > 1 && std::ranges::find(names, std::string_view(argv[1])) != std::end(names);
 }
 

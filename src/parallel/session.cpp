@@ -198,7 +198,7 @@ void require_one_run(const Comm& world, int argc, char** argv) {
 
 /// Warns of srun without PMI, which starts independent copies of the program.
 void warn_of_lone_tasks(const Comm& world, int argc, char** argv) {
-    constexpr std::array parallel{"run", "optimise", "converge", "fit"};
+    constexpr std::array parallel{"run", "optimise", "optimize", "converge", "fit"};
     const char* tasks = std::getenv("SLURM_NTASKS");
     if (world.size() > 1 || !tasks || std::atoi(tasks) < 2 || argc < 2 ||
         std::ranges::none_of(parallel,

@@ -9,6 +9,7 @@ void add_optimise(CLI::App& app, Action& action) {
         "find the envelope with the largest efficiency for each case of a job with "
         "[optimise], and prove an upper bound",
         optimise::optimise_job);
+    command.alias("optimize");
     add_job(command, arguments);
     command.add_option("--out", arguments.out,
                        "output folder of the optima (default: out/<job name>.optimise)");

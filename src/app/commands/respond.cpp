@@ -79,7 +79,7 @@ std::vector<std::string> doubts_of(const std::vector<std::vector<double>>& u_m, 
     std::vector<std::string> doubts;
     if (largest_m > large_m || (largest_m > 0.0 && largest_m < small_m))
         doubts.push_back(fmt::format("the largest displacement is {:.4g} um; studies of the sense "
-                                     "of touch indent the skin by .01 to some 1000 um: check the "
+                                     "of touch indent the skin by 0.01 to some 1000 um: check the "
                                      "unit of the displacements",
                                      1e6 * largest_m));
     if (const auto samples = static_cast<double>(u_m.empty() ? 0 : u_m.front().size());

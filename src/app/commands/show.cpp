@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <unistd.h>
 
@@ -67,6 +68,17 @@ void print_solver(const storage::CaseSummary& s) {
 }
 
 storage::CaseSummary read_summary(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) {
+        std::set<std::filesystem::path> files;
+        for (const auto& entry : std::filesystem::directory_iterator(path / "cases", ignored))
+            if (entry.path().extension() == ".h5") files.insert(entry.path());
+        throw UsageError(
+            files.empty()
+                ? path.string() + " is a folder without case files; run the job first"
+                : fmt::format("{} is a folder; give one of its case files, for example {}",
+                              path.string(), files.begin()->string()));
+    }
     try {
         return storage::read_case_summary(path);
     } catch (const Error& error) {

@@ -60,11 +60,9 @@ void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
     command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
     command.add_flag("--force", arguments.force,
                      "run although the estimates exceed the memory, the disk or the time limit");
-    auto* quiet = command.add_flag("--quiet", arguments.quiet, "print only errors");
-    command
-        .add_flag("--verbose", arguments.verbose,
-                  "print the choices of the engine for each case, which `show` prints as well")
-        ->excludes(quiet);
+    command.add_flag("--quiet", arguments.quiet, "print only errors");
+    command.add_flag("--verbose", arguments.verbose,
+                     "print the choices of the engine for each case, as `show` does");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& json) {

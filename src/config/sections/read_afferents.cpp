@@ -176,7 +176,7 @@ std::vector<Vec2> read_pins(Reader& reader, const Domain& domain, std::vector<Ve
     const char* key = "pins_mm";
     if (given > 1)
         reader.error("pins_mm", "cannot be combined with pin_line or pin_grid, nor these with each "
-                                "other; specify only one of them");
+                                "other; remove one of them from the job");
     if (const auto points_m = reader.find_points("pins_mm")) pins_m = *points_m;
     if (reader.has("pin_line")) {
         pins_m = read_pin_line(reader.optional_table("pin_line"));

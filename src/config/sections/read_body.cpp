@@ -37,7 +37,7 @@ void read_direction(Reader& reader, Cylinder& cylinder) {
     const double azimuth_deg = read_angle_deg(reader, "azimuth_deg", azimuth_range);
     const double inclination_deg = read_angle_deg(reader, "inclination_deg", inclination_range);
     if (reader.has("axis") && reader.has("azimuth_deg"))
-        reader.error("azimuth_deg", "and axis are both given; specify only one of them");
+        reader.error("azimuth_deg", "and axis are both given; remove one of them from the job");
     else if (!reader.has("axis") && !reader.has("azimuth_deg"))
         reader.missing(reader.has("inclination_deg") ? "azimuth_deg" : "axis");
     else if (reader.has("axis") && reader.has("inclination_deg"))

@@ -149,7 +149,7 @@ TEST_CASE("a cylinder has one direction, and a length if it is inclined", "[conf
     const auto [more, said] = GENERATE(table<std::string, std::string>({
         {"", "28:1 axis is missing"},
         {"axis = \"x\"\nazimuth_deg = 0",
-         "34:15 azimuth_deg and axis are both given; specify only one of them"},
+         "34:15 azimuth_deg and axis are both given; remove one of them from the job"},
         {"length_mm = 9\ninclination_deg = 20", "28:1 azimuth_deg is missing"},
         {"length_mm = 9\naxis = \"x\"\ninclination_deg = 20",
          "35:19 inclination_deg and axis are both given; give azimuth_deg instead of axis"},

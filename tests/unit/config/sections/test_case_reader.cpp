@@ -91,8 +91,8 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
         {"[measure]\nat_ms = 3\nsettled_after_ms = 3",
          "29:20 measure.settled_after_ms must be before measure.at_ms = 3, but is 3"},
         {"[measure]\nfocal_radius_mm = 3\nfocal_radius_fwhm = 1",
-         "28:19 measure.focal_radius_mm and focal_radius_fwhm are both given; specify only one of "
-         "them"},
+         "28:19 measure.focal_radius_mm and focal_radius_fwhm are both given; remove one of them "
+         "from the job"},
         {"[measure]\ndepths_mm = [1, 0.5]",
          "28:13 measure.depths_mm must be in ascending order, but 0.5 follows 1"},
         {"[measure]\ndepths_mm = [0, 20]",

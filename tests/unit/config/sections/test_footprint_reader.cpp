@@ -85,7 +85,8 @@ TEST_CASE("an error in an array is reported with its location", "[config][footpr
          "load.peak_Pa is missing (or load.footprint.pressure_Pa_m, the strength of the array's "
          "pistons)"},
         {board + ", pressure_Pa_m = 3", "peak_Pa = 5\n",
-         "load.peak_Pa and load.footprint.pressure_Pa_m are both given; specify only one of them"},
+         "load.peak_Pa and load.footprint.pressure_Pa_m are both given; remove one of them from "
+         "the job"},
         {board + ", pitch = 9", "peak_Pa = 5\n",
          "load.footprint.pitch is unknown; the unit of pitch is mm: use pitch_mm"},
         {board + ", elements = [16]", "peak_Pa = 5\n",

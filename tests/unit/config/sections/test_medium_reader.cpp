@@ -46,7 +46,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
          "10:11 layer[1].c_p_m_s must be above 5.7735, 1.1547 times c_s_m_s = 5, for a positive "
          "bulk modulus, but is 5.5"},
         {"viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1.0\nloss = \"none\"",
-         "13:8 layer[1].loss and viscosity_Pa_s are both given; specify only one of them"},
+         "13:8 layer[1].loss and viscosity_Pa_s are both given; remove one of them from the job"},
         {"viscosity_Pa_s = 1.0", "loss = \"nne\"",
          "12:8 layer[1].loss must be \"none\" or a table { law = \"fractional\", ... }"},
         {"viscosity_Pa_s = 1.0", "loss = { law = \"fractional\", tau_us = 1, exponent = 1.0 }",

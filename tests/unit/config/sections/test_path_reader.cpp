@@ -268,7 +268,7 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
         {"shape = \"csv\", file = \"a.csv\"", speed,
          "path.file names a file, but this job is read without access to files"},
         {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ndraw_frequency_Hz = 9\n",
-         "draw_frequency_Hz and a speed are both given; specify only one of them"},
+         "draw_frequency_Hz and a speed are both given; remove one of them from the job"},
         {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ncorner_dwell_ms = 1\n",
          "corner_dwell_ms does not apply to a path that has no corners and is not traversed back "
          "and forth; a corner turns by 20 degrees or more"},
