@@ -54,3 +54,34 @@ def make_reader_folder(folder):
     (folder / "build" / "shearwake").symlink_to(PROGRAM)
     return {**environment(), "PATH": f"{folder / 'build'}{os.pathsep}{os.environ['PATH']}",
             "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg"}
+
+
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
+
+
+def _last_digit(number):
+    """The value of one in the last digit of a printed number; 0 for an integer."""
+    mantissa, _, exponent = number.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 10.0 ** (int(exponent or 0) - decimals) if exponent or decimals else 0.0
+
+
+def _is_shown(shown, printed):
+    """Whether a word of a page is the printed one; numbers agree within one in the last digit shown."""
+    pairs = list(zip(_NUMBER.findall(shown), _NUMBER.findall(printed), strict=False))
+    return _NUMBER.sub("0", shown) == _NUMBER.sub("0", printed) and all(
+        abs(float(a) - float(b)) <= 1.01 * _last_digit(a) for a, b in pairs)
+
+
+def first_difference(shown, printed):
+    """The first passage of an output on a page that the program does not print; empty: it prints all. Line breaks do not count, and
+    `...` stands for any words."""
+    words, at = printed.split(), 0
+    for passage in re.split(r"(?:^|\s)\.\.\.(?=\s|$)", shown):
+        wanted = passage.split()
+        found = next((i for i in range(at, len(words) - len(wanted) + 1)
+                      if all(map(_is_shown, wanted, words[i:i + len(wanted)]))), None)
+        if found is None:
+            return passage.strip()
+        at = found + len(wanted)
+    return ""

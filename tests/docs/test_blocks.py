@@ -10,7 +10,7 @@ import tomllib
 import jsonschema
 import pytest
 
-from blocks import EXECUTED, FRAGMENT, SHOWN, VALIDATED, blocks, make_reader_folder, pages
+from blocks import EXECUTED, FRAGMENT, SHOWN, VALIDATED, blocks, first_difference, make_reader_folder, pages
 from program import PATIENCE_s, ProgramTest
 
 
@@ -46,6 +46,13 @@ class Blocks(ProgramTest):
                         self.shearwake("check", self.write_job(block.text))
         self.assertGreater(count, 0)
 
+    def test_an_output_agrees_to_the_digits_shown(self):
+        printed = "8 cases, peak_um\n  -4.746 % (1.2e+05 times), eta_1 0.188"
+        for shown in ("8 cases, ...\neta_1 0.19", "... peak_um -4.74 % (1e+05 times), ..."):
+            self.assertEqual(first_difference(shown, printed), "", shown)
+        for wrong in ("9 cases,", "peak_um ... 8 cases,", "peak_mm", "eta_1 0.190"):
+            self.assertNotEqual(first_difference(wrong, printed), "", wrong)
+
     def execute(self, page):
         """The executed blocks of a page in order, in one folder."""
         folder = self.folder / "reader"
@@ -53,8 +60,12 @@ class Blocks(ProgramTest):
         reader = make_reader_folder(folder)
         left_out = []
         session = {"python": "", "octave": ""}  # the blocks of one page share their variables
+        output = None  # of the preceding block, if it was executed
         for block in blocks(page):
+            if block.language == "text" and output is not None and page.parent.name in ("tutorial", "how-to"):
+                self.assertEqual(first_difference(block.text, output), "", f"{block} shows what its commands do not print:\n{output}")
             if block.language not in EXECUTED:
+                output = None
                 continue
             if block.language == "octave" and not shutil.which("octave-cli"):
                 left_out.append(str(block))
@@ -68,6 +79,7 @@ class Blocks(ProgramTest):
                                   errors="replace", timeout=PATIENCE_s, check=False)
             self.assertEqual(done.returncode, 0, f"{block}:\n{block.text}\n{done.stdout}{done.stderr}")
             self.assertNotIn("NotValid: ", done.stderr, f"{block}: an example has readings that are not valid")
+            output = done.stdout + done.stderr
             for printed in PRINTED.findall(block.text):
                 self.assertIn(printed, done.stdout.splitlines(), f"{block} states another result than it prints")
         if left_out:
