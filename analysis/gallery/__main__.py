@@ -5,10 +5,12 @@ Usage: scripts/draw-figures [--keep] [NAME...]    all, or those of some jobs: sc
 
 Runs each job into out/JOB unless its cases are complete, draws its report, and stores the figures that
 show its result as PNG below 150 KB. The name `modulations` draws those of docs/explanation/modulations.md.
-With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib.
+With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib; `quickstart` also Chromium, which
+draws the report of README.md.
 SHEARWAKE names another program than build/shearwake.
 """
 import re
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -124,6 +126,12 @@ def run(job: str, out: Path) -> None:
     program.call(["report", str(out)])
 
 
+def photograph(out: Path, picture: Path) -> None:
+    """The first screen of a report, by Chromium."""
+    subprocess.run(["chromium", "--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars", "--window-size=1100,960",
+                    f"--screenshot={picture}", (out / "report" / "index.html").as_uri()], check=True, capture_output=True)
+
+
 def store(source: Path, target: Path) -> None:
     """A copy of a PNG with a palette of 256 colours, as wide as the size limit permits."""
     with Image.open(source) as opened:
@@ -149,6 +157,8 @@ def draw_job(job: str, use_existing: bool) -> None:
     if not use_existing:
         run(job, out)
     pictures: dict[Path, Any] = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
+    if job == "quickstart":
+        pictures[DOCS / "gallery" / "report.png"] = photograph
     for page, figures in PAGES.items():
         for name, (its_job, figure) in figures.items():
             if its_job == job:
