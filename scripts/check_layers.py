@@ -10,8 +10,8 @@ ${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt
 not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry,
 benchmarks and kwave, which runs files of k-Wave on engine pstd, may. No file outside of engines, benchmarks, kwave and
 problem/case names the options of an engine, the members of SolverOptions in problem/case/solver_options.hpp.
-A folder has at most 25 source files, a file at most 400 lines, a function at most 60 lines, and `app` does not run
-jobs: it includes no engine.
+A folder has at most 25 source files, a file at most 400 lines, a function at most 60 lines, a header no parameter of
+type bool, and `app` does not run jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
 cmake/components.cmake. It may include its own headers and those of the folders that it lists:
@@ -316,6 +316,10 @@ def python_cycle(package):
 def long_parts(text, path):
     if (lines := text.count("\n")) > MOST_LINES:
         yield path, 1, f"has {lines} lines; a file has at most {MOST_LINES}"
+    if path.suffix == ".hpp":
+        code = without_comments(text)
+        for match in re.finditer(r"[(,]\s*(?:const )?bool (?!value\b)(\w+)(?: = \w+)?[,)]", code):
+            yield path, code.count("\n", 0, match.start(1)) + 1, f"bool {match[1]}: a parameter of a header is an enumeration, unless it is a value"
     for match in FUNCTION.finditer(text):
         if (lines := match[0].count("\n") + 1) > MOST_FUNCTION_LINES:
             yield path, text.count("\n", 0, match.start()) + 1, f"has {lines} lines; a function has at most {MOST_FUNCTION_LINES}"

@@ -256,12 +256,14 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     }
 }
 
-/// Whether the command computes, in which case it needs MPI.
-bool computes(int argc, char** argv) {
+/// Only commands that compute need MPI.
+MpiUse mpi_use(int argc, char** argv) {
     constexpr std::string_view names[] = {"run",   "reduce", "optimise", "optimize", "converge",
                                           "fit",   "serve",  "evaluate", "measure",  "respond",
                                           "kwave", "bench",  "lens"};
-    return argc > 1 && std::ranges::find(names, std::string_view(argv[1])) != std::end(names);
+    const bool computes =
+        argc > 1 && std::ranges::find(names, std::string_view(argv[1])) != std::end(names);
+    return computes ? MpiUse::always : MpiUse::with_launcher;
 }
 
 } // namespace
@@ -270,6 +272,6 @@ bool computes(int argc, char** argv) {
 int main(int argc, char** argv) {
     shearwake::h5::never_tidy_up();
     return shearwake::guarded_main(
-        argc, argv, shearwake::app::computes(argc, argv),
+        argc, argv, shearwake::app::mpi_use(argc, argv),
         [&](const shearwake::Comm& world) { return shearwake::app::program(argc, argv, world); });
 }

@@ -141,11 +141,11 @@ std::uint64_t Reader::flag(const std::string& name, std::uint64_t most) {
     return value;
 }
 
-double Reader::number(const std::string& name, bool positive) {
+double Reader::number(const std::string& name, Sign sign) {
     const double value = reals(name, {1, 1, 1})[0];
-    if (value < 0.0 || (positive && value == 0.0))
+    if (value < 0.0 || (sign == Sign::positive && value == 0.0))
         throw UsageError(fmt::format("{} is {:.7g}; it must be {}", name, value,
-                                     positive ? "positive" : "0 or more"));
+                                     sign == Sign::positive ? "positive" : "0 or more"));
     return input_.numbers[name] = value;
 }
 

@@ -108,6 +108,7 @@ public:
     Input input();
 
 private:
+    enum class Sign { positive, not_negative };
     bool has(const std::string& name) const {
         return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
     }
@@ -119,7 +120,7 @@ private:
     Reals reals(const std::string& name, const Shape& shape, Kind kind = Kind::real) const;
     std::uint64_t integer(const std::string& name);
     std::uint64_t flag(const std::string& name, std::uint64_t most);
-    double number(const std::string& name, bool positive);
+    double number(const std::string& name, Sign sign = Sign::positive);
     std::vector<std::ptrdiff_t> indices(const std::string& name, hsize_t most) const;
     hsize_t node_count() const { return n_[0] * n_[1] * n_[2]; }
     pstd::Node node_of(std::ptrdiff_t index) const;

@@ -66,14 +66,14 @@ void Reader::read_grid() {
                                                                 "three-dimensional"
                                                               : ""));
         grid.points[a] = static_cast<std::ptrdiff_t>(n_[a]);
-        grid.spacing_m[a] = number(fmt::format("d{}", axes[a]), true);
+        grid.spacing_m[a] = number(fmt::format("d{}", axes[a]));
     }
-    grid.dt_s = number("dt", true);
+    grid.dt_s = number("dt");
     const std::uint64_t steps = integer("Nt");
     if (steps < 1 || steps > most_steps)
         throw UsageError(fmt::format("Nt is {}; it must be 1 to {}", steps, most_steps));
     input_.steps = static_cast<std::ptrdiff_t>(steps);
-    number("c_ref", true);
+    number("c_ref");
     slabs_ = pstd::slabs_of(grid, ranks_, rank_);
 }
 
@@ -122,7 +122,7 @@ void Reader::read_layer() {
         const char* axis = axes[a];
         const std::string size = fmt::format("pml_{}_size", axis);
         pml.points[a] = static_cast<std::ptrdiff_t>(flag(size, n_[a] / 2));
-        pml.strength_1[a] = number(fmt::format("pml_{}_alpha", axis), false);
+        pml.strength_1[a] = number(fmt::format("pml_{}_alpha", axis), Sign::not_negative);
         Shape shape = {1, 1, 1};
         shape[2 - a] = n_[a];
         const auto profile = [&](const std::string& name) {

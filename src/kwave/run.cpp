@@ -91,17 +91,17 @@ double required_memory_B(const Job& job) {
     double source_nodes = 0.0;
     for (const pstd::Source& source : setup.sources)
         source_nodes += static_cast<double>(source.nodes.size());
-    const pstd::PstdPlan plan{
-        .grid = setup.grid,
-        .pml = setup.pml,
-        .steps = static_cast<double>(job.steps),
-        .absorption = setup.absorption,
-        .precision = job.arguments.precision == "single" ? Precision::single_precision
-                                                         : Precision::double_precision,
-        .uneven = true,
-        .coefficients = pstd::varying_coefficients(true, true, true, setup.absorption),
-        .source_nodes = source_nodes,
-        .places = {.planes = 0}};
+    const pstd::PstdPlan plan{.grid = setup.grid,
+                              .pml = setup.pml,
+                              .steps = static_cast<double>(job.steps),
+                              .absorption = setup.absorption,
+                              .precision = job.arguments.precision == "single"
+                                               ? Precision::single_precision
+                                               : Precision::double_precision,
+                              .uneven = true,
+                              .coefficients = pstd::varying_coefficients({}, setup.absorption),
+                              .source_nodes = source_nodes,
+                              .places = {.planes = 0}};
     const engines::Resources planned{.arrays = pstd::arrays_of(plan, job.world.size())};
     return planned.memory_per_rank_B() +
            pstd::Recorder::memory_B(job.input.sensor, setup.grid, job.arguments.records,

@@ -217,12 +217,12 @@ double seconds_since_start() {
     return seconds_since(began);
 }
 
-int guarded_main(int argc, char** argv, bool needs_mpi,
+int guarded_main(int argc, char** argv, MpiUse use,
                  const std::function<ExitCode(const Comm&)>& program) {
     seconds_since_start();
     secure_streams();
     // The ranks of a launcher are one program, of which rank 0 prints.
-    const bool has_mpi = needs_mpi || has_launcher();
+    const bool has_mpi = use == MpiUse::always || has_launcher();
     if (has_mpi && is_inside_of_rank()) {
         fmt::print(stderr,
                    "a rank of another MPI program has started this run, which cannot join it. {}\n",

@@ -9,12 +9,15 @@
 
 namespace shearwake {
 
+/// When MPI is initialised: always, or if mpirun or srun has started this process.
+enum class MpiUse { always, with_launcher };
+
 /// Initialises MPI, runs `program` on all ranks and finalises MPI. A UsageError is printed once and
 /// determines the exit code. Any other exception is printed with its rank and context and aborts
 /// all ranks. All ranks return the same exit code. Only this function ends the process.
-/// `needs_mpi`: false for a program on one rank that works where MPI cannot be initialised, such as
-/// on login nodes; it is nevertheless initialised if mpirun or srun has started this process.
-int guarded_main(int argc, char** argv, bool needs_mpi,
+/// Without `MpiUse::always`, the program on one rank works where MPI cannot be initialised, such as
+/// on login nodes.
+int guarded_main(int argc, char** argv, MpiUse use,
                  const std::function<ExitCode(const Comm&)>& program);
 
 /// Seconds since guarded_main() began. Not collective.

@@ -78,7 +78,8 @@ config::Job read_request(const Request& request, const std::filesystem::path& fi
 Solver::Solver(const Limits& limits, std::filesystem::path files, const Comm& world)
     : limits_(limits), files_(std::move(files)), world_(world) {}
 
-pipeline::CasePlan Solver::suitable_plan(const Case& c, bool with_frames) const {
+pipeline::CasePlan Solver::suitable_plan(const Case& c, const Request& request) const {
+    const bool with_frames = request.wants("u_z");
     if (engines::capabilities_of(c).steps_in_time)
         throw UsageError(fmt::format("solver.engine: serve computes with engine \"layered\" only, "
                                      "not with \"{}\"; use run",
@@ -115,7 +116,7 @@ bool Solver::compute(const Request& request, Interrupt& interrupt, Answer& answe
     if (const std::string error = pipeline::size_error(job.text, c); !error.empty())
         throw UsageError(error, ExitCode::bad_job);
     if (!engine_) engine_ = engines::make_engine(SolverOptions{});
-    const pipeline::CasePlan plan = suitable_plan(c, with_frames);
+    const pipeline::CasePlan plan = suitable_plan(c, request);
     check_receptors(c);
     if (interrupt.stop_asked()) return false;
     auto results =

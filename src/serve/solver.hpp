@@ -76,7 +76,7 @@ public:
 private:
     /// The plan of the case. Throws UsageError if the case exceeds the limits. Not collective; all
     /// ranks come to the same result.
-    pipeline::CasePlan suitable_plan(const Case& c, bool with_frames) const;
+    pipeline::CasePlan suitable_plan(const Case& c, const Request& request) const;
 
     Limits limits_;
     std::filesystem::path files_;

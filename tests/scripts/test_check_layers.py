@@ -94,6 +94,7 @@ REJECTED = [
     (low("int x; // see lower/gone.hpp"), "low.cpp:5: the comment names lower/gone.hpp, which does not exist"),
     (low("int x;\n" * 396), "low.cpp:1: has 401 lines; a file has at most 400"),
     (low("static int slow(int a,\n                int b) {\n" + "    ++a;\n" * 58 + "}"), "low.cpp:5: has 61 lines; a function has at most 60"),
+    ({"src/upper/up.hpp": TREE["src/upper/up.hpp"] + "// Of (bool text).\nint go(int a,\n       bool fast = true);\n"}, "up.hpp:5: bool fast: a parameter of a header"),
     ({**PYTHON, "analysis/shearwake/sub/plot.py": "from ..case import plot\n"}, "case.py -> sub/plot.py -> case.py"),
 ]
 ACCEPTED = [{}, ENGINE, PYTHON, low("// " + HIGHER), low("// as lower/low.cpp and NAME.cpp"),

@@ -8,9 +8,9 @@
 
 namespace shearwake::config {
 
-Json number(const Field& field, bool integer) {
+Json number(const Field& field) {
     const auto [range, least_size, why] = key_range(field.key, field.range);
-    Json type = {{"type", integer ? "integer" : "number"}};
+    Json type = {{"type", "number"}};
     if (std::isfinite(range.least))
         type[range.least_excluded ? "exclusiveMinimum" : "minimum"] = range.least;
     if (std::isfinite(range.most))
@@ -19,6 +19,12 @@ Json number(const Field& field, bool integer) {
         type["anyOf"] = {{{"const", 0}}, {{"minimum", least_size}}};
         if (range.least < 0.0) type["anyOf"].push_back({{"maximum", -least_size}});
     }
+    return type;
+}
+
+Json integer(const Field& field) {
+    Json type = number(field);
+    type["type"] = "integer";
     return type;
 }
 
@@ -50,14 +56,14 @@ Json named_type(const Field& field) {
     if (type == "table of numbers")
         return {{"type", "object"}, {"additionalProperties", number(field)}};
     if (type == "number") return number(field);
-    if (type == "integer") return number(field, true);
+    if (type == "integer") return integer(field);
     if (type == "boolean") return {{"type", "boolean"}};
     if (type == "point") return point;
     if (type == "point or triple") return list_of(number(field), 2, 3);
     if (type == "triple") return list_of(number(field), 3, 3);
     if (type == "ends and count")
         return {{"type", "array"},
-                {"prefixItems", {number({}), number({}), number(field, true)}},
+                {"prefixItems", {number({}), number({}), integer(field)}},
                 {"minItems", 3},
                 {"maxItems", 3}};
     if (type == "points") return list_of(point, field.least_count, field.most_count);

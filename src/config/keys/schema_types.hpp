@@ -22,8 +22,9 @@ using Json = nlohmann::ordered_json;
 /// The document of job_schema().
 Json schema_of_jobs();
 
-/// A number with the bounds of the key.
-Json number(const Field& field, bool integer = false);
+/// A number or an integer with the bounds of the key.
+Json number(const Field& field);
+Json integer(const Field& field);
 Json list_of(const Json& item, std::size_t least = 0, std::size_t most = 0);
 Json one_of(const std::vector<std::string>& words);
 /// The schema of a type name in a description, see Field::type.
@@ -37,7 +38,7 @@ Json type_of(const T&, const Field& field) {
     } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
         return {{"type", "boolean"}};
     else if constexpr (std::is_arithmetic_v<T>)
-        return number(field, std::is_integral_v<T>);
+        return std::is_integral_v<T> ? integer(field) : number(field);
     else if constexpr (std::is_same_v<T, Vec2>)
         return list_of(number(field), 2, 2);
     else if constexpr (std::is_same_v<T, Vec3>)

@@ -62,10 +62,11 @@ PstdPlan plan_of(const Case& c, const PstdOptions& options, const CaseGrid& grid
             .precision = options.precision,
             .uneven = varies_laterally(medium),
             .coefficients = varying_coefficients(
-                varies(medium, &Body::density_kg_m3, &MaterialMap::density_kg_m3),
-                varies(medium, &Body::c_s_m_s, &MaterialMap::c_s_m_s) ||
-                    varies(medium, &Body::c_p_m_s, &MaterialMap::c_p_m_s),
-                varies(medium, &Body::viscosity_Pa_s, &MaterialMap::viscosity_Pa_s), absorption),
+                {.density = varies(medium, &Body::density_kg_m3, &MaterialMap::density_kg_m3),
+                 .speeds = varies(medium, &Body::c_s_m_s, &MaterialMap::c_s_m_s) ||
+                           varies(medium, &Body::c_p_m_s, &MaterialMap::c_p_m_s),
+                 .viscosity = varies(medium, &Body::viscosity_Pa_s, &MaterialMap::viscosity_Pa_s)},
+                absorption),
             .source_nodes = most_source_nodes(c, options),
             .places = frame_places(c, options, grid),
             .per_frame = per_frame,

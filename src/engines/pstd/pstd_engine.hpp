@@ -64,8 +64,12 @@ struct PstdRun {
 void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints);
 
+/// Which properties of a medium vary laterally.
+struct Variations {
+    bool density = true, speeds = true, viscosity = true;
+};
 /// Number of coefficients of a stepper that vary laterally with these properties.
-double varying_coefficients(bool density, bool speeds, bool viscosity, Absorption absorption);
+double varying_coefficients(const Variations& vary, Absorption absorption);
 
 /// Grid, absorbing layer, precision and materials; one line. Not collective.
 std::string note_of(const PstdPlan& plan);

@@ -14,10 +14,10 @@ double points_of(const Grid& grid) {
 
 } // namespace
 
-double varying_coefficients(bool density, bool speeds, bool viscosity, Absorption absorption) {
+double varying_coefficients(const Variations& vary, Absorption absorption) {
     // Densities; mu of three shears, lambda and the P modulus; chi, chi + 2 eta, and eta of shears.
-    return (density ? 3.0 : 0.0) + (density || speeds ? 5.0 : 0.0) +
-           (viscosity && absorption != Absorption::none ? 5.0 : 0.0);
+    return (vary.density ? 3.0 : 0.0) + (vary.density || vary.speeds ? 5.0 : 0.0) +
+           (vary.viscosity && absorption != Absorption::none ? 5.0 : 0.0);
 }
 
 namespace {

@@ -145,7 +145,7 @@ OutputFolder folder_of_results(const std::filesystem::path& path) {
         word && is_file_name(*word) ? "out/" + *word : "out/<job name>"));
 }
 
-std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend) {
+std::string prepare_output(const OutputFolder& folder, const config::Job& job, OtherPlan other) {
     namespace fs = std::filesystem;
     if (!fs::exists(folder.plan()) && fs::exists(folder.root) && has_foreign_files(folder))
         throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
@@ -158,7 +158,8 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
     if (fs::exists(folder.plan())) {
         const std::string before = storage::read_file(folder.plan());
         storage::PlanMatch match = storage::compare_plan(before, job.plan);
-        const bool is_replaced = extend && match == storage::PlanMatch::another &&
+        const bool is_replaced = other == OtherPlan::replaced &&
+                                 match == storage::PlanMatch::another &&
                                  storage::read_plan(folder.plan()).name == job.plan.name;
         if (is_replaced) match = storage::PlanMatch::extended;
         if (match == storage::PlanMatch::damaged) {
@@ -182,8 +183,9 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job, b
                             "from that of this job); {}; or choose another folder with --out, or "
                             "remove this one",
                             folder.root.string(),
-                            extend ? "--extend requires the same job.name"
-                                   : "--extend keeps the cases that this job contains as well"));
+                            other == OtherPlan::replaced
+                                ? "--extend requires the same job.name"
+                                : "--extend keeps the cases that this job contains as well"));
     }
     storage::make_directory(folder.cases());
     if (!fs::exists(folder.plan())) storage::write_file(folder.job(), job.text);

@@ -75,12 +75,16 @@ inline OutputFolder output_folder(const std::filesystem::path& out, const std::s
 /// with the default folder of its runs. Not collective.
 OutputFolder folder_of_results(const std::filesystem::path& path);
 
+/// What becomes of another plan of the same name in an output folder.
+enum class OtherPlan { refused, replaced };
+
 /// Creates the folder for this job, or checks an existing one; it contains locks(). A damaged
 /// plan.json is rewritten if all case files belong to this job; a warning is returned in this case.
-/// `extend` replaces another plan of the same name and keeps all case files; a warning states how
+/// A plan that is replaced leaves all case files; a warning states how
 /// many are not in this job. Throws UsageError if the folder contains another plan or is not
 /// writable. Not collective.
-std::string prepare_output(const OutputFolder& folder, const config::Job& job, bool extend = false);
+std::string prepare_output(const OutputFolder& folder, const config::Job& job,
+                           OtherPlan other = OtherPlan::refused);
 
 /// Removes another plan, since another selection of cases replaces it; the cases that both have
 /// remain. Throws UsageError if a run is active. Not collective.

@@ -75,7 +75,8 @@ bool is_mixed(const Plan& plan, storage::CaseIndex& index, const RunArguments& a
 Beginning begin_run(const config::Job& job, const OutputFolder& folder,
                     const RunArguments& arguments, std::optional<storage::ActiveRun>& active,
                     storage::RunStart& start) {
-    const std::string warning = prepare_output(folder, job, arguments.extend);
+    const std::string warning =
+        prepare_output(folder, job, arguments.extend ? OtherPlan::replaced : OtherPlan::refused);
     active.emplace(folder.locks());
     storage::CaseIndex index(folder.root);
     storage::CaseClaims claims(folder.locks(), start.run);

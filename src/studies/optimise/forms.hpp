@@ -61,9 +61,10 @@ double uniformity_of(const Case& c, const std::filesystem::path& file);
 
 /// The quadratic forms of a quotient from the case files of all knots (knot_case()), which store
 /// every frame: sums with the weights of the measures. Exact, since the field is linear in the
-/// envelope. `c`: the case without envelope; `with_path`: also those of the points of the path.
+/// envelope. `c`: the case without envelope; `path`: whether also those of the points of the path.
 /// Throws FileFailure. Not collective.
-Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
+enum class PathForms { omitted, included };
+Forms gram_forms(const Case& c, const Quotient& quotient, PathForms path,
                  const std::vector<std::filesystem::path>& knot_files);
 
 /// Whether the case is valid, its window of the measures fits, and in the periodic regime its

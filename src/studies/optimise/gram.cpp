@@ -221,7 +221,7 @@ double uniformity_of(const Case& c, const std::filesystem::path& file) {
     return rms.minCoeff() / rms.mean();
 }
 
-Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
+Forms gram_forms(const Case& c, const Quotient& quotient, PathForms path,
                  const std::vector<std::filesystem::path>& knot_files) {
     const Modulation& modulation = c.scene.load.modulation;
     const measures::PeriodWindow window = measures::period_window(
@@ -229,7 +229,7 @@ Forms gram_forms(const Case& c, const Quotient& quotient, bool with_path,
     const std::vector<double> weights =
         measures::window_weights(c.time, window.from_s, window.to_s);
     KnotFields fields(c, knot_files);
-    FrameForms frames(c, quotient, with_path, std::ssize(knot_files));
+    FrameForms frames(c, quotient, path == PathForms::included, std::ssize(knot_files));
     for (std::size_t n = 0; n < weights.size(); ++n) {
         if (weights[n] == 0.0) continue;
         fields.read(n);

@@ -165,10 +165,12 @@ void write_forms(const Study& study, const KnotSet& set, const schedule::OutputF
     for (std::ptrdiff_t knot = 0; knot < set.knots.count; ++knot)
         files.push_back(folder.case_file(case_id(knot_case(set.physics, set.knots, knot))));
     const Quotient quotient = find_quotient(set.physics, study.options.maximise).value();
-    storage::write_file(
-        study.folder.optimise() / (set.id + ".forms.json"),
-        forms_text(set.id, set.knots,
-                   gram_forms(set.physics, quotient, study.options.uniformity > 0.0, files)));
+    storage::write_file(study.folder.optimise() / (set.id + ".forms.json"),
+                        forms_text(set.id, set.knots,
+                                   gram_forms(set.physics, quotient,
+                                              study.options.uniformity > 0.0 ? PathForms::included
+                                                                             : PathForms::omitted,
+                                              files)));
     for (const fs::path& file : files)
         fs::remove(file);
 }
