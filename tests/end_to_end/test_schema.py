@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The JSON Schema of job files: every job of the repository is valid, and what it rejects `check` rejects too."""
+"""The JSON Schema of job files: every job of the repository is valid, what it rejects `check` rejects too, and the language servers
+taplo and tombi mark errors at their place."""
 import json
 import random
+import re
+import shutil
+import subprocess
 import tomllib
 
 import jsonschema
 
 from limits import times
-from program import JOB, ROOT, ProgramTest, changed
+from program import JOB, PATIENCE_s, ROOT, ProgramTest, changed
 
 JOBS = sorted((ROOT / "jobs").glob("*.toml"))
 FOOTPRINT = 'footprint = { shape = "gaussian", fwhm_mm = 4.5 }'
@@ -106,3 +110,54 @@ class Schema(ProgramTest):
         self.assertEqual(depth["type"], "array")
         degree = self.validator.schema["properties"]["solver"]["properties"]["spectral"]["properties"]["degree"]
         self.assertEqual((degree["default"], degree["minimum"], degree["maximum"]), (8, 2, 16))
+
+
+# (text of the small job, what replaces it): a misspelt key, a wrong type and a wrong choice, also of keys that belong to one of several
+# alternatives. The schema alone can find them.
+MARKED = [("peak_Pa = 100.0", "peek_Pa = 100.0"), (FOOTPRINT, FOOTPRINT.replace("fwhm_mm", "fwhm_m")),
+          ("am_frequency_Hz = 500.0", "am_frequenzy_Hz = 500.0"), ('title = "a small', 'titel = "a small'),
+          ("spacing_mm = 1.5", 'spacing_mm = "1.5"'), ("am_frequency_Hz = 500.0", 'am_frequency_Hz = "500"'),
+          (PATH, PATH.replace("[-14.0, 0.0]", "3.0")), ("frames = true", 'frames = "yes"'), (SWEPT, '"load.modulation.am_frequency_Hz" = 400'),
+          ('base = "rigid"', 'base = "rigit"'), ('kind = "AM-STM"', 'kind = "AMSTM"'), (PATH, PATH.replace('"line"', '"lime"')),
+          ('engine = "layered"', 'engine = "layerd"')]
+
+
+class Editors(ProgramTest):
+    """CONTRIBUTING.md states how to install the tools."""
+
+    def check_with(self, tool, command):
+        """`command` lints files, given the path of the schema."""
+        if not shutil.which(tool):
+            self.skipTest(f"{tool} is not installed, see CONTRIBUTING.md")
+        for options in ((), ("--draft-7",)):
+            schema = self.folder / "job.schema.json"
+            schema.write_text(self.shearwake("schema", *options).stdout, encoding="utf-8")
+
+            def lint(*files, schema=schema):
+                done = subprocess.run([tool, *command(schema), *map(str, files)], cwd=self.folder, stdin=subprocess.DEVNULL, check=False,
+                                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", timeout=PATIENCE_s)
+                return done.returncode, re.sub("\x1b\\[[0-9;]*m", "", done.stdout)
+
+            jobs = [shutil.copy(job, self.folder) for job in JOBS]
+            code, output = lint(*jobs)
+            self.assertEqual((code, re.findall("(?i)error|warning", output)), (0, []), output)
+            code, output = lint(*(self.write_job(changed(change), f"marked-{n}.toml") for n, change in enumerate(MARKED)))
+            self.assertNotEqual(code, 0)
+            for n, change in enumerate(MARKED):
+                with self.subTest(options=options, change=change):
+                    text = changed(change)
+                    line = str(text[:text.index(change[1])].count("\n") + 1)
+                    lines = set(re.findall(rf"marked-{n}\.toml:(\d+):\d+", output))
+                    named = re.findall(rf"\('(\w+)' was unexpected\)\s+\S+ \S+marked-{n}\.toml:", output)
+                    if named:  # taplo marks the table of a misspelt key as well
+                        self.assertEqual((len(set(named)), line in lines), (1, True), output)
+                        self.assertIn(named[0], change[1])
+                    else:
+                        self.assertEqual(lines, {line}, output)
+
+    def test_taplo_marks_errors_and_no_valid_job(self):
+        self.check_with("taplo", lambda schema: ["check", "--schema", f"file://{schema}"])
+
+    def test_tombi_marks_errors_and_no_valid_job(self):
+        (self.folder / "tombi.toml").write_text('[[schemas]]\npath = "job.schema.json"\ninclude = ["*.toml"]\n', encoding="utf-8")
+        self.check_with("tombi", lambda _: ["lint", "--offline", "--error-on-warnings"])

@@ -26,7 +26,8 @@ def ranges(schema: dict) -> dict[str, dict[str, Limits]]:
         if "$ref" in node:
             return visit(schema["$defs"][node["$ref"].rpartition("/")[2]], key)
         for name, below in node.get("properties", {}).items():
-            visit(below, f"{key}.{name}".lstrip("."), alternative)
+            if below:  # false: a key of other alternatives
+                visit(below, f"{key}.{name}".lstrip("."), alternative)
         for part in node.get("allOf", []):
             chosen = [selected["const"] for selected in part.get("if", {}).get("properties", {}).values() if "const" in selected]
             visit(part.get("then", {}), key, *chosen)

@@ -3,6 +3,8 @@
 #include "config/keys/key_table.hpp"
 #include "measures/measure_table.hpp"
 
+#include <fmt/format.h>
+
 namespace shearwake::app {
 
 void add_keys(CLI::App& app, Action& action) {
@@ -10,10 +12,27 @@ void add_keys(CLI::App& app, Action& action) {
              config::key_reference);
 }
 
+namespace {
+
+struct SchemaArguments {
+    bool is_draft_7 = false;
+};
+
+ExitCode print_schema(const SchemaArguments& arguments, const Comm& world) {
+    if (world.is_root())
+        fmt::print("{}", config::job_schema(arguments.is_draft_7 ? config::Draft::draft_7
+                                                                 : config::Draft::draft_2020_12));
+    return ExitCode::done;
+}
+
+} // namespace
+
 void add_schema(CLI::App& app, Action& action) {
-    add_text(app, action, "schema",
-             "print the JSON Schema of job files, for completion and checking in editors",
-             config::job_schema);
+    auto [command, arguments] = add_command<SchemaArguments>(
+        app, action, "schema",
+        "print the JSON Schema of job files, for completion and checking in editors", print_schema);
+    command.add_flag("--draft-7", arguments.is_draft_7,
+                     "as JSON Schema draft 7, for editors without JSON Schema 2020-12");
 }
 
 void add_columns(CLI::App& app, Action& action) {

@@ -222,12 +222,12 @@ Json value_of_key(const std::string& entry, const std::vector<std::string>& mark
     SchemaWalk walk(described);
     const Keys keys;
     walk_fields(walk, keys);
-    Json when = {{"type", "object"}, {"anyOf", Json::array()}};
     for (const std::string& mark : marks)
-        when["anyOf"].push_back({{"required", Json::array({mark})}});
-    return {{"if", std::move(when)},
-            {"then", std::move(described)},
-            {"else", {{"additionalProperties", {{"$ref", "#/$defs/" + entry}}}}}};
+        described["anyOf"].push_back({{"required", Json::array({mark})}});
+    const Json longer_keys = {{"type", "object"},
+                              {"propertyNames", {{"not", one_of(marks)}}},
+                              {"additionalProperties", {{"$ref", "#/$defs/" + entry}}}};
+    return {{"anyOf", Json::array({std::move(described), longer_keys})}};
 }
 
 /// The tables of a job in addition to those of a case.
@@ -337,18 +337,13 @@ Json schema_of_jobs() {
     schema["then"] = Json::object();
     schema["else"] = {{"$ref", "#/$defs/complete"}};
     Json axis = value_of_key<AxisKeys>("axis", {"linspace", "logspace", "range", "refine", "find"});
-    axis["type"] = {"array", "object"};
-    Json distribution = value_of_key<DistributionKeys>("distribution", {"distribution", "preset"});
-    distribution["type"] = "object";
+    axis["anyOf"].push_back({{"type", "array"}});
     schema["$defs"] = {{"path", std::move(path)},
                        {"axis", std::move(axis)},
-                       {"distribution", std::move(distribution)},
+                       {"distribution",
+                        value_of_key<DistributionKeys>("distribution", {"distribution", "preset"})},
                        {"complete", std::move(rules)}};
     return schema;
-}
-
-std::string job_schema() {
-    return schema_of_jobs().dump(2) + "\n";
 }
 
 } // namespace shearwake::config

@@ -16,7 +16,7 @@ Json number(const Field& field) {
     if (std::isfinite(range.most))
         type[range.most_excluded ? "exclusiveMaximum" : "maximum"] = range.most;
     if (least_size > 0.0) {
-        type["anyOf"] = {{{"const", 0}}, {{"minimum", least_size}}};
+        type["anyOf"] = {{{"minimum", 0}, {"maximum", 0}}, {{"minimum", least_size}}};
         if (range.least < 0.0) type["anyOf"].push_back({{"maximum", -least_size}});
     }
     return type;

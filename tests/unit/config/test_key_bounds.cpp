@@ -8,6 +8,7 @@
 #include "config/document/key_range.hpp"
 #include "config/job.hpp"
 #include "config/keys/key_table.hpp"
+#include "config/keys/schema_types.hpp"
 
 #include <catch2/catch.hpp>
 #include <algorithm>
@@ -251,7 +252,7 @@ bool has_row(const std::string& reference, const std::string& key, const std::st
 } // namespace
 
 TEST_CASE("schema and reader and the reference agree on each bound", "[fields][schema]") {
-    const Json schema = Json::parse(job_schema());
+    const Json schema = schema_of_jobs();
     const Walk walk(schema);
     const std::string reference = key_reference();
     std::size_t bounds = 0;
