@@ -101,6 +101,11 @@ class ExploreDecisions(PageTest):
         self.assertIn("7.069 m/s, the nearest to 7 m/s", page.run("document.getElementById('compare-state').textContent"))
         self.assertEqual(page.run("Array.from(document.querySelectorAll('#compare-table tbody th'), e => e.textContent)"), ["STM", "AM-STM", "SM-STM", "LM", "AM"])
         self.assertEqual(page.run("document.querySelectorAll('.best').length"), 4)
+        marked = page.run("Array.from(document.querySelectorAll('#compare-table tr'), row => Array.from(row.cells, cell => cell.textContent))")
+        answer = page.run("document.getElementById('compare-state').textContent").partition("Best kinds. ")[2]
+        for column in range(1, 5):
+            best, = (row[0] for row in marked[1:] if row[column].startswith("★"))
+            self.assertIn(f"{marked[0][column]}: {best}", answer)
         for name in ("png", "csv", "job"):
             page.run(f"document.getElementById('compare-{name}').click()")
         self.wait_for_files("modulations.png", "modulations.csv", "modulations.toml")

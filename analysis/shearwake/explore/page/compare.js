@@ -52,7 +52,7 @@ class CompareDialog {
       this.show();
     }
     const changed = base.speed === given.speed ? "" : ` Speed ${rounded(base.speed, 4)} m/s, the nearest to ${rounded(given.speed)} m/s with a common period.`;
-    state.textContent = settingLines(base).at(-1) + changed;
+    state.textContent = `${settingLines(base).at(-1)}${changed} ${this.answer()}`;
     for (const name of ["png", "csv", "job"]) this.parts[name].disabled = false;
   }
   get results() { return this.rows.filter(row => row.result); }
@@ -66,6 +66,15 @@ class CompareDialog {
   table() {
     const specs = RESULTS.filter(spec => spec.best && this.results.some(({result}) => spec.value(result) !== undefined));
     return {specs, marks: specs.map(spec => this.marks(spec))};
+  }
+  // The best kinds of each column in a sentence.
+  answer() {
+    const {specs, marks} = this.table(), kinds = (k, is) => this.rows.flatMap(({kind}, i) => is(marks[k][i]) ? [kind] : []).join(", ");
+    const found = specs.flatMap((spec, k) => {
+      const best = kinds(k, mark => mark === "best"), equal = kinds(k, mark => mark && mark !== "best");
+      return best ? [`${spec.label}: ${best}${equal && ` (no noticeable difference: ${equal})`}`] : [];
+    });
+    return found.length ? `Best kinds. ${found.join("; ")}.` : "";
   }
   show() {
     const {specs, marks} = this.table(), cell = (spec, i, {result}) => {
@@ -97,7 +106,7 @@ class CompareDialog {
       .map(spec => `${marks[specs.indexOf(spec)][i] === "best" ? "★ " : ""}${spec.label}: ${spec.text(spec.value(row.result))}`)]}]);
     return composed(`Kinds of modulation: ${titleOf(this.base, "all kinds")}`, tiles,
       {map: this.parts.map, low: this.parts.low.textContent, high: this.parts.high.textContent},
-      [...settingLines(this.base), `★ best; levels that differ by less than ${JND_dB} dB are no noticeable difference.`]);
+      [this.answer(), ...settingLines(this.base), `Each picture shows ${WIDTH_mm} mm x ${HEIGHT_mm} mm of the skin. ★ best; levels that differ by less than ${JND_dB} dB are no noticeable difference.`]);
   }
   csv() {
     const {specs, marks} = this.table(), quoted = text => `"${text}"`;
