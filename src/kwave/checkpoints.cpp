@@ -16,6 +16,20 @@ namespace shearwake::kwave {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Removes what killed processes have left of writing this file.
+void remove_parts(const fs::path& file) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(file.parent_path(), ignored))
+        if (const std::string process = storage::process_in(entry.path());
+            !process.empty() && storage::has_ended(process) &&
+            entry.path() == fmt::format("{}.{}.part", file.string(), process))
+            fs::remove(entry.path(), ignored);
+}
+
+} // namespace
+
 fs::path previous_checkpoint(const fs::path& checkpoint) {
     return checkpoint.string() + ".previous";
 }
@@ -29,6 +43,7 @@ Locks lock_files(std::initializer_list<fs::path> files) {
             throw UsageError(fmt::format("another process is writing {}; wait for its end, or "
                                          "choose another file",
                                          file.string()));
+        remove_parts(file);
     }
     return locks;
 }

@@ -172,8 +172,8 @@ void write_records(const OutputFile& output, const pstd::Recorder& recorder, con
                    const pstd::Stepper<Real>& stepper, const Comm& team);
 
 using Locks = std::vector<std::unique_ptr<storage::FileLock>>;
-/// Excludes other processes that write these files; empty names are ignored. Throws UsageError
-/// (usage) if there is one. Not collective.
+/// Excludes other processes that write these files, and removes what killed ones have left; empty
+/// names are ignored. Throws UsageError (usage) if there is another process. Not collective.
 Locks lock_files(std::initializer_list<std::filesystem::path> files);
 
 /// A hash of the input file and of everything else that determines the result. Not collective.
