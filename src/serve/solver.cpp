@@ -110,6 +110,7 @@ bool Solver::compute(const Request& request, Interrupt& interrupt, Answer& answe
     const auto began = Clock::now();
     const bool with_frames = request.wants("u_z");
     const config::Job job = read_request(request, files_);
+    if (interrupt.stop_asked()) return false;
     PlannedCase planned = job.plan.cases.front();
     if (!request.wants_receptors()) planned.physics.afferents.reset();
     const Case& c = planned.physics;
