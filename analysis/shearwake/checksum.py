@@ -57,6 +57,11 @@ def verify_case(path: str | os.PathLike[str]) -> None:
         raise Damaged(f"its bytes do not match its checksum{f': {OPENED}' if is_opened else ''}")
 
 
+def with_line(content: bytes) -> bytes:
+    """The content of a file, followed by its checksum."""
+    return content + f"\nshearwake checksum 1 XXH3-128 {xxhash.xxh3_128(content).hexdigest()} of {len(content):020} bytes\n".encode()
+
+
 def has_line(path: str | os.PathLike[str]) -> bool:
     """Whether a case file ends in the line of a checksum for its size, which takes microseconds to read. Programs that change the file
     through HDF5 remove the line; other changes are found by verify_case() only. Raises OSError."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .checksum import open_case, sealed
+from .inputs import case_files
 from .keys import follows, job_tables
 
 ATTRIBUTES = ("case_id", "settings", "is_reference", "reference_id", "job", "title")
@@ -68,7 +69,7 @@ def place(found: dict[str, Any], keys: list[str], job: str) -> list[Any]:
 
 def plan_of_cases(folder: Path) -> dict[str, Any]:
     """The plan in the format of plan.json with the text of the job. Raises OSError if there is no case file."""
-    cases = [attempt(path) for path in sorted((folder / "cases").glob("*.h5"))]
+    cases = [attempt(path) for path in case_files(folder / "cases")]
     if not cases:
         raise FileNotFoundError(f"{folder} contains neither plan.json nor a case file")
     first = next((c for c in cases if c["job"]), cases[0])

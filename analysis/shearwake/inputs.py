@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,12 @@ def opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except (RuntimeError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise OSError(f"{path} is damaged: {error}") from error
+
+
+def case_files(folder: Path) -> list[Path]:
+    """The case files of a folder, in the order of their ids. Copies that other programs make, such as `<id> (1).h5` and `._<id>.h5`,
+    are omitted."""
+    return sorted(path for path in folder.glob("*.h5") if re.fullmatch("[0-9a-f]+", path.stem))
 
 
 def require_regular(path: Path) -> None:

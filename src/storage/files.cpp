@@ -159,6 +159,11 @@ std::string process_in(const fs::path& part) {
     return part.extension() != ".part" || process.empty() ? "" : process.substr(1);
 }
 
+bool is_stray(const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name.starts_with('.') || name.ends_with('~') || name.find(' ') != std::string::npos;
+}
+
 void write_file(const fs::path& path, std::string_view text) {
     const fs::path part = part_path(path);
     try {

@@ -51,6 +51,11 @@ std::filesystem::path part_path(const std::filesystem::path& path);
 /// The process in a name of part_path(); empty for other names.
 std::string process_in(const std::filesystem::path& part);
 
+/// Whether another program has given a file in an output folder its name: `._<name>` and .DS_Store
+/// of macOS, `<name>~` of editors, and copies such as `<name> (1)` and `<name> (conflicted copy)`
+/// of browsers and cloud storage. Names of our files contain no blank and begin with no dot.
+bool is_stray(const std::filesystem::path& file);
+
 /// Writes a file atomically: under a temporary name, flushed to the disk, then renamed.
 void write_file(const std::filesystem::path& path, std::string_view text);
 

@@ -63,8 +63,9 @@ bool contains_cases(const schedule::OutputFolder& folder) {
     namespace fs = std::filesystem;
     if (!fs::is_directory(folder.cases())) return false;
     const fs::directory_iterator files(folder.cases());
-    return std::any_of(fs::begin(files), fs::end(files),
-                       [](const auto& entry) { return entry.path().extension() == ".h5"; });
+    return std::any_of(fs::begin(files), fs::end(files), [](const auto& entry) {
+        return !storage::id_of_file(entry.path()).empty();
+    });
 }
 
 /// The path of plan.json or, without it, of tables/plan.json, which is made from the case files.

@@ -15,9 +15,8 @@ import time
 import unittest
 from pathlib import Path
 
-import xxhash
-
 from shearwake import program as launcher
+from shearwake.checksum import with_line
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
@@ -269,9 +268,8 @@ def seal(path):
     """Updates the checksum line at the end of a case file if a test has changed the file."""
     lines = Path(path).read_bytes()
     content = re.sub(rb"\n?shearwake checksum 1 XXH3-128 [0-9a-f]{32} of \d{20} bytes\n\Z", b"", lines)
-    line = f"\nshearwake checksum 1 XXH3-128 {xxhash.xxh3_128(content).hexdigest()} of {len(content):020} bytes\n"
-    if lines != content + line.encode():
-        Path(path).write_bytes(content + line.encode())
+    if lines != with_line(content):
+        Path(path).write_bytes(with_line(content))
 
 
 def case_files(out):

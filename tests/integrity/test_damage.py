@@ -3,6 +3,7 @@
 repairs the damage."""
 import json
 import random
+import shutil
 
 import h5py
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from limits import times
 from program import JOB, ProgramTest, case_files, plan, table
 
-from shearwake.checksum import LINE_LENGTH
+from shearwake.checksum import LINE_LENGTH, sealed, with_line
 from shearwake.report import load
 
 
@@ -90,6 +91,83 @@ class CaseFiles(ProgramTest):
         self.assertFalse(found["sound"])
         self.assertEqual([entry["id"] for entry in found["damaged"]], [self.victim.stem])
         self.shearwake("verify", self.folder / "nowhere", expect=6)
+
+
+class Studies(ProgramTest):
+    """The folders of converge and optimise in that of a run, and that of fit."""
+
+    def setUp(self):
+        super().setUp()
+        self.compute()
+        self.before = table(self.out)
+        shutil.copytree(self.out, self.folder / "copy")
+        for name in ("converge", "basis", "robustness"):
+            shutil.copytree(self.folder / "copy", self.out / name)
+        self.id = case_files(self.out)[0].stem
+        (self.out / "optimise").mkdir()
+        for name in ("converge/converge.json", "converge/refinements.json", "uncertainty.json", f"optimise/{self.id}.forms.json",
+                     f"optimise/{self.id}.strength-0.7.json"):
+            (self.out / name).write_text(sealed({"schema": 1, "cases": []}), encoding="utf-8")
+
+    def test_a_flipped_bit_of_each_kind_of_file_is_detected_and_its_file_named(self):
+        chance = random.Random(64)
+        self.says(self.shearwake("verify", self.out).said, "16 case files", ": 0 damaged, 0 of the plan")
+        files = ["uncertainty.json", "plan.json", *(f"optimise/{self.id}.{name}.json" for name in ("forms", "strength-0.7")),
+                 "converge/converge.json", "converge/refinements.json",
+                 *(f"{folder}/{name}" for folder in ("converge", "basis", "robustness") for name in (f"cases/{self.id}.h5", "plan.json"))]
+        for name in files:
+            with self.subTest(file=name):
+                sound = (self.out / name).read_bytes()
+                damaged = bytearray(sound)
+                damaged[chance.randrange(len(sound))] ^= 1 << chance.randrange(8)
+                (self.out / name).write_bytes(damaged)
+                lines = [line for line in self.shearwake("verify", self.out, expect=4).stdout.splitlines() if line.startswith("damaged")]
+                self.assertEqual(len(lines), 1, lines)
+                self.says(lines[0], name)
+                found = json.loads(self.shearwake("verify", self.out, "--json", expect=4).stdout)
+                self.assertEqual([entry["file"] for entry in found["damaged_files"]], [] if name == "plan.json" else [name])
+                (self.out / name).write_bytes(sound)
+        self.shearwake("verify", self.out)
+
+    def test_a_damaged_prediction_of_a_fit_is_named(self):
+        path = self.folder / "small.fit" / "evaluations" / f"{self.id}-0123456789ab"
+        path.parent.mkdir(parents=True)
+        path.write_bytes(with_line(bytes(1000)))
+        self.shearwake("verify", "small.fit")
+        path.write_bytes(b"\1" + path.read_bytes()[1:])
+        self.says(self.shearwake("verify", "small.fit", expect=4).said, f"damaged evaluations/{path.name}: its bytes do not match its checksum")
+
+    def test_copies_of_other_programs_are_named_and_disturb_no_command(self):
+        sound = (self.out / "cases" / f"{self.id}.h5").read_bytes()
+        names = [f"cases/._{self.id}.h5", f"cases/{self.id} (1).h5", f"cases/{self.id} (conflicted copy 2026-01-01).h5",
+                 f"cases/{self.id}-LAPTOP.h5", f"cases/{self.id}.h5~", "cases/.DS_Store", f"basis/cases/._{self.id}.h5", "._plan.json",
+                 ".DS_Store", f"optimise/._{self.id}.forms.json", f"optimise/{self.id}.forms (1).json"]
+        for name in names:
+            (self.out / name).write_bytes(b"\0\5\x16\7" if "._" in name else sound)
+        for path in [*self.out.glob("journal*"), *self.out.glob("index*")]:
+            copy = path.with_name(f"{path.stem} (1){path.suffix}")
+            copy.write_bytes(path.read_bytes())
+            names.append(copy.name)
+        for path in (self.out / "locks").glob("*.run"):
+            (path.with_name(f"._{path.name}")).write_bytes(b"")
+        found = json.loads(self.shearwake("verify", self.out, "--json").stdout)
+        self.assertEqual((found["sound"], sorted(found["stray_files"])), (True, sorted(names)))
+        said = self.shearwake("verify", self.out).stdout
+        for name in names:
+            self.says(said, f"stray {name}: ")
+        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+        status = json.loads(self.shearwake("status", self.out, "--json").stdout)
+        self.assertEqual((status["remaining"], status["is_active"], status["damaged_cases"]), (0, False, []))
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table(self.out), self.before)
+        (self.out / "plan.json").unlink()  # then it is reconstructed from the case files
+        self.shearwake("reduce", self.out)
+        self.assertEqual(sorted(load.load(self.out).by_id), sorted(row["id"] for row in self.before))
+
+    def test_a_folder_that_a_file_browser_has_opened_is_empty(self):
+        self.folder.joinpath("new").mkdir()
+        self.folder.joinpath("new", ".DS_Store").write_bytes(b"")
+        self.says(self.shearwake("run", "job.toml", "--out", "new").said, "4 computed now")
 
 
 class TextFiles(ProgramTest):

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
+from ..inputs import case_files
 from ..plan import first_line
 from . import layout, load
 from .compare import compare_words
@@ -45,7 +46,7 @@ class CannotWrite(Exception):
 def read(path: Path) -> Any:
     """A case of a single file. Raises CannotWrite."""
     if path.is_dir():
-        files = sorted(path.glob("cases/*.h5")) or sorted(path.glob("*.h5"))
+        files = case_files(path / "cases") or case_files(path)
         raise CannotWrite(f"{path} is a folder; give one of its case files, for example {files[0]}" if files else
                           f"{path} is a folder without case files; run the job first")
     if not path.exists():

@@ -7,7 +7,6 @@ Usage: python3 -m shearwake.studies.convergence FOLDER [--quiet]    FOLDER is th
 """
 from __future__ import annotations
 
-import json
 import math
 import os
 import sys
@@ -16,7 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..checksum import sealed
+from ..checksum import read_json, sealed
+from ..inputs import text_of
 from ..job import Job
 from ..plan import Table, read_table
 from ..running import Progress, run_and_watch
@@ -136,7 +136,7 @@ def estimate_errors(folder: Path) -> tuple[list[StudiedCase], str]:
     """Compares the refined cases of a sweep, and writes converge.json and converge.md to its subfolder `converge`. Returns the cases and
     the text of converge.md without its title. Raises OSError, ValueError and KeyError."""
     study = folder / "converge"
-    given = json.loads((study / "refinements.json").read_text(encoding="utf-8"))
+    given = read_json(text_of(study / "refinements.json"))
     table = read_table(study, given["job"])
     if table is None:
         raise FileNotFoundError(f"{study} has no table")

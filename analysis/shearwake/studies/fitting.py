@@ -17,8 +17,8 @@ from typing import Any
 
 import h5py
 import numpy as np
-import xxhash
 
+from ..checksum import LINE_LENGTH, Damaged, verify_case, with_line
 from ..engine import Engine, ParentEngine, diagnostics_in
 from ..errors import EnvironmentFailed, JobError, ShearwakeError, UsageError
 from ..job import Job
@@ -97,16 +97,19 @@ def toml_number(value: float) -> str:
 
 
 def read_checked(path: Path) -> bytes | None:
-    """The content of a file of write_checked(); None if it does not exist, is truncated or damaged."""
-    data = path.read_bytes() if path.exists() else b""
-    return data[8:] if data[:8] == xxhash.xxh3_64(data[8:]).digest() else None
+    """The content of a file of write_checked(); None if it does not exist, is truncated or damaged. Raises OSError."""
+    try:
+        verify_case(path)
+    except (Damaged, FileNotFoundError):
+        return None
+    return path.read_bytes()[:-LINE_LENGTH - 1]
 
 
 def write_checked(path: Path, content: bytes) -> None:
-    """Writes a file at once, with its checksum before the content."""
+    """Writes a file at once, with its checksum after the content."""
     path.parent.mkdir(exist_ok=True)
     part = path.with_name(path.name + ".part")
-    part.write_bytes(xxhash.xxh3_64(content).digest() + content)
+    part.write_bytes(with_line(content))
     part.replace(path)
 
 

@@ -30,6 +30,7 @@ bool is_ours(const std::string& name) {
                                   "basis",     "optimise", "robustness",        "uncertainty.json",
                                   "scan.json", "scan.f64", "scan-request.json", "refinements.json"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
+    if (name.starts_with("._") || name == ".DS_Store") return true; // of macOS
     if (name.starts_with("progress.") && name.ends_with(".json")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
 }
@@ -49,7 +50,8 @@ std::vector<std::string> foreign_cases(const Plan& plan, const OutputFolder& fol
     std::vector<std::string> names;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), ignored))
-        if (entry.path().extension() == ".h5" && !ids.contains(entry.path().stem().string()))
+        if (const std::string id = storage::id_of_file(entry.path());
+            !id.empty() && !ids.contains(id))
             names.push_back(entry.path().filename().string());
     return names;
 }
@@ -116,7 +118,7 @@ std::vector<std::string> OutputFolder::recorded_runs() const {
     std::error_code ignored; // a run may end at any time
     for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with(first) && name.ends_with(last) &&
+        if (name.starts_with(first) && name.ends_with(last) && !storage::is_stray(name) &&
             name.size() > first.size() + last.size())
             runs.push_back(name.substr(first.size(), name.size() - first.size() - last.size()));
     }

@@ -117,13 +117,19 @@ bool is_storable(const CaseDigest& digest) {
 
 } // namespace
 
+std::string id_of_file(const fs::path& file) {
+    std::string stem = file.stem().string();
+    const bool is_id = stem.find_first_not_of("0123456789abcdef") == std::string::npos;
+    return is_id && file.extension() == ".h5" ? stem : "";
+}
+
 CaseIndex::CaseIndex(fs::path folder, Trust trust,
                      std::function<void(const VerifyProgress&)> report)
     : folder_(std::move(folder)), trust_(trust), report_(std::move(report)) {
     std::error_code ignored;
     for (const auto& file : fs::directory_iterator(folder_, ignored)) {
         const std::string name = file.path().filename().string();
-        if (!name.starts_with("index") || !name.ends_with(".jsonl")) continue;
+        if (!name.starts_with("index") || !name.ends_with(".jsonl") || is_stray(name)) continue;
         std::istringstream lines(read_file(file.path()));
         for (std::string text; next_line(lines, text);) {
             const std::optional<std::string> line = unseal(text);
@@ -180,9 +186,8 @@ void CaseIndex::read_missing() {
     std::vector<std::pair<std::string, Stamp>> missing;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder_ / "cases", ignored)) {
-        if (entry.path().extension() != ".h5") continue;
-        const std::string id = entry.path().stem().string();
-        const auto stamp = stamp_of(entry.path());
+        const std::string id = id_of_file(entry.path());
+        const auto stamp = id.empty() ? std::nullopt : stamp_of(entry.path());
         if (!stamp || checked_.contains(id)) continue;
         if (trust_ == Trust::checksum || !accept_known(id, *stamp))
             missing.emplace_back(id, *stamp);

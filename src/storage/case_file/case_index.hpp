@@ -62,6 +62,10 @@ struct CaseDigest {
     }
 };
 
+/// The id in the name `<id>.h5` of a case file; empty for other names, among them those of copies
+/// that other programs make, such as `<id> (1).h5` and `._<id>.h5`.
+std::string id_of_file(const std::filesystem::path& file);
+
 /// Identifies a version of a file. The time is that of the last change to the file or its
 /// attributes (ctime), which programs cannot set.
 struct CaseStamp {

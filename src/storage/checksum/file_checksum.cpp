@@ -191,7 +191,7 @@ bool find_recorded(const fs::path& path, ChecksumLine& line) {
     for (const auto& entry :
          fs::directory_iterator(fs::absolute(path).parent_path().parent_path(), ignored)) {
         const std::string file = entry.path().filename().string();
-        if (!file.starts_with("journal") || !file.ends_with(".jsonl")) continue;
+        if (!file.starts_with("journal") || !file.ends_with(".jsonl") || is_stray(file)) continue;
         std::istringstream lines(read_file(entry.path()));
         for (std::string text; next_line(lines, text);) {
             const std::size_t at = text.find(name);

@@ -71,7 +71,8 @@ std::vector<std::string> runs_in(const fs::path& locks) {
     std::vector<std::string> runs;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(locks, ignored))
-        if (entry.path().extension() == ".run") runs.push_back(entry.path().stem().string());
+        if (entry.path().extension() == ".run" && !is_stray(entry.path()))
+            runs.push_back(entry.path().stem().string());
     return runs;
 }
 

@@ -161,7 +161,8 @@ JournalContents read_journals(const std::filesystem::path& folder) {
     std::error_code ignored; // a missing folder has none
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with("journal") && name.ends_with(".jsonl")) paths.push_back(entry.path());
+        if (name.starts_with("journal") && name.ends_with(".jsonl") && !is_stray(name))
+            paths.push_back(entry.path());
     }
     std::ranges::sort(paths); // gives a deterministic order
     JournalContents all;

@@ -5,6 +5,7 @@
 #include "parallel/agree.hpp"
 #include "schedule/run/run.hpp"
 #include "schedule/run/output_folder.hpp"
+#include "storage/checksum/checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "storage/journal/claims.hpp"
@@ -40,7 +41,7 @@ std::string command_line(const ConvergeArguments& arguments) {
 void estimate_errors(const RefinedPlan& refined, const schedule::OutputFolder& sweep,
                      const schedule::OutputFolder& study, bool quiet) {
     studies::reduce_folder(study, reduce::ErrorColumns::omitted);
-    storage::write_file(study.root / "refinements.json", json_text(refined));
+    storage::write_file(study.root / "refinements.json", storage::seal(json_text(refined)));
     std::vector<std::string> arguments = {sweep.root.string()};
     if (quiet) arguments.emplace_back("--quiet");
     if (run_python_module("shearwake.studies.convergence", arguments, table_packages) != 0)

@@ -38,12 +38,13 @@ TEST_CASE("each remark stands once below a Markdown table", "[reduce]") {
 }
 
 TEST_CASE("every case is a row with its status", "[reduce]") {
+    const char *good = "a", *failed = "b", *damaged = "c", *reference = "d"; // ids are hexadecimal
     const test::TemporaryFolder folder;
     const Comm alone = Comm::world().split(Comm::world().rank());
     const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     Plan plan{.name = "job", .title = "title", .swept_keys = {"load.peak_Pa"}};
-    for (const char* id : {"good", "failed", "damaged", "missing", "reference"})
-        plan.cases.push_back({id, c, {{"load.peak_Pa", 5.0}}, false, "reference"});
+    for (const char* id : {good, failed, damaged, "e", reference})
+        plan.cases.push_back({id, c, {{"load.peak_Pa", 5.0}}, false, reference});
     plan.cases.back().is_reference = true;
     plan.cases.back().reference_id.clear();
     storage::write_file(folder / "plan.json", storage::plan_text(plan));
@@ -59,11 +60,11 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
                      {"wall_s", 0.25},
                      {"status", std::string("complete")}});
     };
-    write("good", 0.2, std::numeric_limits<double>::quiet_NaN(), "no disc");
-    write("reference", 0.1, 2.0, "");
-    storage::write_file(folder / "cases/damaged.h5", "no HDF5");
+    write(good, 0.2, std::numeric_limits<double>::quiet_NaN(), "no disc");
+    write(reference, 0.1, 2.0, "");
+    storage::write_file(folder / "cases" / (damaged + std::string(".h5")), "no HDF5");
     storage::Journal(folder / "journal.jsonl")
-        .failed("failed", "out of memory", storage::Cause::case_itself);
+        .failed(failed, "out of memory", storage::Cause::case_itself);
 
     const reduce::ReduceInput input{folder / "", folder / "plan.json", folder / "tables"};
     const reduce::Table table = reduce::table_of(input);
