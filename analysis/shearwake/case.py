@@ -7,16 +7,14 @@ import functools
 import html
 import json
 import math
-import re
-import tomllib
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterable, Protocol, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Protocol
 
 import numpy as np
 
-from . import checksum, stored
-from .errors import HOW, NotRecorded, NotValid, level_of_caller, suggestion
+from . import checksum, parameters, stored
+from .errors import HOW, NotRecorded, NotValid, level_of_caller, suggestion, warn_of_invalid
 from .plan import Column, Table, first_line
 
 if TYPE_CHECKING:
@@ -26,14 +24,6 @@ if TYPE_CHECKING:
     from .plot import Plot
 
 REQUIRED: Any = object()  # in place of a default: there is none
-
-
-def warn_of_invalid(warnings_of: Sequence[list[dict[str, str]]], what: str, stacklevel: int) -> None:
-    """Warns with NotValid, at a caller of this function, if some of the cases with these warnings are not valid."""
-    reasons = dict.fromkeys(w["message"] for found in warnings_of for w in found if w["severity"] == "error")
-    more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
-    if reasons:
-        warnings.warn(f"{what} not valid: {next(iter(reasons))}{more}", NotValid, stacklevel=stacklevel)
 
 
 class SweepInterface(Protocol):
@@ -224,13 +214,13 @@ class Case:
     @functools.cached_property
     def parameters(self) -> dict[str, Any]:
         """All parameters of the case in SI units. Raises tomllib.TOMLDecodeError if the text is damaged."""
-        return tomllib.loads(self._parameters_text or self.attributes["case"])
+        return parameters.nested_tables(self._parameters_text or self.attributes["case"])
 
     def parameters_text(self, *tables: str) -> str:
         """The text of these tables of the parameters: "load.modulation.trajectory" does not include those within it. Cases with
         equal texts have equal parameters in them; this is faster than `parameters` for thousands of cases."""
-        sections = re.split(r"\n(?=\[)", self._parameters_text or self.attributes["case"])
-        return "\n".join(s for s in sections if re.match(r"\[*([\w.]*)", s)[1] in tables)  # type: ignore[index]  # matches any text
+        found = parameters.sections(self._parameters_text or self.attributes["case"])
+        return "\n".join(section for section in found if parameters.name_of(section) in tables)
 
     def setting(self, *keys: str, default: Any = REQUIRED) -> Any:
         """A parameter in SI units: case.setting("measure", "at_s"). Parameters of alternatives that are not used, and some that
@@ -270,33 +260,28 @@ class Case:
         """The groups of the file, for example ["mean", "surface", "traces"]."""
         return stored.groups(self._file())
 
+    def _read(self, read: Callable[..., Any], name: str, *arguments: Any) -> Any:
+        """What a function reads of the file. Raises NotRecorded if the file does not contain `name`."""
+        try:
+            return read(self._file(), name, *arguments)
+        except KeyError:
+            raise self._not_recorded(name) from None
+
     def dimensions(self, group: str = "/") -> dict[str, tuple[str, ...]]:
         """The names of the variables of a group and of their dimensions. Raises NotRecorded."""
-        try:
-            return {name: item.dims for name, item in stored.items(self._file(), group).items()}
-        except KeyError:
-            raise self._not_recorded(group) from None
+        return {name: item.dims for name, item in self._read(stored.items, group).items()}
 
     def units(self, group: str = "/") -> dict[str, str]:
         """The units of the variables of a group. Raises NotRecorded."""
-        try:
-            return {name: item.attributes.get("units", "") for name, item in stored.items(self._file(), group).items()}
-        except KeyError:
-            raise self._not_recorded(group) from None
+        return {name: item.attributes.get("units", "") for name, item in self._read(stored.items, group).items()}
 
     def arrays(self, group: str = "/") -> dict[str, np.ndarray]:
         """All arrays of a group, read now. Raises NotRecorded if the case has no such group."""
-        try:
-            return stored.arrays(self._file(), group)
-        except KeyError:
-            raise self._not_recorded(group) from None
+        return self._read(stored.arrays, group)
 
     def array(self, name: str, index: Any = ()) -> np.ndarray:
         """An array, or the part that the index selects: case.array("surface/u_z", (-1, 0)). Raises NotRecorded."""
-        try:
-            return stored.array(self._file(), name, index)
-        except KeyError:
-            raise self._not_recorded(name) from None
+        return self._read(stored.array, name, index)
 
     def snapshot(self, index: int = -1) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
         """Recorded surface number `index`, read now: t in s, x and y in m, and u_z(x, y) in m. Raises NotRecorded."""
@@ -313,10 +298,7 @@ class Case:
         """A group of the file as a Dataset that is read when its values are needed. Its attribute `valid` is 0 if the readings of
         the case are not valid, which NotValid warns of, else 1. Raises NotRecorded."""
         from .lazy import of_group
-        try:
-            found = of_group(self._file(), group)
-        except KeyError:
-            raise self._not_recorded(group) from None
+        found = self._read(of_group, group)
         warn_of_invalid([self.warnings], f"case {self.id} is", stacklevel=3)
         return found.assign_attrs(case=self.id, valid=int(self.is_valid))
 

@@ -17,8 +17,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from . import program
-from .case import warn_of_invalid
-from .errors import Diagnostic, NotRecorded, ProgramError, suggestion
+from .errors import Diagnostic, NotRecorded, ProgramError, suggestion, warn_of_invalid
 from .job import Job, Source
 from .keys import cf_unit
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import sys
+import warnings
 from dataclasses import dataclass, replace
 from typing import Sequence
 
@@ -54,6 +55,14 @@ def level_of_caller() -> int:
     while frame.f_back and frame.f_globals["__name__"].partition(".")[0] in (__package__, "functools"):  # of cached_property
         level, frame = level + 1, frame.f_back
     return level
+
+
+def warn_of_invalid(warnings_of: Sequence[list[dict[str, str]]], what: str, stacklevel: int) -> None:
+    """Warns with NotValid, at a caller of this function, if some of the cases with these warnings are not valid."""
+    reasons = dict.fromkeys(w["message"] for found in warnings_of for w in found if w["severity"] == "error")
+    more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
+    if reasons:
+        warnings.warn(f"{what} not valid: {next(iter(reasons))}{more}", NotValid, stacklevel=stacklevel)
 
 
 class ProgramNotFound(ShearwakeError):

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence
 
 from . import program, stored
-from .case import Case, warn_of_invalid
+from .case import Case
 from .checksum import Damaged
-from .errors import NotAnOutputFolder, NotRecorded
+from .errors import NotAnOutputFolder, NotRecorded, warn_of_invalid
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, labels_of, read_plan, read_table
 from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
