@@ -180,9 +180,9 @@ class FolderTest(InFolder):
         for ms in (4.0, 5.0):
             folder.add({after: ms}, is_reference=True, kind="STM")
         sweep = load.load(folder.save())
-        rows = layout.rows(sweep)
-        self.assertEqual([(title, len(cases)) for title, cases, _ in rows], [("", 2)])
-        self.assertEqual(layout.case_label(sweep, rows[0][2]), "plain STM")
+        (panel,) = layout.panels(sweep)
+        self.assertEqual((panel.title, len(panel.cases)), ("", 2))
+        self.assertEqual(layout.case_label(sweep, panel.reference), "plain STM")
 
     def test_some_of_many_values_have_lines(self):
         folder = Folder(self.root)

@@ -154,9 +154,8 @@ class HeadlineTest(InFolder):
         text = self.result(folder)
         self.assertNotIn("the readings of the reference are not valid", text)
         self.assertIn("2 times the 20 % of STM", text)
-        rows = layout.rows(load.load(folder.path))
-        self.assertEqual([(plain(title), len(cases), reference and reference.id)
-                          for title, cases, reference in rows],
+        panels = layout.panels(load.load(folder.path))
+        self.assertEqual([(plain(p.title), len(p.cases), p.reference and p.reference.id) for p in panels],
                          [("modulation STM", 2, None), ("modulation AM-STM", 2, case_id(1))])
 
     def test_a_case_that_is_the_reference_of_others_is_counted_once(self):

@@ -27,7 +27,7 @@ from .figure import Figure
 from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                       fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                       fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume)
-from .load import UNREADABLE, Selection, load, traces
+from .load import Selection, load, traces
 from .page import topics
 from .page.chart import chart_data
 from .page.page import page
@@ -166,7 +166,7 @@ def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path,
         part = Path(name)
         summary(selection)  # is remembered in this process and those that draw, as are the files of these cases
         for case in layout.recordings(selection):
-            with contextlib.suppress(*UNREADABLE):  # the figure that needs it fails alone
+            with contextlib.suppress(Exception):  # the figure that needs it fails alone
                 traces(case)
                 _ = case.focus
         figures, moving, problems = draw_all(selection, some, part, progress)

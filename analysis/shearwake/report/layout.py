@@ -346,25 +346,41 @@ def reference_name(cases: list[Case]) -> str:
     return f"plain {kind}" if kind == "STM" else f"reference {kind}"
 
 
-def rows(selection: Selection) -> list[tuple[str, list[Case], Case | None]]:
-    """Panels of overlaid lines as (title, cases, reference or None): the cases of each group with its
-    reference. Several references of a group have a separate panel, which groups with equal references share."""
-    made: list[Any] = []
-    separate: list[tuple[list[Case], list[Group]]] = []  # references, and the groups that have them
+@dataclass
+class Panel:
+    """Cases whose lines share a panel, and the reference that is drawn behind them."""
+    title: str
+    cases: list[Case]
+    reference: Case | None = None
+
+    @property
+    def drawn(self) -> list[Case]:
+        return [*self.cases, *([self.reference] if self.reference else [])]
+
+
+@remembered
+def panels(selection: Selection) -> list[Panel]:
+    """One panel per group with its reference. Several references of a group have a separate panel, which groups with equal references
+    share."""
+    made: list[Panel] = []
+    separate: list[tuple[Panel, list[Group]]] = []  # panels of references, and the groups that have them
     for group in groups(selection):
         found = motions(references(selection, group))
         is_own = any(found[0] is case for case in group.cases) if found else False
-        made.append((group.label, group.cases, found[0] if len(found) == 1 and not is_own else None))
+        made.append(Panel(group.label, group.cases, found[0] if len(found) == 1 and not is_own else None))
         if len(found) < 2 or not any(r.is_reference for r in found):
             continue  # cases of the sweep have panels of their own
-        same = next((g for own, g in separate if len(own) == len(found) and all(map(have_same_motion, own, found))), None)
+        same = next((members for panel, members in separate if len(panel.cases) == len(found)
+                     and all(map(have_same_motion, panel.cases, found))), None)
         if same is None:
-            separate.append((found, [group]))
-            made.append(separate[-1])
+            made.append(Panel("", found))
+            separate.append((made[-1], [group]))
         else:
             same.append(group)
     of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(selection))
-    return [panel if len(panel) == 3 else (separate_title(panel[0], panel[1], of_all), panel[0], None) for panel in made]
+    for panel, members in separate:
+        panel.title = separate_title(panel.cases, members, of_all)
+    return made
 
 
 def separate_title(found: list[Case], members: list[Group], of_all: bool) -> str:

@@ -14,14 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
-from ..checksum import verify_case
+from ..checksum import Damaged, verify_case
 from ..errors import NotAnOutputFolder, NotRecorded
 from ..plan import first_line
 from ..sweep import Sweep, case_of_file
 from .progress import parallel_map
-
-# What reading a case raises if it has no file, or if the file is damaged or lacks the data.
-UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, IndexError, TypeError, ArithmeticError, NotRecorded)
 
 
 @dataclass
@@ -108,7 +105,7 @@ class Traces:
 
 @remembered
 def traces(case: Case) -> Traces:
-    """The traces of a case; none if it has not recorded any. Raises UNREADABLE if the file is damaged."""
+    """The traces of a case; none if it has not recorded any. Raises Damaged and OSError."""
     try:
         found = case.arrays("traces")
     except NotRecorded:
@@ -123,19 +120,11 @@ def traces(case: Case) -> Traces:
 
 
 def single_case(path: Path) -> Case:
-    """The case of a file outside of a sweep. Raises UNREADABLE if it is not a valid case file."""
+    """The case of a file outside of a sweep. Raises OSError, RuntimeError, KeyError, ValueError and TypeError if it is not a case file."""
     verify_case(path)  # before HDF5 reads it
     case = case_of_file(path)
     case.verify()
     return case
-
-
-def surface(case: Case, time: int = -1) -> tuple[float, np.ndarray, np.ndarray, np.ndarray] | None:
-    """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
-    try:
-        return case.snapshot(time)
-    except UNREADABLE:
-        return None
 
 
 @remembered
@@ -143,7 +132,7 @@ def surface_times(case: Case) -> np.ndarray:
     """The times of the recorded surfaces; empty if there are none."""
     try:
         return case.array("surface/time")
-    except UNREADABLE:
+    except NotRecorded:
         return np.empty(0)
 
 
@@ -155,7 +144,7 @@ def mean_square(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[np
         points = np.column_stack([found["drawn_x"], found["drawn_y"]])
         lines = [points[found["drawn_line"] == n] for n in np.unique(found["drawn_line"])]
         return found["x"], found["y"], found["u_z_squared"], lines
-    except UNREADABLE:
+    except NotRecorded:
         return None
 
 
@@ -173,7 +162,7 @@ def levels(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     try:
         found = case.arrays("sensation")
         return found["x"], found["y"], found["level"]
-    except UNREADABLE:
+    except NotRecorded:
         return None
 
 
@@ -200,6 +189,6 @@ def contents(cases: list[Case]) -> list[dict[str, Any]]:
     for case in cases:
         try:
             case.verify()
-        except UNREADABLE as error:
+        except (OSError, Damaged, NotRecorded) as error:
             case.damage = first_line(error)
     return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases]

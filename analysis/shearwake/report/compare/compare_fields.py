@@ -74,9 +74,7 @@ def compare_surfaces(first: Case, second: Case) -> list[dict[str, Any]]:
     """One entry for each common time: relative L2 of the difference, and its maximum with its location."""
     found = []
     for i, j in common_times(load.surface_times(first), load.surface_times(second)):
-        a, b = load.surface(first, i), load.surface(second, j)
-        if a is None or b is None:
-            continue
+        a, b = first.snapshot(i), second.snapshot(j)
         x, y, u_a, u_b = on_common_grid(a, b)
         difference = np.nan_to_num(np.abs(u_a - u_b), nan=np.inf, posinf=np.inf)
         at = place_of_largest(difference, x, y)

@@ -29,7 +29,7 @@ def surfaces(pair: tuple[Case, Case], time_ms: float) -> tuple[np.ndarray, np.nd
     a, b = pair
     i, j = next((i, j) for i, j in common_times(load.surface_times(a), load.surface_times(b))
                 if abs(1e3 * load.surface_times(a)[i] - time_ms) < 1e-6)
-    x, y, u, v = on_common_grid(*(shot for shot in (load.surface(a, i), load.surface(b, j)) if shot))
+    x, y, u, v = on_common_grid(a.snapshot(i), b.snapshot(j))
     return 1e3 * x, 1e3 * y, 1e6 * u, 1e6 * v
 
 

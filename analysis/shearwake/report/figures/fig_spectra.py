@@ -15,6 +15,7 @@ from ... import wake
 from ...case import Case
 from .. import labels, layout, style, warnings_of
 from ..figure import Figure
+from ..layout import Panel
 from ..load import Selection, amplitude_spectrum, traces
 from ..page.chart import Chart, Line, Mark
 from ..words import listed, millimetres, number, split_unit
@@ -114,11 +115,11 @@ def largest(case: Case | None) -> float:
     return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and traces(case) else 0.0
 
 
-def rows_of(selection: Selection) -> list[Any]:
-    """The panels that contain a spectrum: (title, cases, reference or None)."""
-    rows = [(title, [c for c in drawn if traces(c)], reference)
-            for title, drawn, reference in layout.rows(selection)]
-    return [row for row in rows if row[1]]
+def panels_of(selection: Selection) -> list[Panel]:
+    """The panels that contain a spectrum."""
+    panels = [Panel(panel.title, [c for c in panel.cases if traces(c)],
+                    panel.reference if panel.reference and traces(panel.reference) else None) for panel in layout.panels(selection)]
+    return [panel for panel in panels if panel.cases]
 
 
 def highest(curves: list[tuple[np.ndarray, np.ndarray]], own_Hz: list[float], end_Hz: float) -> float:
@@ -131,53 +132,50 @@ def highest(curves: list[tuple[np.ndarray, np.ndarray]], own_Hz: list[float], en
     return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
 
 
-def draw_rows(selection: Selection, rows: list[Any], label: str, curve_of: Callable[..., Any], end_Hz: float = SHOWN_Hz,
-              peaks: bool = False) -> tuple[Any, bool, list[Chart]]:
-    """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
-    value. Returns the figure, whether its panels share their scale, and their charts."""
-    cases = [c for _, drawn, _ in rows for c in drawn]
+def draw_panels(selection: Selection, panels: list[Panel], label: str, curve_of: Callable[..., Any], end_Hz: float = SHOWN_Hz,
+                peaks: bool = False) -> tuple[Any, bool, list[Chart]]:
+    """`curve_of(case)` returns frequencies and values; `peaks` marks the largest value. Returns the figure, whether its panels share
+    their scale, and their charts."""
+    cases = [c for panel in panels for c in panel.cases]
     colours = fig_time.colours_by_x(selection, cases)
     few = len(layout.x_values(selection)) <= style.DIRECT_LABELS if selection.x else True
-    height = 3.4 if len(rows) == 1 else 2.3
-    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and traces(reference) else [])])
-            for _, drawn, reference in rows]
+    height = 3.4 if len(panels) == 1 else 2.3
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in panel.drawn) for panel in panels]
     alike = bool(max(tops) <= UNLIKE * min(tops))
     own_Hz = [own_frequency_Hz(selection, c) for c in cases]
-    coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
+    coincide = of_one_period([c for panel in panels for c in panel.drawn])
     shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
-    figure, made = style.panels(len(rows), 1, height, 0.75, sharex=True, sharey=alike)
-    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
-        for low, high in bands(drawn):
+    figure, made = style.panels(len(panels), 1, height, 0.75, sharex=True, sharey=alike)
+    for axes, panel in zip(made[:, 0], panels):
+        for low, high in bands(panel.cases):
             axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
-        if reference and traces(reference):
-            frequency, values = curve_of(reference)
-            draw_spectrum(axes, reference, frequency, values, coincide, color="black", linewidth=1.4,
-                          linestyle=fig_time.DASHED)
-        for case in drawn:
+        if panel.reference:
+            frequency, values = curve_of(panel.reference)
+            draw_spectrum(axes, panel.reference, frequency, values, coincide, color="black", linewidth=1.4, linestyle=fig_time.DASHED)
+        for case in panel.cases:
             frequency, values = curve_of(case)
             draw_case(axes, selection, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
                       linestyle=fig_time.DASHED if case.is_reference else "-")
             if peaks:
                 top = np.nanargmax(values)
                 axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
-        axes.set_xlim(0.0, min(shown_Hz, traces(drawn[0]).frequency_Hz[-1]))
+        axes.set_xlim(0.0, min(shown_Hz, traces(panel.cases[0]).frequency_Hz[-1]))
         axes.set_ylabel(label)
-        axes.set_title(title, loc="left", color="#555555")
+        axes.set_title(panel.title, loc="left", color="#555555")
     for axes in made[:, 0]:
         axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
     made[-1, 0].set_xlabel("frequency (Hz)")
     if selection.x:
         fig_time.add_x_key(figure, list(made[:, 0]), selection, colours)
     y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
-    marks = [row_marks(selection, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
-    return figure, alike, [row_chart(selection, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
+    return figure, alike, [panel_chart(selection, panel, colours, label, curve_of, y_limits, end_Hz, peaks) for panel in panels]
 
 
-def row_marks(selection: Selection, drawn: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
-              peaks: bool) -> list[Mark]:
+def panel_marks(selection: Selection, cases: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
+                peaks: bool) -> list[Mark]:
     """The band of the table, the modulation frequencies of the cases, and the largest values."""
-    marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
-    for case in drawn:
+    marks = [Mark("band", low, end=high) for low, high in bands(cases)]
+    for case in cases:
         own = own_frequency_Hz(selection, case)
         if own <= end_Hz:
             marks.append(Mark("tick", own, colour=colours[case.id], case=case.id))
@@ -188,19 +186,18 @@ def row_marks(selection: Selection, drawn: list[Case], colours: dict[str, Any], 
     return marks
 
 
-def row_chart(selection: Selection, row: tuple[Any, ...], colours: dict[str, Any], label: str, curve_of: Callable[..., Any],
-              y_limits: tuple[float, float] | None, marks: list[Mark], end_Hz: float) -> Chart:
-    """The interactive version of one panel."""
-    title, drawn, reference = row
+def panel_chart(selection: Selection, panel: Panel, colours: dict[str, Any], label: str, curve_of: Callable[..., Any],
+                y_limits: tuple[float, float] | None, end_Hz: float, peaks: bool) -> Chart:
+    """The interactive version of a panel."""
     lines = []
-    for case in [*drawn, *([reference] if reference and traces(reference) else [])]:
+    for case in panel.drawn:
         frequency, values = curve_of(case)
         shown = frequency <= end_Hz
         lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency[shown], values[shown],
-                          "black" if case is reference else colours[case.id], case.id, dashed=case.is_reference,
+                          "black" if case is panel.reference else colours[case.id], case.id, dashed=case.is_reference,
                           dots=layout.repeats(case)))
-    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title,
-                 y_limits=y_limits, marks=marks)
+    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, panel.title,
+                 y_limits=y_limits, marks=panel_marks(selection, panel.cases, colours, curve_of, end_Hz, peaks))
 
 
 def bands(cases: list[Case]) -> list[Any]:
@@ -209,10 +206,10 @@ def bands(cases: list[Case]) -> list[Any]:
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
-def relative_figure(selection: Selection, rows: list[Any]) -> Figure | None:
+def relative_figure(selection: Selection, panels: list[Panel]) -> Figure | None:
     """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
     of the references do not pass the point."""
-    drawn = [c for _, cases, _ in rows for c in cases]
+    drawn = [c for panel in panels for c in panel.cases]
     plain = {c.id: plain_of(selection, c) for c in drawn}
     references = [c for c in plain.values() if c and largest(c)]
     if (len(references) < len(plain) or all(plain[c.id] is c for c in drawn)
@@ -224,24 +221,24 @@ def relative_figure(selection: Selection, rows: list[Any]) -> Figure | None:
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    figure, _, charts = draw_rows(selection, rows, f"amplitude / largest of {name} (1)", relative)
+    figure, _, charts = draw_panels(selection, panels, f"amplitude / largest of {name} (1)", relative)
     text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
     return Figure(figure, "spectra_relative", f"Spectra relative to {name}", text,
                   f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
 
 
-def velocity_figure(selection: Selection, rows: list[Any]) -> Figure | None:
+def velocity_figure(selection: Selection, panels: list[Panel]) -> Figure | None:
     """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
     if [of for _, of in fig_frequency.peaks(selection)] != ["du/dt"]:
         return None
-    if not all(traces(c) for _, cases, _ in rows for c in cases):
+    if not all(traces(c) for panel in panels for c in panel.cases):
         return None
-    figure, alike, charts = draw_rows(selection, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum, VELOCITY_Hz, peaks=True)
-    how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
+    figure, alike, charts = draw_panels(selection, panels, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum, VELOCITY_Hz, peaks=True)
+    how = "" if all(layout.repeats(c) for panel in panels for c in panel.cases) else ", without its mean and with a Hann window"
     text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
-    where = layout.place_words(traces(c).measured_m for _, cases, _ in rows for c in cases)
+    where = layout.place_words(traces(c).measured_m for panel in panels for c in panel.cases)
     return Figure(figure, "spectra_velocity", f"Spectra of the velocity {where}", text,
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
@@ -253,8 +250,8 @@ def own_scale(alike: bool) -> str:
 def figures(selection: Selection) -> list[Figure]:
     selection = layout.fewer_lines(selection)
     cases = [c for c in layout.ordinary(selection) if traces(c)]
-    rows = rows_of(selection)
-    if not cases or not rows:
+    panels = panels_of(selection)
+    if not cases or not panels:
         return []
     unit, factor = unit_of(cases + [r for r in layout.all_references(selection) if traces(r)])
 
@@ -262,13 +259,13 @@ def figures(selection: Selection) -> list[Figure]:
         frequency, amplitude = spectrum(case)
         return frequency, factor * amplitude
 
-    figure, alike, charts = draw_rows(selection, rows, f"amplitude of $u_z$ ({unit})", shown)
+    figure, alike, charts = draw_panels(selection, panels, f"amplitude of $u_z$ ({unit})", shown)
     text = caption(selection, cases) + own_scale(alike)
     where = layout.place_words(traces(c).measured_m for c in cases)
     made = [Figure(figure, "spectra", f"Spectra {where}", text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
-            velocity_figure(selection, rows), relative_figure(selection, rows)]
-    ids = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
+            velocity_figure(selection, panels), relative_figure(selection, panels)]
+    ids = [c.id for panel in panels for c in panel.drawn]
     return [replace(f, cases=ids) for f in made if f]
 
 

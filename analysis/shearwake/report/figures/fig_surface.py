@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from ... import wake
 from ...case import Case
+from ...errors import NotRecorded
 from .. import layout, load, references, style, warnings_of
 from ..figure import Figure
 from ..page import hover
@@ -38,11 +39,11 @@ def shot_of(case: Case, index: int) -> Snapshot:
 
 
 def snapshot(case: Case) -> Snapshot | None:
-    found = load.surface(case)
-    if found is None or not np.any(np.isfinite(found[3])):
+    try:
+        found = shot_of(case, -1)
+    except NotRecorded:
         return None
-    t_s, x, y, u = found
-    return Snapshot(case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
+    return found if np.any(np.isfinite(found.u_um)) else None
 
 
 def some_rows(cases: list[Case], columns: int) -> list[Case]:

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from ...case import Case
 from .. import labels, layout, style, warnings_of
 from ..figure import Figure
+from ..layout import Panel
 from ..load import Selection
 from ..page.chart import Chart, Line, Mark
 from ..words import number
@@ -132,28 +133,24 @@ def frame(axes: Axes, cases: list[Case], measure: dict[str, Any], y_limits: tupl
         axes.set_ylim(*y_limits)
 
 
-Panels = list[tuple[str, list[Case]]]  # titles and lines
+def panels_of(selection: Selection, measure: dict[str, Any]) -> list[Panel]:
+    """One panel per curve with the cases and references that have the measure."""
+    panels = [Panel(panel.title, [c for c in panel.drawn if measure["needs"] in c.over_time and len(c.over_time["time"])])
+              for panel in layout.panels(selection)]
+    return [panel for panel in panels if panel.cases]
 
 
-def panels(selection: Selection, measure: dict[str, Any]) -> Panels:
-    """One panel per curve, with its reference, and for references that differ within a curve."""
-    found = [(title, [c for c in [*drawn, *([reference] if reference else [])]
-                      if measure["needs"] in c.over_time and len(c.over_time["time"])])
-             for title, drawn, reference in layout.rows(selection)]
-    return [(title, shown) for title, shown in found if shown]
-
-
-def overlay(selection: Selection, measure: dict[str, Any], rows: Panels, colours: dict[str, Any]) -> Any:
+def overlay(selection: Selection, measure: dict[str, Any], panels: list[Panel], colours: dict[str, Any]) -> Any:
     """The panels with their cases as thin lines coloured by x."""
-    figure, made = style.panels(len(rows), 1, 2.3, 1.1, sharex=True, sharey=True)
-    cases = [c for _, drawn in rows for c in drawn]
-    for axes, (title, drawn) in zip(made[:, 0], rows):
-        for case in drawn:
+    figure, made = style.panels(len(panels), 1, 2.3, 1.1, sharex=True, sharey=True)
+    cases = [c for panel in panels for c in panel.cases]
+    for axes, panel in zip(made[:, 0], panels):
+        for case in panel.cases:
             draw(axes, case, measure, color=colours.get(case.id, "black"), linewidth=0.9,
                  linestyle=DASHED if case.is_reference else "-")
-        mark_times(axes, drawn)
+        mark_times(axes, panel.cases)
         frame(axes, cases, measure, limits(cases, measure))
-        axes.set_title(title, loc="left", color="#555555")
+        axes.set_title(panel.title, loc="left", color="#555555")
         axes.set_ylabel(measure["label"])
     made[-1, 0].set_xlabel("time (ms)")
     if selection.x:
@@ -175,7 +172,7 @@ def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: 
     found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
     handles = [plt.Line2D([], [], color=found[v], label=labels.value_text(selection, selection.x, v)) for v in values]
     title = textwrap.fill(labels.name(selection, selection.x), 18)
-    if any(reference for _, _, reference in layout.rows(selection)):
+    if any(panel.reference for panel in layout.panels(selection)):
         name = layout.reference_name(layout.all_references(selection))
         handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
     all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
@@ -187,14 +184,14 @@ def time_figure(selection: Selection, measure: dict[str, Any]) -> list[Figure]:
     cases = [c for c in layout.ordinary(selection) if measure["needs"] in c.over_time and len(c.over_time["time"])]
     if not cases:
         return []
-    colours, rows = colours_by_x(selection, cases), panels(selection, measure)
-    figure = overlay(selection, measure, rows, colours)
+    colours, panels = colours_by_x(selection, cases), panels_of(selection, measure)
+    figure = overlay(selection, measure, panels, colours)
     marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
     return [Figure(figure, measure["name"], measure["title"], measure["caption"] + marks,
-                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure, rows), cases=shown)]
+                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure, panels), cases=shown)]
 
 
 def marked_times(cases: list[Case]) -> tuple[float, list[float]]:
@@ -209,14 +206,14 @@ def time_marks(cases: list[Case]) -> list[Mark]:
     return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
 
 
-def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any], rows: Panels) -> list[Chart]:
+def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any], panels: list[Panel]) -> list[Chart]:
     """The panels with a line per case; the vertical axis shows the settled part."""
-    y_limits = limits([c for _, shown in rows for c in shown], measure)
+    y_limits = limits([c for panel in panels for c in panel.cases], measure)
     return [Chart("time (ms)", measure["label"],
                   [Line(warnings_of.label(selection, c, measure["name"]), time_ms(c), positive(measure, c),
-                        colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in shown], title,
-                  y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(shown))
-            for title, shown in rows]
+                        colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in panel.cases], panel.title,
+                  y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(panel.cases))
+            for panel in panels]
 
 
 def span(values: list[float]) -> str:

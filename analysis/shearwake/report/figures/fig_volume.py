@@ -9,9 +9,10 @@ from matplotlib.axes import Axes
 
 from ... import wake
 from ...case import Case
+from ...errors import NotRecorded
 from .. import layout, style, warnings_of
 from ..figure import Figure
-from ..load import UNREADABLE, Selection
+from ..load import Selection
 from ..page import hover
 from ..words import number, strongest_text
 from . import to_scale
@@ -27,7 +28,7 @@ def last_volume(case: Case) -> Any:
         name = next(n for n in ("u_z", "u_x", "u_y") if n in names)
         return (float(case.array("volume/time", -1)), name,
                 *(1e3 * case.array(f"volume/{axis}") for axis in "xyz"), 1e6 * case.array(f"volume/{name}", -1))
-    except (*UNREADABLE, StopIteration):
+    except (NotRecorded, StopIteration):
         return None
 
 
