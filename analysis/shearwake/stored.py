@@ -55,10 +55,10 @@ def plain(value: Any) -> Any:
 
 
 def attributes(path: Path, names: Sequence[str] = ()) -> dict[str, Any]:
-    """The attributes of the root group, or those of these names. Raises OSError, Damaged and KeyError."""
+    """The attributes of the root group, or those of these names that exist. Raises OSError and Damaged."""
     require_regular(path)
     with opened(path, functools.partial(h5py.File, mode="r", locking=False)) as file:  # links to other files do not affect attributes
-        return {name: plain(file.attrs[name]) for name in names or file.attrs}
+        return {name: plain(file.attrs[name]) for name in ([n for n in names if n in file.attrs] if names else file.attrs)}
 
 
 def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:

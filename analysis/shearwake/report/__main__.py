@@ -9,7 +9,6 @@ folder does not exist.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import functools
 import gc
 import json
@@ -27,7 +26,7 @@ from .figure import Figure
 from .figures import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                       fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                       fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume)
-from .load import Selection, load, traces
+from .load import Selection, load, read_all, read_motion
 from .page import topics
 from .page.chart import chart_data
 from .page.page import page
@@ -165,10 +164,7 @@ def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path,
     with tempfile.TemporaryDirectory(prefix=".", dir=folder) as name:  # each file is replaced once it is complete
         part = Path(name)
         summary(selection)  # is remembered in this process and those that draw, as are the files of these cases
-        for case in layout.recordings(selection):
-            with contextlib.suppress(Exception):  # the figure that needs it fails alone
-                traces(case)
-                _ = case.focus
+        read_all(layout.recordings(selection), read_motion)
         figures, moving, problems = draw_all(selection, some, part, progress)
         (part / path.name).write_text(page(selection, figures, problems, moving), encoding="utf-8")
         new = sorted(part.iterdir(), key=lambda file: file.name == path.name)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the cases of a sweep for the figures: x, one group per curve, and the references."""
+import functools
 import math
 import re
 import textwrap
@@ -34,9 +35,9 @@ def recordings(selection: Selection) -> list[Case]:
     """The first of the complete cases that have the same path of the focus, times and trace points according to their parameters."""
     found: dict[str, Case] = {}
     for case in ordinary(selection):
-        path = case.parameters_text("load.modulation.trajectory") or case.id
-        foci = re.findall(r"^foci_.*", case.parameters_text("load.modulation"), re.MULTILINE)
-        found.setdefault(str([path, foci, case.parameters_text("time", "measure", "record")]), case)
+        load = case.setting("load", "modulation", default={})
+        path = [load.get("trajectory", case.id), load.get("foci_x_m"), load.get("foci_y_m")]
+        found.setdefault(str([path, *(case.setting(name, default={}) for name in ("time", "measure", "record"))]), case)
     return list(found.values())
 
 
@@ -61,9 +62,10 @@ def group_keys(selection: Selection) -> list[str]:
 def groups(selection: Selection) -> list[Group]:
     keys = group_keys(selection)
     found: dict[str, Group] = {}
+    text_of = functools.cache(functools.partial(setting_text, selection))
     for case in ordinary(selection):
         values = [case.settings.get(k, "") for k in keys]
-        label = ", ".join(setting_text(selection, k, v) for k, v in zip(keys, values) if v != "")
+        label = ", ".join(text_of(k, v) for k, v in zip(keys, values) if v != "")
         found.setdefault(label, Group(label, [], tuple(values))).cases.append(case)
     if is_numeric(selection):
         for group in found.values():
@@ -239,11 +241,11 @@ def have_same_motion(one: Case, other: Case) -> bool:
     them is equal, since a swept key often changes nothing in a reference."""
     if field_settings(one) == field_settings(other):
         return True
+    if abs(one.value("peak_um", math.nan) - other.value("peak_um", math.nan)) > 1e-3 * abs(one.value("peak_um", math.nan)):
+        return False  # without reading their files
     ours, theirs = traces(one), traces(other)
     if not ours or len(ours) != len(theirs) or one.over_time.keys() != other.over_time.keys():
         return False
-    if abs(one.value("peak_um", math.nan) - other.value("peak_um", math.nan)) > 1e-3 * abs(one.value("peak_um", math.nan)):
-        return False  # at once
     pairs = [(one.over_time[name], other.over_time[name]) for name in one.over_time]
     pairs += [pair for a, u, b, v in zip(ours.points_m, ours.u_z_m, theirs.points_m, theirs.u_z_m)
               for pair in ((np.array(a), np.array(b)), (u, v))]
@@ -290,6 +292,7 @@ def references_label(selection: Selection, found: list[Group]) -> str:
     return f"{reference_name(own)}, {' and '.join(group.label for group in found)}"
 
 
+@remembered
 def all_references(selection: Selection) -> list[Case]:
     """The distinct complete references of all groups."""
     found = {r.id: r for group in groups(selection) for r in references(selection, group)}

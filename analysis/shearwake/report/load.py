@@ -4,6 +4,7 @@
 All measures, their ratios, units and the reasons for empty cells are those of the table that `shearwake reduce` wrote. A case
 without a complete file has a status and a reason, but no numbers; the figures omit it.
 """
+import contextlib
 import functools
 import math
 from collections.abc import Callable
@@ -47,8 +48,13 @@ class Selection:
         """The column with a measure over that of the reference; '' if there is none."""
         return next((c.name for c in self.sweep.columns if c.over_reference_of == column), "")
 
+    @functools.cached_property
+    def ratios(self) -> set[str]:
+        """The columns with measures over those of the reference."""
+        return {c.name for c in self.sweep.columns if c.over_reference_of}
+
     def is_ratio(self, column: str) -> bool:
-        return any(c.name == column and c.over_reference_of for c in self.sweep.columns)
+        return column in self.ratios
 
 
 def remembered(function: Any) -> Any:
@@ -175,20 +181,37 @@ def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) 
         raise NotAnOutputFolder(f"{folder} has no table: shearwake reduce {folder}")
     stored = [case for case in sweep.every_case
               if case.is_complete or table.rows.get(case.id, {}).get("status") == "complete"]  # also without its file
-    parts = [stored[n::PARTS] for n in range(min(PARTS, len(stored)))]
-    found = parallel_map([functools.partial(contents, part) for part in parts],
+    read_all(stored, verify, report)
+    return Selection(sweep, sweep.every_case, sweep.x)
+
+
+def read_all(cases: list[Case], read: Callable[[Case], Any], report: Callable[[str], None] = lambda text: None) -> None:
+    """Calls `read` for each case in two processes; what it stores in a case is then in the case of this process."""
+    parts = [cases[n::PARTS] for n in range(min(PARTS, len(cases)))]
+    found = parallel_map([functools.partial(contents, part, read) for part in parts],
                          lambda n: report(f"{n} of {len(parts)} parts of the cases read"))
     for part, of_cases in zip(parts, found):
         for case, of_case in zip(part, of_cases):
             vars(case).update(of_case)
-    return Selection(sweep, sweep.every_case, sweep.x)
 
 
-def contents(cases: list[Case]) -> list[dict[str, Any]]:
-    """What was read of cases or is wrong with them, for the process that owns them."""
+def contents(cases: list[Case], read: Callable[[Case], Any]) -> list[dict[str, Any]]:
+    """What `read` has stored in the cases."""
     for case in cases:
-        try:
-            case.verify()
-        except (OSError, Damaged, NotRecorded) as error:
-            case.damage = first_line(error)
+        read(case)
     return [{name: value for name, value in vars(case).items() if name != "sweep"} for case in cases]
+
+
+def verify(case: Case) -> None:
+    """States in the case what is wrong with its file."""
+    try:
+        case.verify()
+    except (OSError, Damaged, NotRecorded) as error:
+        case.damage = first_line(error)
+
+
+def read_motion(case: Case) -> None:
+    """Reads the traces and the path of the focus. Without them, the figures that need them fail alone."""
+    with contextlib.suppress(Exception):
+        traces(case)
+        _ = case.focus

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ..case import Case
 from . import contrast, layout
 from .answer import NOTICEABLE_dB, Quantity, is_at_rest, quantity
@@ -87,7 +85,8 @@ def difference(column: str, one: Case, other: Case) -> str:
         return "loads of different shapes"
     if depends_on_region(column) and not have_same_region(one, other):
         return "cases with different measured regions"
-    if depends_on_region(column) and not np.allclose(window_s(one), window_s(other), rtol=0.0, atol=1e-9):
+    if depends_on_region(column) and not all(
+            math.isclose(a, b, rel_tol=0.0, abs_tol=1e-9) for a, b in zip(window_s(one), window_s(other))):
         return "cases with different time windows"
     return ""
 
@@ -202,7 +201,7 @@ def middle_case(selection: Selection, column: str) -> Case | None:
 
 def caution(selection: Selection) -> str:
     """Where levels of loads at rest and of loads that move stand side by side, which the model has ranked wrongly; else ''."""
-    cases = layout.with_references(selection)
+    cases = [*layout.ordinary(selection), *layout.added_references(selection)]
     levels = [c for c in cases if not math.isnan(c.value("felt_path_dB", math.nan)) and c.setting("load", "modulation", "trajectory", default=[])]
     if len({is_at_rest(c) for c in levels}) < 2:
         return ""

@@ -76,7 +76,7 @@ class PlainFormatter(ScalarFormatter):
 def finish(figure: Any) -> None:
     """Applies plain() to all texts, and PlainFormatter to all linear axes without a formatter of their own."""
     make_texts_plain(figure)
-    for axes in figure.findobj(Axes):
+    for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(PlainFormatter())

@@ -5,6 +5,7 @@
 """
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -42,28 +43,32 @@ class Kind:
         return f"not valid: {key}" if self.is_error else key
 
 
-def starts_with(name: str, beginnings: tuple[Any, ...]) -> bool:
-    return any(name.startswith(b) for b in beginnings)
-
-
+@functools.cache
 def is_of_receptors(name: str) -> bool:
     """Whether a figure belongs to the topic of the receptors, which has all figures that belong to no other."""
     return name != "player" and topics.topic_of(name) == topics.TOPICS[-1][0]
 
 
-def concerns(case: Case, key: str, name: str) -> bool:
-    """Whether a warning about this key of a case concerns the figure of this name."""
+@functools.cache
+def may_concern(key: str, name: str) -> bool:
+    """Whether a warning about this key may concern the figure of this name, depending on the case."""
     if key.startswith("afferents."):
         return is_of_receptors(name)
-    if is_of_receptors(name) and case.setting("afferents", "input", default="") == "carrier":
-        return False  # the pins move as prescribed, independently of the simulated skin
-    if starts_with(name, OF_DRIVE):
+    if name.startswith(OF_DRIVE):
         return False
-    if starts_with(name, OF_MEDIA):
+    if name.startswith(OF_MEDIA):
         return key.startswith("medium.")
     if key.startswith("measure."):  # at_ms is also the default time of the snapshots
-        return not is_of_receptors(name) and (key == "measure.at_ms" or not starts_with(name, OF_SURFACES))
+        return not is_of_receptors(name) and (key == "measure.at_ms" or not name.startswith(OF_SURFACES))
     return True
+
+
+def concerns(case: Case, key: str, name: str) -> bool:
+    """Whether a warning about this key of a case concerns the figure of this name. Pins that move as prescribed do so independently of
+    the simulated skin."""
+    if not may_concern(key, name):
+        return False
+    return key.startswith("afferents.") or not is_of_receptors(name) or case.setting("afferents", "input", default="") != "carrier"
 
 
 def errors(case: Case, name: str) -> list[dict[str, str]]:

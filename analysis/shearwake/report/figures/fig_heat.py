@@ -142,8 +142,8 @@ def cells(selection: Selection, column: str, x: str, y: str, others: list[Any], 
         if x not in own or y not in own or values not in made:
             continue
         found, failed, invalid, error = made[values]
-        place = rows[own[y]], columns[own[x]]
-        found[place], error[place] = case.value(column, math.nan), case.value(column + "_error", math.nan)
+        place, of_case = (rows[own[y]], columns[own[x]]), case.values
+        found[place], error[place] = of_case.get(column, math.nan), of_case.get(column + "_error", math.nan)
         failed[place] = not case.is_complete
         invalid[place] = math.isfinite(found[place]) and not warnings_of.is_valid_value(selection, case, column, NAME + column)
     return list(made.values())
@@ -221,9 +221,10 @@ def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: A
         axes.plot(*np.concatenate(diagonals, axis=1), color=style.GREY, linewidth=1.0, zorder=1.5, scalex=False, scaley=False)
     empty = ~np.isfinite(grid)
     for mask, mark in ((empty & ~failed, "////"), (empty & failed, "xxxx")):
-        squares = [Outline(SQUARE + [column, row], closed=True) for row, column in np.argwhere(mask)]
-        if squares:  # one hatched area, since each patch takes a millisecond; without its effect on the limits
-            axes.add_artist(PathPatch(Outline.make_compound_path(*squares), facecolor="#f1f1f1", edgecolor="#9a9a9a", hatch=mark, linewidth=0))
+        corners = [SQUARE + [column, row] for row, column in np.argwhere(mask)]
+        if corners:  # one hatched area, since each patch takes a millisecond; without its effect on the limits
+            squares = Outline(np.concatenate(corners), np.tile(Outline(SQUARE, closed=True).codes, len(corners)))
+            axes.add_artist(PathPatch(squares, facecolor="#f1f1f1", edgecolor="#9a9a9a", hatch=mark, linewidth=0))
     draw_errors(axes, valid, error, norm, colours)
     if written:
         write_numbers(axes, valid, norm, colours, error)

@@ -8,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from ... import stored
 from ...script_json import script_json
 from .. import answer, labels, layout, optima, thinning, warnings_of
 from ..figure import Figure
@@ -146,7 +147,8 @@ def moment(stamp: str) -> str:
 
 def provenance(selection: Selection) -> str:
     every = [c for c in selection.cases if c.is_complete]
-    complete = [c.attributes for c in thinning.listed(selection) if c.is_complete]
+    names = [*(attribute for _, attribute in FACTS), "started", "ended"]
+    complete = [stored.attributes(c.path, names) for c in thinning.listed(selection) if c.is_complete]
     rows = [] if len(complete) == len(every) else [("read from", f"{len(complete)} of {counted(len(every), 'case file')}")]
     for name, attribute in FACTS:
         values = list(dict.fromkeys(str(a[attribute]) for a in complete if attribute in a))

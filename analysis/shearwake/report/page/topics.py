@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the figures of the page: the result first, then the other figures by topic."""
+import functools
 from collections.abc import Iterable
 
 from ..figure import Figure
@@ -41,6 +42,7 @@ def headlines(figures: list[Figure], receptors_first: bool = False, level_first:
     return [*receptors[:2], *found]
 
 
+@functools.cache
 def topic_of(name: str) -> str:
     return next(title for title, beginnings in TOPICS if name.startswith(beginnings))
 
