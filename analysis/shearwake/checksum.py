@@ -10,7 +10,7 @@ import json
 import os
 import re
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import h5py
 import xxhash
@@ -34,9 +34,7 @@ def verify_case(path: str | os.PathLike[str]) -> None:
     """Reads a case file. Raises Damaged if it does not match its checksum, and OSError."""
     require_regular(Path(path))
     with open(path, "rb") as file:
-        size = file.seek(0, 2)
-        file.seek(max(0, size - LINE_LENGTH))
-        found = LINE.fullmatch(file.read())
+        size, found = last_line(file)
         before = size - LINE_LENGTH
         is_opened = found is None
         if found is None:  # HDF5 removes the line when a program opens the file for writing
@@ -62,14 +60,19 @@ def with_line(content: bytes) -> bytes:
     return content + f"\nshearwake checksum 1 XXH3-128 {xxhash.xxh3_128(content).hexdigest()} of {len(content):020} bytes\n".encode()
 
 
+def last_line(file: IO[bytes]) -> tuple[int, re.Match[bytes] | None]:
+    """The size of a file, and its last line if that is a checksum."""
+    size = file.seek(0, 2)
+    file.seek(max(0, size - LINE_LENGTH))
+    return size, LINE.fullmatch(file.read())
+
+
 def has_line(path: str | os.PathLike[str]) -> bool:
     """Whether a case file ends in the line of a checksum for its size, which takes microseconds to read. Programs that change the file
     through HDF5 remove the line; other changes are found by verify_case() only. Raises OSError."""
     require_regular(Path(path))
     with open(path, "rb") as file:
-        size = file.seek(0, 2)
-        file.seek(max(0, size - LINE_LENGTH))
-        found = LINE.fullmatch(file.read())
+        size, found = last_line(file)
     return found is not None and size - LINE_LENGTH - int(found[2]) in (0, 1)  # 1: a line break before the line
 
 

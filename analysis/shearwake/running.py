@@ -34,22 +34,13 @@ class Progress:
 
 
 class Line:
-    """Shows the progress on one line of a terminal, or as a bar in a notebook."""
+    """Shows the progress on one line of a terminal or of the output of a notebook."""
 
     def __init__(self) -> None:
         self.width = 0
-        self.bar: Any = None  # handle of the bar
 
     def __call__(self, progress: Progress) -> None:
         text = str(progress)
-        if "ipykernel" in sys.modules:
-            from IPython.display import HTML, display
-            made = HTML(f'<progress value="{progress.done}" max="{max(progress.total, 1)}"></progress> {text}')
-            if self.bar is None:
-                self.bar = display(made, display_id=True)
-            else:
-                self.bar.update(made)
-            return
         print("\r" + text.ljust(self.width), end="", flush=True, file=sys.stdout)
         self.width = len(text)
 

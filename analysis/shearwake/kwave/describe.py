@@ -6,12 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ..report.words import counted
 from .checks import supported_frequency_Hz
 from .study import Study
-
-
-def counted(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def extent(nodes: np.ndarray, study: Study) -> str:
