@@ -38,11 +38,10 @@ def arrow_and_words(axes: Axes, shot: Snapshot, speed_m_s: float, angle_deg: flo
                                                             "color": wake.LINE, "shrinkA": 4})
 
 
-def scale_bar(axes: Axes, length_mm: float = 20.0) -> None:
+def scale_bar(axes: Axes) -> None:
     x, y = SHOWN_mm[0] + 5.0, SHOWN_mm[2] + 5.0
-    axes.plot([x, x + length_mm], [y, y], color=wake.LINE, linewidth=2.4, solid_capstyle="butt")
-    axes.text(x + length_mm / 2, y + 1.4, f"{number(length_mm)} mm", ha="center", va="bottom",
-              fontsize=9)
+    axes.plot([x, x + 20.0], [y, y], color=wake.LINE, linewidth=2.4, solid_capstyle="butt")
+    axes.text(x + 10.0, y + 1.4, "20 mm", ha="center", va="bottom", fontsize=9)
 
 
 def draw(shot: Snapshot) -> Figure:

@@ -235,33 +235,25 @@ class Job:
         `shearwake run`, for example ["--retry-failed"]. If the call is interrupted, the run is stopped in an orderly way, and
         the same call resumes it. Warns with NotValid if readings are not valid. Raises JobError, UsageError, CasesFailed, EnvironmentFailed and Stopped."""
         folder = Path(out) if out is not None else Path("out") / self.name
-        with self._file() as path:
-            try:
-                run_and_watch(["run", str(path), "--out", str(folder), *options], ranks, launch, progress)
-            except CasesFailed as error:
-                error.sweep = reduced(folder)
-                raise
-            except ProgramError as error:
-                if error.exit_code == 3:
-                    self._check(path)
-                raise
+        try:
+            self.run_command("run", folder, ranks, progress, launch, options)
+        except CasesFailed as error:
+            error.sweep = reduced(folder)
+            raise
         sweep = reduced(folder)
         sweep.warn_of_invalid(sweep.every_case)
         return sweep
 
-    def optimise(self, ranks: int = 1, *, out: str | os.PathLike[str] | None = None, progress: bool | Callable[[Progress], None] = False,
-                 launch: Sequence[str] | None = None, options: Sequence[str] = ()) -> Sweep:
-        """Finds the best modulation of each case of a job with [optimise], and opens the output folder; its `optima` is the table.
-        `out` is by default out/NAME.optimise; the other arguments are those of run(). Raises JobError and the errors of run()."""
-        folder = Path(out) if out is not None else Path("out") / f"{self.name}.optimise"
+    def run_command(self, command: str, folder: Path, ranks: int, progress: bool | Callable[[Progress], None],
+                    launch: Sequence[str] | None, options: Sequence[str]) -> None:
+        """Runs a command of the program for the job into an output folder, to its end. Raises JobError and the errors of run()."""
         with self._file() as path:
             try:
-                run_and_watch(["optimise", str(path), "--out", str(folder), *options], ranks, launch, progress)
+                run_and_watch([command, str(path), "--out", str(folder), *options], ranks, launch, progress)
             except ProgramError as error:
                 if error.exit_code == 3:
                     self._check(path)
                 raise
-        return Sweep(folder)
 
 
 def is_file_name(name: str) -> bool:

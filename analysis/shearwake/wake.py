@@ -130,7 +130,7 @@ def front_length(case: CaseInterface, focus: np.ndarray, path: np.ndarray, angle
     return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
 
 
-def draw_theory(axes: Any, case: CaseInterface, t_s: float, width: float = 1.0) -> bool:
+def draw_theory(axes: Any, case: CaseInterface, t_s: float) -> bool:
     """Draws path, focal disc and Mach lines; after the end of the load only the path. Returns whether Mach
     lines were drawn."""
     focus, direction, path = focus_at(case, t_s)
@@ -138,21 +138,19 @@ def draw_theory(axes: Any, case: CaseInterface, t_s: float, width: float = 1.0) 
     around = np.linspace(0.0, 2.0 * np.pi, 100)
     for offset in offsets_mm(case):
         if len(path) > 1 and np.ptp(path, axis=0).max() > 0:
-            axes.plot(*(path + offset).T, color=LINE, linewidth=0.7 * width, linestyle=(0, (1, 2)))
+            axes.plot(*(path + offset).T, color=LINE, linewidth=0.7, linestyle=(0, (1, 2)))
         if is_over(case, t_s):
             continue
         x, y = focus + offset
-        axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
-                  linewidth=1.3 * width, path_effects=halo(2.6 * width))
-        axes.plot(x, y, "o", color=LINE, markersize=2.0 * width)
+        axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE, linewidth=1.3, path_effects=halo(2.6))
+        axes.plot(x, y, "o", color=LINE, markersize=2.0)
     angle = case.value("mach_angle_theory_deg", math.nan)  # a scan has no such column
     if direction is None or math.isnan(angle) or is_over(case, t_s):
         return False
     length = front_length(case, focus, path, angle)
     for line in fronts(focus, direction, angle, length):
         start = line[0] + (line[1] - line[0]) * min(1.0, radius / max(length, 1e-9))
-        axes.plot(*np.array([start, line[1]]).T, color=LINE, linewidth=1.1 * width,
-                  linestyle=(0, (6, 4)), path_effects=halo(2.0 * width))
+        axes.plot(*np.array([start, line[1]]).T, color=LINE, linewidth=1.1, linestyle=(0, (6, 4)), path_effects=halo(2.0))
     return True
 
 

@@ -22,15 +22,11 @@ def line_coordinates(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return points @ axis
 
 
-def side(s: np.ndarray, velocity: np.ndarray, source: float) -> tuple[np.ndarray, np.ndarray]:
+def side(s: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distances from the source and velocities of the longer side, in ascending order, without the near field."""
-    right, left = s > source, s < source
-    if np.count_nonzero(left) > np.count_nonzero(right):
-        s, velocity, chosen, source = -s, velocity, left, -source
-    else:
-        chosen = right
-    order = np.argsort(s[chosen])
-    distance, rows = (s[chosen] - source)[order], velocity[chosen][order]
+    chosen = s > 0.0 if np.count_nonzero(s < 0.0) <= np.count_nonzero(s > 0.0) else s < 0.0
+    order = np.argsort(np.abs(s[chosen]))
+    distance, rows = np.abs(s[chosen])[order], velocity[chosen][order]
     is_far = distance >= NEAR_FIELD * (distance[-1] if len(distance) else 0.0)
     return distance[is_far], rows[is_far]
 
@@ -63,11 +59,10 @@ def attenuation_1_m(distance: np.ndarray, row: np.ndarray) -> float:
     return -np.polyfit(distance[good], np.log(amplitude[good]), 1)[0]
 
 
-def curves(s: np.ndarray, velocity: np.ndarray, rate_Hz: float, source: float = 0.0,
-           noise_m_s: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no wave of this frequency, or
-    none that exceeds white noise of this standard deviation per sample."""
-    distance, rows = side(s, velocity, source)
+def curves(s: np.ndarray, velocity: np.ndarray, rate_Hz: float, noise_m_s: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m] from positions along a line through the source, which is at 0; NaN
+    where the line contains no wave of this frequency, or none that exceeds white noise of this standard deviation per sample."""
+    distance, rows = side(s, velocity)
     if len(distance) < LEAST_POINTS:
         raise ValueError(f"a dispersion curve requires at least {LEAST_POINTS} points on one side of the source, "
                          f"but there are {len(distance)}")

@@ -127,8 +127,8 @@ def compare(program: Program, watched: Watched) -> tuple[int, str, dict[str, Any
     return 5 if code else 0, differences["text"], differences
 
 
-def listed(names: Sequence[str], most: int = NAMED) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+def listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 def rows_of(differences: dict[str, Any], notes: dict[str, dict[str, str]], failed: dict[str, str]) -> list[str]:

@@ -193,13 +193,13 @@ def few(selection: Selection) -> Selection:
     return only(selection, [c.id for g in chosen for c in g.cases if c.settings.get(selection.x) in values])
 
 
-def fewer_lines(selection: Selection, most: int = 8, shown: int = 6) -> Selection:
+def fewer_lines(selection: Selection) -> Selection:
     """The selection; if it has too many values of x for a line or a panel each, reduced to some of them, spread
     evenly."""
     values = x_values(selection)
-    if not selection.x or not is_numeric(selection) or len(values) <= most:
+    if not selection.x or not is_numeric(selection) or len(values) <= 8:
         return selection
-    return with_some(selection, set(evenly(values, shown)))
+    return with_some(selection, set(evenly(values, 6)))
 
 
 def with_some(selection: Selection, some: set) -> Selection:
@@ -207,11 +207,11 @@ def with_some(selection: Selection, some: set) -> Selection:
     return only(selection, [c.id for c in ordinary(selection) if c.settings.get(selection.x) in some])
 
 
-def lines_of_one_panel(selection: Selection, most: int = 7) -> Selection:
+def lines_of_one_panel(selection: Selection) -> Selection:
     """The selection; if its curves have too many cases for the lines of one panel, reduced to some that are spread
     evenly."""
     curves, values = len(groups(selection)), x_values(selection) if selection.x else []
-    each = max(1, most // max(1, curves))
+    each = max(1, 7 // max(1, curves))
     if curves < 2 or len(values) <= each:
         return fewer_lines(selection)
     return with_some(selection, set(evenly(values, each)))

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -207,7 +208,10 @@ def optimise(job: Job | str | os.PathLike[str], *, out: str | os.PathLike[str] |
     """Finds the best modulation of each case of a job with [optimise], and opens the output folder; its `optima` is the table with the
     upper bounds. `out` is by default out/NAME.optimise. The other arguments and the exceptions are those of Job.run: if the call is
     interrupted, the same call resumes the study."""
-    return (job if isinstance(job, Job) else Job(job)).optimise(ranks, out=out, launch=launch, progress=progress, options=options)
+    job = job if isinstance(job, Job) else Job(job)
+    folder = Path(out) if out is not None else Path("out") / f"{job.name}.optimise"
+    job.run_command("optimise", folder, ranks, progress, launch, options)
+    return Sweep(folder)
 
 
 def main(descriptor: str) -> int:

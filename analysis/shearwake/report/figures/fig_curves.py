@@ -18,6 +18,8 @@ from ..page.curve_chart import curve_chart, draw_errors, error_caption
 from ..validity import CROSSES, invalid_caption, split
 from ..words import SUPERSCRIPTS, counted, is_at_instant, number
 
+LEAST_HEIGHT = 0.02  # of the y axis, relative to its middle
+
 
 def set_x_axis(axes: Axes, selection: Selection) -> None:
     """Puts ticks at the swept values if they fit; strings of x become labels."""
@@ -127,24 +129,24 @@ def reference_lines(axes: Axes, selection: Selection, curves: list[tuple[layout.
     return []
 
 
-def widen(axes: Axes, least: float = 0.02) -> None:
+def widen(axes: Axes) -> None:
     """Widens the y axis of a flat curve, which would otherwise show only rounding errors."""
     if axes.get_yscale() == "log":
         return
     low, high = axes.get_ylim()
     middle = 0.5 * (low + high)
-    if middle and high - low < least * abs(middle):
-        axes.set_ylim(middle * (1 - least / 2), middle * (1 + least / 2))
+    if middle and high - low < LEAST_HEIGHT * abs(middle):
+        axes.set_ylim(middle * (1 - LEAST_HEIGHT / 2), middle * (1 + LEAST_HEIGHT / 2))
 
 
-def legend_above(figure: Any, curves: list[tuple[layout.Group, str, str]], top_in: float = 0.08) -> None:
+def legend_above(figure: Any, curves: list[tuple[layout.Group, str, str]]) -> None:
     """A legend with one entry per curve, above the panels."""
     if len(curves) < 2:
         return
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
              for group, colour, marker in curves]
     figure.legend(handles=lines, ncol=legend_columns(curves), loc="upper center",
-                  bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
+                  bbox_to_anchor=(0.48, 1.0 - 0.08 / figure.get_figheight()))
 
 
 def curves_of(selection: Selection) -> list[tuple[layout.Group, str, str]]:
