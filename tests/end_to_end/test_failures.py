@@ -171,7 +171,7 @@ class Damage(ProgramTest):
         self.says(self.shearwake("show", case_files(self.out)[0], expect=6).said, "shearwake case")
         self.shearwake("show", self.folder / "nothing.h5", expect=6)
         said = self.shearwake("show", self.folder, expect=6).said
-        self.says(said, "Is a directory")
+        self.says(said, "is a folder")
         self.assertEqual(len(said.splitlines()), 1, said)
         self.says(self.shearwake("run", "job.toml").said, "1 computed now", "3 already complete")
         self.shearwake("reduce", self.out)

@@ -77,7 +77,8 @@ storage::CaseSummary read_summary(const std::filesystem::path& path) {
             files.empty()
                 ? path.string() + " is a folder without case files; run the job first"
                 : fmt::format("{} is a folder; give one of its case files, for example {}",
-                              path.string(), files.begin()->string()));
+                              path.string(), files.begin()->string()),
+            ExitCode::environment);
     }
     try {
         return storage::read_case_summary(path);
