@@ -98,7 +98,7 @@ class HeadlineTest(InFolder):
         text = self.result(folder)
         # 0.41 to 0.43 is 4.8 % of the mean. 0.42 differs from 0.43 by less than 0.02; 0.21 does not.
         self.assertTrue(text.startswith("No noticeable difference in the efficiency η: AM frequency 200 Hz (43 %) and 100 Hz (42 %), within the "
-                                        "difference between the two engines. It is lowest at AM frequency 300 Hz (21 %)."), text)
+                                        "difference between the two engines. The efficiency η is lowest at AM frequency 300 Hz (21 %)."), text)
         self.assertNotIn("pstd", text)
         self.assertIn("The two engines differ by 4.8 % in the efficiency η there. Numerical error not estimated", text)
 

@@ -241,11 +241,11 @@ def ending(selection: Selection, ranking: Ranking, ends: list[str]) -> str:
 
 
 def other_end(selection: Selection, ranking: Ranking, least: str) -> list[str]:
-    """'It is lowest at AM frequency 100 Hz (30 %).'"""
+    """'The efficiency η is lowest at AM frequency 100 Hz (30 %).'"""
     if not ranking.others:
         return []
     last = (max if least == "highest" else min)(ranking.others, key=ranking.value)
-    return [f"It is {least}{placed(selection, [last])} ({ranking.quantity.text(ranking.value(last))})."]
+    return [f"{ranking.quantity.title} is {least}{placed(selection, [last])} ({ranking.quantity.text(ranking.value(last))})."]
 
 
 def gains(selection: Selection, ranking: Ranking) -> list[str]:
