@@ -12,15 +12,13 @@ namespace test_afferents {
 
 using namespace shearwake;
 
-namespace {
-
-const Variable& variable(const pipeline::AfferentResult& result, const std::string& name) {
+static const Variable& variable(const pipeline::AfferentResult& result, const std::string& name) {
     for (const Variable& v : result.groups.at(0).variables)
         if (v.name == name) return v;
     throw std::runtime_error("no variable " + name);
 }
 
-pipeline::ReceptorMotion vibration() {
+static pipeline::ReceptorMotion vibration() {
     pipeline::ReceptorMotion motion{
         .pins = {.rate_Hz = 20000.0}, .modulation_Hz = 200.0, .name = "a case"};
     motion.path_m = {{}};
@@ -31,8 +29,6 @@ pipeline::ReceptorMotion vibration() {
     }
     return motion;
 }
-
-} // namespace
 
 TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neural]") {
     const Comm world = Comm::world();

@@ -10,10 +10,8 @@ namespace test_arrangement {
 
 using namespace shearwake;
 
-namespace {
-
 /// `of_each` cases of each medium.
-Plan plan_of(int media, int of_each) {
+static Plan plan_of(int media, int of_each) {
     Plan plan;
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     for (int medium = 0; medium < media; ++medium) {
@@ -24,7 +22,7 @@ Plan plan_of(int media, int of_each) {
     return plan;
 }
 
-schedule::Arrangement arranged(const Plan& plan, std::size_t complete, int wanted) {
+static schedule::Arrangement arranged(const Plan& plan, std::size_t complete, int wanted) {
     std::vector<std::size_t> work;
     for (std::size_t n = complete; n < plan.cases.size(); ++n)
         work.push_back(n);
@@ -32,7 +30,7 @@ schedule::Arrangement arranged(const Plan& plan, std::size_t complete, int wante
     return schedule::arrange(plan, work, wanted, 1e12, costs, Comm::world());
 }
 
-std::vector<double> flat(const schedule::Arrangement& all) {
+static std::vector<double> flat(const schedule::Arrangement& all) {
     std::vector<double> values(all.numbers.begin(), all.numbers.end());
     values.insert(values.end(), all.portions.begin(), all.portions.end());
     values.insert(values.end(), all.work.begin(), all.work.end());
@@ -40,8 +38,6 @@ std::vector<double> flat(const schedule::Arrangement& all) {
     values.push_back(all.layout.teams);
     return values;
 }
-
-} // namespace
 
 TEST_CASE("all ranks arrange a sweep alike", "[mpi]") {
     const Comm world = Comm::world();

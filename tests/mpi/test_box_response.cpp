@@ -10,14 +10,12 @@ namespace test_box_response {
 
 using namespace shearwake;
 
-namespace {
-
 /// The first steps of a run of `frames` frames.
 struct Start {
     fft::AlignedVector<double> plane; // u_z of the surface, this rank's part
     bool box;
 };
-Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
+static Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
     c.time.frames = frames;
     const auto& options = std::get<SpectralOptions>(c.solver);
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team);
@@ -30,8 +28,6 @@ Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
     stepper.plane_of_w(0.0, start.plane.data());
     return start;
 }
-
-} // namespace
 
 TEST_CASE("iterations on a box yield the field of iterations on planes", "[mpi]") {
     Case c = test::small_tissue();

@@ -14,14 +14,10 @@ namespace test_case_file {
 using namespace shearwake;
 using test::SharedFolder;
 
-namespace {
-
 const std::vector<Attribute> complete = {{"title", std::string("a title")},
                                          {"case_id", std::string("00ff")},
                                          {"ranks", 2L},
                                          {"status", std::string("complete")}};
-
-} // namespace
 
 TEST_CASE("writes the slabs of all ranks as one surface", "[mpi]") {
     const Comm world = Comm::world();

@@ -18,14 +18,12 @@ namespace test_checkpoint_file {
 using namespace shearwake;
 using test::SharedFolder;
 
-namespace {
-
 const storage::CheckpointOwner owner{"00ff", "abc"};
 constexpr std::ptrdiff_t total = 4, row_length = 3; // uneven on 3 ranks; one of 5 ranks has none
 
 /// Blocks of rows in ascending or descending order of ranks.
 enum class Order { forward, reverse };
-DistributedRows rows_of(const Comm& world, Order order) {
+static DistributedRows rows_of(const Comm& world, Order order) {
     const std::ptrdiff_t place =
         order == Order::forward ? world.rank() : world.size() - 1 - world.rank();
     const std::ptrdiff_t each = (total + world.size() - 1) / world.size();
@@ -33,13 +31,13 @@ DistributedRows rows_of(const Comm& world, Order order) {
     return {total, start, std::min(total, start + each) - start, row_length};
 }
 
-double value_at(std::ptrdiff_t row, std::ptrdiff_t column) {
+static double value_at(std::ptrdiff_t row, std::ptrdiff_t column) {
     if (row == 2 && column == 1) return -0.0;
     if (row == 3 && column == 2) return std::numeric_limits<double>::denorm_min();
     return 1.0 / static_cast<double>(1 + 10 * row + column);
 }
 
-std::vector<double> values_of(const DistributedRows& rows) {
+static std::vector<double> values_of(const DistributedRows& rows) {
     std::vector<double> values;
     for (std::ptrdiff_t i = rows.start; i < rows.start + rows.count; ++i)
         for (std::ptrdiff_t j = 0; j < rows.row_length; ++j)
@@ -47,7 +45,7 @@ std::vector<double> values_of(const DistributedRows& rows) {
     return values;
 }
 
-void write_state(const std::filesystem::path& path, const Comm& world) {
+static void write_state(const std::filesystem::path& path, const Comm& world) {
     storage::CheckpointFileWriter writer(path, world);
     const DistributedRows rows = rows_of(world, Order::forward);
     writer.put("u", rows, values_of(rows).data());
@@ -61,14 +59,12 @@ void write_state(const std::filesystem::path& path, const Comm& world) {
 }
 
 /// The result of rank 0, on every rank.
-std::string reason(const std::filesystem::path& path, const storage::CheckpointOwner& wanted,
-                   const Comm& world, storage::CheckpointFacts& facts) {
+static std::string reason(const std::filesystem::path& path, const storage::CheckpointOwner& wanted,
+                          const Comm& world, storage::CheckpointFacts& facts) {
     std::string text;
     on_root(world, [&] { text = storage::checkpoint_error(path, wanted, facts); });
     return world.broadcast(text);
 }
-
-} // namespace
 
 TEST_CASE("reads a checkpoint back bit by bit for any distribution of rows", "[mpi]") {
     const Comm world = Comm::world();

@@ -13,9 +13,7 @@ namespace test_energy_watch {
 
 using namespace shearwake;
 
-namespace {
-
-Case small_case(bool body) {
+static Case small_case(bool body) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 8e-3;
@@ -53,14 +51,12 @@ std::string failure(const Case& c, const Spoil& spoil) {
 }
 
 /// Number of ranks whose message contains all of these texts.
-int ranks_that_report(const std::string& said, std::initializer_list<const char*> words) {
+static int ranks_that_report(const std::string& said, std::initializer_list<const char*> words) {
     double found = 1.0;
     for (const char* word : words)
         if (said.find(word) == std::string::npos) found = 0.0;
     return static_cast<int>(Comm::world().sum(found));
 }
-
-} // namespace
 
 TEST_CASE("throws on all ranks if one rank has a value that is not a number", "[mpi]") {
     const bool body = GENERATE(false, true);

@@ -10,9 +10,7 @@ namespace test_layered_ranks {
 
 using namespace shearwake;
 
-namespace {
-
-Case small_case() {
+static Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     Layer film = c.scene.medium.layers[0];
     film.thickness_m = 0.3e-3;
@@ -31,7 +29,7 @@ Case small_case() {
 }
 
 /// On a rigid base, for engine "spectral".
-Case on_rigid_base(double thickness_m, std::ptrdiff_t frames) {
+static Case on_rigid_base(double thickness_m, std::ptrdiff_t frames) {
     Case c = small_case();
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers.back().thickness_m = thickness_m;
@@ -41,8 +39,8 @@ Case on_rigid_base(double thickness_m, std::ptrdiff_t frames) {
 }
 
 /// In a layer of 3 mm, on a grid of few points.
-Case with_thin_body(const Domain& domain, std::ptrdiff_t frames, const Vec3& half_axes_m,
-                    double c_s_m_s) {
+static Case with_thin_body(const Domain& domain, std::ptrdiff_t frames, const Vec3& half_axes_m,
+                           double c_s_m_s) {
     Case c = on_rigid_base(3e-3, frames);
     c.domain = domain;
     c.scene.medium.bodies = {{.name = "body",
@@ -67,7 +65,7 @@ private:
 };
 
 /// Largest difference of all frames, relative to the largest value of the frame.
-double worst_frame(const Case& c, const Comm& world) {
+static double worst_frame(const Case& c, const Comm& world) {
     test::FrameStore shared;
     Asked asked;
     engines::make_engine(c.solver)->run(c, world, shared, &asked);
@@ -83,8 +81,6 @@ double worst_frame(const Case& c, const Comm& world) {
     }
     return world.max(worst);
 }
-
-} // namespace
 
 TEST_CASE("frames of engine layered are identical on any number of ranks", "[mpi]") {
     Case c = small_case();

@@ -11,12 +11,10 @@ namespace test_map_file {
 
 using namespace shearwake;
 
-namespace {
-
 /// More points than one message of the broadcast contains.
 constexpr hsize_t nx = 2100, ny = 2001, nz = 1;
 
-void write_map(const std::filesystem::path& path) {
+static void write_map(const std::filesystem::path& path) {
     const h5::Id file = h5::open_file(path, h5::Access::create);
     const auto put = [&](const char* name, std::vector<hsize_t> shape, auto value) {
         hsize_t count = 1;
@@ -32,8 +30,6 @@ void write_map(const std::filesystem::path& path) {
     put("z_m", {nz}, [](double) { return 0.0; });
     put("c_s_m_s", {nx, ny, nz}, [](double i) { return 1.0 + 1e-6 * i; });
 }
-
-} // namespace
 
 TEST_CASE("distributes the same map to every rank", "[mpi]") {
     const Comm world = Comm::world();

@@ -13,15 +13,13 @@ namespace test_pstd_checkpoint {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr std::ptrdiff_t before = 25, after = 25; // steps
 const storage::CheckpointOwner owner{"case", "program"};
 
 /// Layers of fluid and of a lossy solid with a body, absorbing layers on some sides only, a
 /// prescribed velocity in the middle and an additive stress: everything that a checkpoint must
 /// contain. The extents have no common divisors with the number of ranks.
-pstd::Setup everything() {
+static pstd::Setup everything() {
     pstd::Setup s;
     s.grid = {{11, 9, 21}, {1e-3, 1.1e-3, 0.9e-3}, 5e-6};
     s.pml.points = {2, 0, 4};
@@ -74,8 +72,6 @@ void restore(pstd::Stepper<Real>& stepper, const std::filesystem::path& path, co
     const storage::CheckpointFileReader file(path, team);
     stepper.restore(file);
 }
-
-} // namespace
 
 TEMPLATE_TEST_CASE(
     "engine pstd resumes from a checkpoint with the same bits on any number of ranks",

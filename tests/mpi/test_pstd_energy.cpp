@@ -14,13 +14,11 @@ namespace test_pstd_energy {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr double spacing_m = 1e-3;
 const pstd::NodeMaterial solid{1000.0, 20.0, 5.0}, fluid{1000.0, 20.0, 0.0};
 
 /// A periodic box without absorbing layer, of which the step is `share` of the largest stable one.
-pstd::Setup box(const pstd::NodeMaterial& material, double share) {
+static pstd::Setup box(const pstd::NodeMaterial& material, double share) {
     pstd::Setup s;
     s.grid = {{11, 9, 16},
               {spacing_m, spacing_m, spacing_m},
@@ -31,7 +29,7 @@ pstd::Setup box(const pstd::NodeMaterial& material, double share) {
 }
 
 /// Pa on all normal stresses of a node, in the first step.
-void add_pressure(pstd::Setup& setup, double pressure_Pa) {
+static void add_pressure(pstd::Setup& setup, double pressure_Pa) {
     for (const pstd::Field field : {pstd::Field::sxx, pstd::Field::syy, pstd::Field::szz}) {
         pstd::Source source{.field = field, .scaling = pstd::SourceScaling::none};
         source.nodes = {{5, 4, 7}};
@@ -40,7 +38,7 @@ void add_pressure(pstd::Setup& setup, double pressure_Pa) {
 }
 
 /// A focus over tissue with a light, stiff lump, of few points.
-Case scene(PstdTop top, PstdLoad load) {
+static Case scene(PstdTop top, PstdLoad load) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
     Body lump;
     lump.shape = Ellipsoid{{6e-3, 5e-3, 4e-3}};
@@ -64,7 +62,7 @@ Case scene(PstdTop top, PstdLoad load) {
 }
 
 /// Largest kinetic energy relative to the largest work until then, from the step `first`.
-double largest_ratio(const Case& c) {
+static double largest_ratio(const Case& c) {
     const auto& options = std::get<PstdOptions>(c.solver);
     const pstd::CaseGrid grid = pstd::case_grid(c, options);
     const pstd::StepChoice step =
@@ -85,8 +83,6 @@ double largest_ratio(const Case& c) {
     }
     return ratio;
 }
-
-} // namespace
 
 TEST_CASE("the work of a force on a lossless medium of engine pstd is its energy", "[mpi][pstd]") {
     const Comm world = Comm::world();

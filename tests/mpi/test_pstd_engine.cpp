@@ -10,10 +10,8 @@ namespace test_pstd_engine {
 
 using namespace shearwake;
 
-namespace {
-
 /// A moving focus over a film with an inclusion below, for 1 ms; the extents have few divisors.
-Case small_case(PstdEdges edges) {
+static Case small_case(PstdEdges edges) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
     Layer film = c.scene.medium.layers[0];
     film.thickness_m = 1.7e-3;
@@ -43,8 +41,8 @@ Case small_case(PstdEdges edges) {
 
 /// Largest difference of frames (beginning with `from`) and volumes to those of the complete run on
 /// one rank, relative to the largest value of each.
-double apart(const Case& c, const test::VolumeStore& part, const test::VolumeStore& whole,
-             std::ptrdiff_t from, const Comm& world) {
+static double apart(const Case& c, const test::VolumeStore& part, const test::VolumeStore& whole,
+                    std::ptrdiff_t from, const Comm& world) {
     double worst = 0.0;
     const auto offset = static_cast<std::size_t>(part.slab().x_start * c.domain.ny);
     const auto compare = [&](const std::vector<double>& a, const std::vector<double>& b) {
@@ -58,8 +56,6 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
             compare(part.at(1, 0, component, level), whole.at(1, 0, component, level));
     return world.max(worst);
 }
-
-} // namespace
 
 TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());

@@ -13,19 +13,17 @@ namespace test_pstd_oblique {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 using Complex = std::complex<double>;
 using Vector = std::array<double, 3>;
 constexpr double density_kg_m3 = 1000.0, c_p_m_s = 20.0, c_s_m_s = 5.0;
 
-double dot(const Vector& a, const Vector& b) {
+static double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-Vector scaled(const Vector& a, double by) {
+static Vector scaled(const Vector& a, double by) {
     return {by * a[0], by * a[1], by * a[2]};
 }
-Vector direction(const Vector& a) {
+static Vector direction(const Vector& a) {
     return scaled(a, 1.0 / std::sqrt(dot(a, a)));
 }
 
@@ -39,7 +37,7 @@ struct Mode {
     Complex growth, traction_Pa; // at the end of the step, where u is 1 m/s
 };
 
-Mode mode_of(const pstd::Grid& grid, Kind kind, double chi_Pa_s, double eta_Pa_s) {
+static Mode mode_of(const pstd::Grid& grid, Kind kind, double chi_Pa_s, double eta_Pa_s) {
     constexpr double waves[3] = {1.0, -2.0, 3.0};
     Mode m;
     for (std::size_t a = 0; a < 3; ++a)
@@ -67,7 +65,7 @@ Mode mode_of(const pstd::Grid& grid, Kind kind, double chi_Pa_s, double eta_Pa_s
 
 /// The stress caused by the strain of the polarisation, per unit of traction. Elastic and viscous
 /// stress differ by a factor only if chi/lambda equals eta/mu.
-double stress_of(pstd::Field field, const Mode& m, Kind kind) {
+static double stress_of(pstd::Field field, const Mode& m, Kind kind) {
     const Vector n = direction(m.k_rad_m);
     constexpr std::size_t pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     const auto& [i, j] = pairs[pstd::index_of(field) - 3];
@@ -76,21 +74,19 @@ double stress_of(pstd::Field field, const Mode& m, Kind kind) {
     return ((i == j ? lambda : 0.0) + 2.0 * mu * n[i] * n[j]) / (lambda + 2.0 * mu);
 }
 
-Complex amplitude(pstd::Field field, const Mode& m, Kind kind) {
+static Complex amplitude(pstd::Field field, const Mode& m, Kind kind) {
     if (pstd::is_velocity(field)) return m.polarisation[pstd::index_of(field)];
     return m.traction_Pa * stress_of(field, m, kind);
 }
 
-double value_at(pstd::Field field, const Mode& m, Kind kind, const pstd::Grid& grid,
-                const pstd::Node& n, int step) {
+static double value_at(pstd::Field field, const Mode& m, Kind kind, const pstd::Grid& grid,
+                       const pstd::Node& n, int step) {
     double phase = 0.0;
     for (std::size_t a = 0; a < 3; ++a)
         phase += m.k_rad_m[a] * grid.spacing_m[a] *
                  (static_cast<double>(n[a]) + (pstd::is_staggered(field, a) ? 0.5 : 0.0));
     return std::real(amplitude(field, m, kind) * std::pow(m.growth, step) * std::polar(1.0, phase));
 }
-
-} // namespace
 
 TEST_CASE("oblique plane wave advances as the scheme's own mode on any number of ranks",
           "[mpi][pstd]") {

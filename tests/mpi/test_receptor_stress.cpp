@@ -10,16 +10,12 @@ namespace test_receptor_stress {
 
 using namespace shearwake;
 
-namespace {
-
-Case small_case(double contrast) {
+static Case small_case(double contrast) {
     Case c = test::thin_layer(contrast);
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]") {
     Case c = small_case(GENERATE(1.0, 16.0));

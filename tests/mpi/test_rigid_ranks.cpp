@@ -9,15 +9,14 @@ namespace test_rigid_ranks {
 
 using namespace shearwake;
 
-namespace {
-
-spectral::Stepper stepper_of(const Case& c, const fft::SlabTransform& slabs, const Comm& team) {
+static spectral::Stepper stepper_of(const Case& c, const fft::SlabTransform& slabs,
+                                    const Comm& team) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     return {c, spectral::choose_mesh(c, options, *options.time_step_s), slabs, *options.time_step_s,
             team};
 }
 
-void advance_to(std::ptrdiff_t step, spectral::Stepper& stepper) {
+static void advance_to(std::ptrdiff_t step, spectral::Stepper& stepper) {
     while (stepper.step() < step)
         stepper.advance();
 }
@@ -27,7 +26,7 @@ struct Ended {
     std::vector<double> position;
     std::ptrdiff_t x_start = 0;
 };
-Ended end_of(const Case& c, const Comm& team) {
+static Ended end_of(const Case& c, const Comm& team) {
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team);
     spectral::Stepper stepper = stepper_of(c, slabs, team);
     advance_to(12, stepper);
@@ -42,8 +41,6 @@ Ended end_of(const Case& c, const Comm& team) {
     }
     return ended;
 }
-
-} // namespace
 
 TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
     Case c = test::bone_case(test::Along::y, 0.5);

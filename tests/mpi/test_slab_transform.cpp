@@ -11,22 +11,20 @@ namespace test_slab_transform {
 
 using namespace shearwake;
 
-namespace {
-
 /// Extents that are not divisible, odd extents, and fewer rows than ranks.
 using PlaneSize = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
 const auto grids = {PlaneSize{14, 10}, PlaneSize{30, 18}, PlaneSize{9, 7}, PlaneSize{4, 2},
                     PlaneSize{2, 6}};
 
 /// Pseudo-random numbers that depend on the position in the grid, not on the rank.
-double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
+static double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
     const auto x = static_cast<double>(i), y = static_cast<double>(j);
     return std::sin(12.9898 * x + 78.233 * y + 3.1 * x * y + 1.0);
 }
 
 /// A plane of noise in its rows, with arbitrary values in the padding.
-fft::AlignedVector<double> noise_plane(const fft::SlabShare& share, std::ptrdiff_t ny,
-                                       std::ptrdiff_t seed = 0) {
+static fft::AlignedVector<double> noise_plane(const fft::SlabShare& share, std::ptrdiff_t ny,
+                                              std::ptrdiff_t seed = 0) {
     fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals), 1e3);
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < ny; ++j)
@@ -35,11 +33,9 @@ fft::AlignedVector<double> noise_plane(const fft::SlabShare& share, std::ptrdiff
     return plane;
 }
 
-std::complex<double>* spectrum_of(fft::AlignedVector<double>& plane) {
+static std::complex<double>* spectrum_of(fft::AlignedVector<double>& plane) {
     return reinterpret_cast<std::complex<double>*>(plane.data());
 }
-
-} // namespace
 
 TEST_CASE("slab transform equals the Fourier sum for all ranks and extents", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));

@@ -10,16 +10,12 @@ namespace test_tensor_volumes {
 
 using namespace shearwake;
 
-namespace {
-
-Case small_case(double contrast) {
+static Case small_case(double contrast) {
     Case c = test::thin_layer(contrast);
     c.record.volumes_s = {c.time.frame_s(1), c.time.frame_s(3)};
     c.record.volume_fields = {VolumeField::u, VolumeField::strain, VolumeField::stress};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("volumes are unchanged when a run stops at or near a snapshot", "[mpi]") {
     const Case c = small_case(2.0);

@@ -12,11 +12,9 @@ namespace test_volume {
 
 using namespace shearwake;
 
-namespace {
-
 const std::vector<double> levels_m = {0.0, 0.3e-3, 1e-3};
 
-Case small_case() {
+static Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     c.domain = {4, 6, 1e-3, 0.0}; // the last of 5 ranks has no row
     c.time = {2, 1e-3};
@@ -26,14 +24,15 @@ Case small_case() {
     return c;
 }
 
-double value_at(const engines::VolumePlane& p, std::ptrdiff_t i, std::ptrdiff_t j) {
+static double value_at(const engines::VolumePlane& p, std::ptrdiff_t i, std::ptrdiff_t j) {
     return static_cast<double>(10000 * p.snapshot + 5000 * p.field + 500 * p.component +
                                100 * p.level) +
            static_cast<double>(10 * i + j);
 }
 
 /// Passes all planes of all volumes except the last `missing` ones to the observer.
-void run_fake_engine(const Case& c, const Comm& team, engines::Observer& observer, int missing) {
+static void run_fake_engine(const Case& c, const Comm& team, engines::Observer& observer,
+                            int missing) {
     const std::ptrdiff_t each = (c.domain.nx + team.size() - 1) / team.size();
     const std::ptrdiff_t start = std::min(c.domain.nx, each * team.rank());
     const std::ptrdiff_t rows = std::min(c.domain.nx, start + each) - start;
@@ -56,7 +55,7 @@ void run_fake_engine(const Case& c, const Comm& team, engines::Observer& observe
     }
 }
 
-bool holds_volumes(const std::filesystem::path& path, const Case& c) {
+static bool holds_volumes(const std::filesystem::path& path, const Case& c) {
     const h5::Id file = h5::open_file(path, h5::Access::read);
     bool same = h5::dataset_names(h5::open_group(file.raw(), "volume").raw()).size() == 4 + 3 + 6;
     for (std::size_t field = 0; field < c.record.volume_fields.size(); ++field) {
@@ -77,8 +76,6 @@ bool holds_volumes(const std::filesystem::path& path, const Case& c) {
     }
     return same;
 }
-
-} // namespace
 
 TEST_CASE("writes the slabs of all ranks as volumes with x as the fastest index", "[mpi]") {
     const Comm world = Comm::world();

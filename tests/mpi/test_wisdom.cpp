@@ -17,8 +17,6 @@ namespace test_wisdom {
 
 using namespace shearwake;
 
-namespace {
-
 /// Sets SHEARWAKE_CACHE during its lifetime.
 class CacheAt {
 public:
@@ -69,18 +67,18 @@ struct CountedPlans {
     }
 };
 
-std::string content(const std::filesystem::path& path) {
+static std::string content(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-void write(const std::filesystem::path& path, const std::string& text) {
+static void write(const std::filesystem::path& path, const std::string& text) {
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path, std::ios::binary) << text;
 }
 
 /// Spectrum and plane of this rank after both transforms.
-fft::AlignedVector<double> transformed(const fft::SlabTransform& transform) {
+static fft::AlignedVector<double> transformed(const fft::SlabTransform& transform) {
     const fft::SlabShare& share = transform.share();
     fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
     for (std::ptrdiff_t i = 0; i < share.x_count * share.padded_ny; ++i)
@@ -95,11 +93,9 @@ fft::AlignedVector<double> transformed(const fft::SlabTransform& transform) {
     return both;
 }
 
-bool everywhere(bool here) {
+static bool everywhere(bool here) {
     return Comm::world().max(here ? 0 : 1) == 0;
 }
-
-} // namespace
 
 TEST_CASE("measures a plan once on one rank and reuses it", "[mpi]") {
     const NewCache cache;

@@ -9,9 +9,7 @@ namespace test_array_source {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
+static double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
     double difference = 0.0, size = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {
         difference += (a[i] - b[i]) * (a[i] - b[i]);
@@ -21,7 +19,7 @@ double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// The focus of an array that moves along a slanted line, over 12 mm of tissue.
-Case moving_array(double update_rate_Hz) {
+static Case moving_array(double update_rate_Hz) {
     Layer layer = tissue(1500.0);
     layer.thickness_m = 12e-3;
     Case c = moving_focus({{layer}, Base::rigid}, ConstantSpeed{7.0});
@@ -35,12 +33,10 @@ Case moving_array(double update_rate_Hz) {
 }
 
 /// The largest pressure of an array that focuses at the end of the case's path.
-std::vector<double> last_frame(Case c, SolverOptions solver) {
+static std::vector<double> last_frame(Case c, SolverOptions solver) {
     c.solver = solver;
     return frames_of(c).at(c.time.frames - 1);
 }
-
-} // namespace
 
 TEST_CASE("engines layered and spectral agree for a moving array focus", "[verify]") {
     const Case c = moving_array(0.0);

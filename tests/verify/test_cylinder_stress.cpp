@@ -11,8 +11,6 @@ namespace test_cylinder_stress {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// lambda/mu of the tissue around the cylinder.
 const double lambda_per_mu = std::pow(1500.0 / 5.0, 2) - 2.0;
 
@@ -67,20 +65,20 @@ private:
 };
 
 /// The cylinder moves across (u = 1) or down.
-Series moving(double kappa, bool is_down) {
+static Series moving(double kappa, bool is_down) {
     const double k = 2.0 / (kappa * bessel_k(0, kappa)); // see Series with u = e at r = 1
     const double c = kappa * kappa * (1.0 + k * bessel_k(1, kappa));
     if (is_down) return {kappa, {{1, false, k, -c}}};
     return {kappa, {{1, true, -k, c}}};
 }
 /// It turns by 1.
-Series turning(double kappa) {
+static Series turning(double kappa) {
     return {kappa, {{0, false, 1.0 / (kappa * bessel_k(1, kappa)), 0.0}}};
 }
 /// What it scatters of the shear wave e^{kappa x} along the horizontal (polarised down) or the
 /// vertical direction (polarised across), if it is at rest. The wave has psi = -+e^{kappa x}/kappa,
 /// and e^{kappa r cos theta} is the sum of e_n I_n cos(n theta), e_n = 2 - [n = 0].
-Series scattered(double kappa, bool is_level) {
+static Series scattered(double kappa, bool is_level) {
     std::vector<Series::Term> terms;
     for (int n = 0; n < 12; ++n) {
         const double of_wave = (n > 0 ? 2.0 : 1.0) / kappa;
@@ -104,7 +102,7 @@ struct Errors {
     double largest = 0.0;
 };
 
-Errors errors(RigidCylinder& cylinder, const Eigen::VectorXd& forces, const Series& exact) {
+static Errors errors(RigidCylinder& cylinder, const Eigen::VectorXd& forces, const Series& exact) {
     const double h_m = cylinder.spacing_m();
     std::vector<double> downs_m;
     for (double down = -body_radius_m / h_m - 5.0; down < body_radius_m / h_m + 5.0; down += 0.7)
@@ -129,15 +127,13 @@ Errors errors(RigidCylinder& cylinder, const Eigen::VectorXd& forces, const Seri
     return e;
 }
 
-void check(const Errors& found, const std::array<double, 4>& limits) {
+static void check(const Errors& found, const std::array<double, 4>& limits) {
     for (std::size_t distance = 0; distance < limits.size(); ++distance) {
         CAPTURE(distance, found.from_surface[distance]);
         CHECK(found.from_surface[distance] > 0.0); // there are points
         CHECK(found.from_surface[distance] < limits[distance]);
     }
 }
-
-} // namespace
 
 TEST_CASE("stress around a rigid cylinder has the stated errors", "[verify]") {
     const double kappa = GENERATE(from_range(

@@ -12,12 +12,10 @@ namespace test_cylinder_volumes {
 using namespace shearwake;
 using test::Along;
 
-namespace {
-
 constexpr std::size_t components = 6;
 
 /// The stress after 1 ms. The load crosses the cylinder at an angle.
-Case stress_case(Along axis) {
+static Case stress_case(Along axis) {
     Case c = test::bone_case(axis, 1.0);
     c.time.frames = 11;
     c.record.volumes_s = {c.time.frame_s(10)};
@@ -25,7 +23,7 @@ Case stress_case(Along axis) {
     return c;
 }
 
-test::VolumeStore stresses(const Case& c) {
+static test::VolumeStore stresses(const Case& c) {
     test::VolumeStore all;
     engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), all);
     return all;
@@ -39,7 +37,7 @@ struct Difference {
 /// The largest difference of each component at all points that `use` accepts.
 /// `at` returns the place in the other volume.
 template <class Use, class At>
-std::array<Difference, components>
+static std::array<Difference, components>
 differences(const Case& c, const test::VolumeStore& one, const test::VolumeStore& other,
             const std::array<std::size_t, components>& swapped, const Use& use, const At& at) {
     std::array<Difference, components> all;
@@ -58,13 +56,11 @@ differences(const Case& c, const test::VolumeStore& one, const test::VolumeStore
     return all;
 }
 
-bool everywhere(Vec3) {
+static bool everywhere(Vec3) {
     return true;
 }
 
 constexpr std::array<std::size_t, components> not_swapped = {0, 1, 2, 3, 4, 5};
-
-} // namespace
 
 TEST_CASE("the stress around a cylinder does not depend on the axis along which it lies",
           "[verify]") {

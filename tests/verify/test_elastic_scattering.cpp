@@ -11,8 +11,6 @@ namespace test_elastic_scattering {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
 /// Relative L2 difference between what is found and what is exact.
@@ -47,16 +45,16 @@ struct Axes {
 constexpr Axes along_x{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}},
     along_y{{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}};
 
-Body with(Body body, Contrast contrast) {
+static Body with(Body body, Contrast contrast) {
     body.c_s_m_s = 5.0 * std::sqrt(contrast.modulus / contrast.density);
     if (contrast.density != 1.0) body.density_kg_m3 = solid_kg_m3 * contrast.density;
     return body;
 }
-Body cylinder(double azimuth_deg) {
+static Body cylinder(double azimuth_deg) {
     return {.name = "cylinder",
             .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = azimuth_deg}};
 }
-Body sphere() {
+static Body sphere() {
     return {.name = "sphere", .shape = Ellipsoid{{body_radius_m, body_radius_m, body_radius_m}}};
 }
 
@@ -64,8 +62,8 @@ struct Errors {
     double along = 0.0, across = 0.0; // polarisation of the wave
 };
 
-Errors cylinder_errors(bool is_along_x, const Body& body, Contrast exact, double per_radius,
-                       double kappa, Vec3 offset = {0.2, 0.3, 0.0}) {
+static Errors cylinder_errors(bool is_along_x, const Body& body, Contrast exact, double per_radius,
+                              double kappa, Vec3 offset = {0.2, 0.3, 0.0}) {
     constexpr double width = 16.0;
     const Axes& axes = is_along_x ? along_x : along_y;
     ElasticBody cells(body, per_radius, kappa,
@@ -80,7 +78,7 @@ Errors cylinder_errors(bool is_along_x, const Body& body, Contrast exact, double
     }
     return {along.relative(), across.relative()};
 }
-Errors cylinder_errors(bool is_along_x, Contrast contrast, double per_radius, double kappa) {
+static Errors cylinder_errors(bool is_along_x, Contrast contrast, double per_radius, double kappa) {
     return cylinder_errors(is_along_x, with(cylinder(is_along_x ? 0.0 : 90.0), contrast), contrast,
                            per_radius, kappa);
 }
@@ -92,7 +90,7 @@ constexpr std::pair<Vec3, Vec3> probes[] = {{{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}},
                                             {{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}},
                                             {{0.6, 0.0, 0.8}, {0.8, 0.0, -0.6}}};
 
-double sphere_error(const Body& body, Contrast contrast, double per_radius, double kappa) {
+static double sphere_error(const Body& body, Contrast contrast, double per_radius, double kappa) {
     constexpr double width = 12.0;
     ElasticBody cells(body, per_radius, kappa, {width, width, width});
     const ElasticSphere exact(kappa, contrast);
@@ -111,19 +109,17 @@ double sphere_error(const Body& body, Contrast contrast, double per_radius, doub
 
 /// Required at five spacings per radius. At a contrast of 400 and kappa = 1, 5.2 % (cylinder) and
 /// 4.6 % (sphere) are observed, of which 1 % is the wave on this grid.
-double allowed(double contrast) {
+static double allowed(double contrast) {
     return contrast <= 10.0 ? 0.03 : 0.06;
 }
 
 /// Integral of e^{kappa v.r} over the unit sphere and over the unit disk.
-double over_sphere(double x) {
+static double over_sphere(double x) {
     return x > 0.0 ? 4.0 * pi * (x * std::cosh(x) - std::sinh(x)) / (x * x * x) : 4.0 * pi / 3.0;
 }
-double over_disk(double x) {
+static double over_disk(double x) {
     return x > 1e-9 ? 2.0 * pi * bessel_i(1, x) / x : pi;
 }
-
-} // namespace
 
 TEST_CASE("series for elastic bodies equal Born's approximation at small contrasts", "[verify]") {
     // The contrast times the integral of the product of the waves' strains, or displacements.

@@ -9,17 +9,15 @@ namespace test_lamb {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
-Layer poisson_solid() { // nu = 0.25
+static Layer poisson_solid() { // nu = 0.25
     Layer layer = test::tissue(5.0 * std::sqrt(3.0), 0.0);
     return layer;
 }
 
 /// Pekeris 1955: u_z(tau) = -g(tau) / (32 pi mu r) of a step point load of 1 N, nu = 0.25.
-double pekeris_g(double tau) {
+static double pekeris_g(double tau) {
     const double s3 = std::sqrt(3.0), gamma = 0.5 * std::sqrt(3.0 + s3), t2 = tau * tau;
     if (tau < 1.0 / s3) return 0.0;
     if (tau > gamma) return -12.0;
@@ -30,7 +28,7 @@ double pekeris_g(double tau) {
 }
 
 /// Integral of f over [a, b] by Gauss-Legendre (5 points) on `panels` panels.
-double integrate(double a, double b, int panels, const auto& f) {
+static double integrate(double a, double b, int panels, const auto& f) {
     static constexpr double x[] = {-0.9061798459386640, -0.5384693101056831, 0.0,
                                    0.5384693101056831, 0.9061798459386640};
     static constexpr double w[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
@@ -46,7 +44,7 @@ double integrate(double a, double b, int panels, const auto& f) {
 /// The solution for a Gaussian of 1 Pa peak at distance r: the point solution at all distances rho,
 /// weighted by the mean of the Gaussian over the circle of radius rho around the receiver,
 ///     2 pi exp(-(r^2 + rho^2) / 2 sigma^2) I0(r rho / sigma^2).
-double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
+static double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
     const double mu = static_shear_modulus(layer), ct = layer.c_s_m_s * t;
     const double gamma = 0.5 * std::sqrt(3.0 + std::sqrt(3.0));
     // Gaussian times 2 pi rho, as a function of rho of the point solution.
@@ -70,7 +68,7 @@ double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
     return sum / (32.0 * pi * mu);
 }
 
-Case point_load(const Layer& layer, double fwhm_m) {
+static Case point_load(const Layer& layer, double fwhm_m) {
     Case c;
     c.scene.medium = test::half_space(layer);
     c.scene.load.peak_Pa = 1.0;
@@ -82,8 +80,6 @@ Case point_load(const Layer& layer, double fwhm_m) {
     c.solver = LayeredOptions{};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("Lamb's problem: response to a step load equals the closed form of Pekeris", "[verify]") {
     // The domain is 160 mm wide: the P wave of the first image (8.7 m/s) needs 17 ms to the

@@ -24,8 +24,6 @@ namespace test_load_jumps {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
@@ -60,8 +58,8 @@ struct End {
 };
 
 /// u_z at a grid point of a focus whose passes have one velocity.
-double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity_m_s, Vec2 at_m,
-                      double t_s) {
+static double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity_m_s,
+                             Vec2 at_m, double t_s) {
     const double dkx = 2.0 * pi / c.domain.extent_x_m(), dky = 2.0 * pi / c.domain.extent_y_m();
     Complex sum = 0.0;
     for (std::ptrdiff_t i = 1 - c.domain.nx / 2; i < c.domain.nx / 2; ++i)
@@ -91,28 +89,26 @@ double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity
     return c.scene.load.peak_Pa * sum.real() / (c.domain.extent_x_m() * c.domain.extent_y_m());
 }
 
-double mean(const std::vector<double>& values) {
+static double mean(const std::vector<double>& values) {
     double sum = 0.0;
     for (const double value : values)
         sum += value;
     return sum / static_cast<double>(values.size());
 }
 
-Case small_case(const Medium& medium) {
+static Case small_case(const Medium& medium) {
     Case c = test::moving_focus(medium, {});
     c.scene.load.footprint = GaussianFootprint{4e-3};
     c.domain = {16, 16, 1.5e-3, 0.0};
     return c;
 }
 
-double largest(const std::vector<double>& values) {
+static double largest(const std::vector<double>& values) {
     double most = 0.0;
     for (const double value : values)
         most = std::max(most, std::abs(value));
     return most;
 }
-
-} // namespace
 
 TEST_CASE("a line that is drawn again and again agrees with Laplace inversion",
           "[layered][jumps]") {

@@ -19,26 +19,24 @@ using namespace shearwake;
 using namespace shearwake::neural;
 using shearwake::neural::Line;
 
-namespace {
-
-std::optional<h5::Id> reference(const std::string& name) {
+static std::optional<h5::Id> reference(const std::string& name) {
     const char* folder = std::getenv("SHEARWAKE_NEURAL_REFERENCE");
     if (!folder || !*folder) return std::nullopt;
     return h5::open_file(std::filesystem::path(folder) / name, h5::Access::read);
 }
 
-Lines lines_of(const h5::Id& file, const std::string& path) {
+static Lines lines_of(const h5::Id& file, const std::string& path) {
     storage::NumberBlock block = storage::read_numbers(file.raw(), path);
     Lines lines(block.shape.at(0), block.shape.at(1));
     lines.values = std::move(block.values);
     return lines;
 }
 
-std::vector<double> values_of(const h5::Id& file, const std::string& path) {
+static std::vector<double> values_of(const h5::Id& file, const std::string& path) {
     return storage::read_numbers(file.raw(), path).values;
 }
 
-PinStimulus stimulus_of(const h5::Id& file, const std::string& path) {
+static PinStimulus stimulus_of(const h5::Id& file, const std::string& path) {
     PinStimulus stimulus;
     const h5::Id group = h5::open_group(file.raw(), path);
     stimulus.radius_mm = h5::number_attribute(group.raw(), "pin_radius_mm");
@@ -50,7 +48,7 @@ PinStimulus stimulus_of(const h5::Id& file, const std::string& path) {
     return stimulus;
 }
 
-std::vector<Afferent> afferents_of(const h5::Id& file) {
+static std::vector<Afferent> afferents_of(const h5::Id& file) {
     const Lines at = lines_of(file, "aff_xy_mm");
     const auto kinds = values_of(file, "aff_class"), rows = values_of(file, "aff_model");
     std::vector<Afferent> afferents;
@@ -61,7 +59,7 @@ std::vector<Afferent> afferents_of(const h5::Id& file) {
     return afferents;
 }
 
-std::vector<Spikes> spikes_of(const h5::Id& file, const std::string& path) {
+static std::vector<Spikes> spikes_of(const h5::Id& file, const std::string& path) {
     const auto counts = values_of(file, path + "/spike_count"),
                samples = values_of(file, path + "/spike_sample");
     std::vector<Spikes> spikes;
@@ -75,7 +73,7 @@ std::vector<Spikes> spikes_of(const h5::Id& file, const std::string& path) {
 }
 
 /// The difference of each line relative to its largest reference value, maximum over the lines.
-double worst_over_row_maximum(const Lines& ours, const Lines& theirs) {
+static double worst_over_row_maximum(const Lines& ours, const Lines& theirs) {
     REQUIRE(ours.count == theirs.count);
     REQUIRE(ours.samples == theirs.samples);
     double worst = 0.0;
@@ -112,8 +110,6 @@ constexpr double rounding = 1e-10;
 
 const char* const all_stimuli[] = {"sine200_50um", "sine20_300um",           "sine60_100um",
                                    "ramphold_1mm", "sine200_50um_preindent", "sine200_50um_fs20k"};
-
-} // namespace
 
 TEST_CASE("all stages of all 17 neurons equal TouchSim within 1e-10", "[neural]") {
     const auto file = reference("shared_1_single_afferents.h5");

@@ -13,15 +13,11 @@ namespace test_neural_scan {
 
 using namespace shearwake;
 
-namespace {
-
-const std::vector<double>& values(const VariableGroup& group, std::string_view name) {
+static const std::vector<double>& values(const VariableGroup& group, std::string_view name) {
     for (const Variable& v : group.variables)
         if (v.name == name) return v.values;
     throw std::runtime_error("no variable " + std::string(name));
 }
-
-} // namespace
 
 TEST_CASE("first spikes along a scan are delayed by the travel time of the focus", "[neural]") {
     const std::filesystem::path folder = JOBS_DIRECTORY;

@@ -9,12 +9,10 @@ namespace test_open_edges {
 
 using namespace shearwake;
 
-namespace {
-
 /// Skin over a rigid base: its P waves do not cross a wide domain, since a layer of 10 mm does not
 /// guide them below 37 kHz. (On a half-space they do, and a domain four times as wide is still in
 /// error by several per cent.)
-Medium thin_skin() {
+static Medium thin_skin() {
     Layer film = test::tissue(1500.0, 1.0), fat = test::tissue(1500.0, 1.0);
     film.thickness_m = 0.3e-3;
     film.c_s_m_s = 20.0;
@@ -23,7 +21,7 @@ Medium thin_skin() {
     return {{film, fat}, Base::rigid};
 }
 
-Case circle() {
+static Case circle() {
     Case c = test::moving_focus(thin_skin(), {});
     c.scene.load.footprint = GaussianFootprint{4e-3};
     c.scene.load.modulation.trajectory = {{Travel{Arc{{2e-3, 1e-3}, 8e-3, 0.3, 6.283185307179586},
@@ -36,8 +34,8 @@ Case circle() {
 }
 
 /// Relative L2 difference of all frames of a depth on the domain of `c`.
-double difference(const Case& c, const test::FrameStore& frames, const Case& wide,
-                  const test::FrameStore& of_wide, std::size_t depth) {
+static double difference(const Case& c, const test::FrameStore& frames, const Case& wide,
+                         const test::FrameStore& of_wide, std::size_t depth) {
     const std::ptrdiff_t dx = (wide.domain.nx - c.domain.nx) / 2,
                          dy = (wide.domain.ny - c.domain.ny) / 2;
     double square = 0.0, all = 0.0;
@@ -53,14 +51,12 @@ double difference(const Case& c, const test::FrameStore& frames, const Case& wid
     return std::sqrt(square / all);
 }
 
-Case on_wide_domain(Case c) {
+static Case on_wide_domain(Case c) {
     c.domain.nx *= 4;
     c.domain.ny *= 4;
     c.domain.edges = DomainEdges::periodic;
     return c;
 }
-
-} // namespace
 
 TEST_CASE("open edges agree with a periodic domain four times as wide", "[open_edges]") {
     const Case open = circle(), wide = on_wide_domain(open);

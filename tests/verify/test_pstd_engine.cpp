@@ -11,15 +11,13 @@ namespace test_pstd_engine {
 
 using namespace shearwake;
 
-namespace {
-
 struct NodeFluid {
     double density_kg_m3, c_p_m_s;
 };
 
 /// A focus at a fixed position that is switched on and off, over soft tissue of c_p/c_s = 10, for 4
 /// ms.
-Case resting_focus(const SolverOptions& solver, double fwhm_m, double spacing_m) {
+static Case resting_focus(const SolverOptions& solver, double fwhm_m, double spacing_m) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 1.0)), ConstantSpeed{1.0});
     c.scene.load.footprint = GaussianFootprint{fwhm_m};
     c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
@@ -33,7 +31,7 @@ Case resting_focus(const SolverOptions& solver, double fwhm_m, double spacing_m)
 }
 
 /// Relative L2 difference of all frames.
-double apart(const test::FrameStore& a, const test::FrameStore& b, std::ptrdiff_t frames) {
+static double apart(const test::FrameStore& a, const test::FrameStore& b, std::ptrdiff_t frames) {
     double difference = 0.0, sum = 0.0;
     for (std::ptrdiff_t n = 0; n < frames; ++n) {
         const auto &of_a = a.at(n), &of_b = b.at(n);
@@ -49,13 +47,13 @@ using Complex = std::complex<double>;
 using Response = std::function<Complex(double k, Complex omega)>; // W/p at z = 0
 
 /// sqrt(k^2 - omega^2/c^2), the root of the decaying solution.
-Complex decay(double k, Complex omega, Complex c2) {
+static Complex decay(double k, Complex omega, Complex c2) {
     const Complex root = std::sqrt(k * k - omega * omega / c2);
     return root.real() < 0.0 ? -root : root;
 }
 
 /// A sheet of force in a full space: one half acts on each side, where U = 0 by symmetry.
-Complex full_space(const Layer& layer, double k, Complex omega) {
+static Complex full_space(const Layer& layer, double k, Complex omega) {
     const double rho = layer.density_kg_m3;
     const Complex alpha = decay(k, omega, p_wave_modulus(layer, omega) / rho),
                   beta = decay(k, omega, shear_modulus(layer, omega) / rho);
@@ -64,7 +62,7 @@ Complex full_space(const Layer& layer, double k, Complex omega) {
 
 /// The half-space of docs/explanation/engine-layered.md with a fluid above that moves along with
 /// it; the pressure of the fluid is rho omega^2 W / alpha with the fluid's alpha.
-Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Complex omega) {
+static Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Complex omega) {
     const double rho = layer.density_kg_m3;
     const Complex mu = shear_modulus(layer, omega), ks2 = rho * omega * omega / mu;
     const Complex alpha = decay(k, omega, p_wave_modulus(layer, omega) / rho),
@@ -78,7 +76,7 @@ Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Comple
 
 /// u_z at the centre of a resting focus for each frame: a sum over the modes of the periodic
 /// domain, at complex frequencies that prevent periodicity in time.
-std::vector<double> centre_of(const Case& c, const Response& response) {
+static std::vector<double> centre_of(const Case& c, const Response& response) {
     const std::ptrdiff_t count = 256, n = c.domain.nx;
     const double period_s = 2.0 * c.time.duration_s(), dt_s = period_s / count,
                  eps = std::log(1e6) / period_s,
@@ -109,7 +107,7 @@ std::vector<double> centre_of(const Case& c, const Response& response) {
 }
 
 /// Relative L2 difference at the centre.
-double centre_error(const PstdOptions& options, const Response& response) {
+static double centre_error(const PstdOptions& options, const Response& response) {
     const Case c = resting_focus(options, 9e-3, 1.5e-3);
     const auto stepped = test::frames_of(c);
     const std::vector<double> exact = centre_of(c, response);
@@ -123,7 +121,7 @@ double centre_error(const PstdOptions& options, const Response& response) {
     return std::sqrt(difference / sum);
 }
 
-double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
+static double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
     const auto exact = test::frames_of(resting_focus(LayeredOptions{}, fwhm_m, spacing_m));
     const auto stepped = test::frames_of(resting_focus(options, fwhm_m, spacing_m));
     return apart(stepped, exact, 16);
@@ -131,7 +129,7 @@ double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
 
 /// Relative L2 difference of the effect of a sphere, of 4 mm at a depth of 12 mm, on the surface at
 /// 6 ms.
-double effect_apart(double contrast, double per_radius) {
+static double effect_apart(double contrast, double per_radius) {
     constexpr double radius_m = 4e-3;
     const auto effect = [&](const SolverOptions& solver) {
         Case c = test::moving_focus(test::half_space(test::tissue(25.0, 0.5)), ConstantSpeed{1.0});
@@ -163,8 +161,6 @@ double effect_apart(double contrast, double per_radius) {
     }
     return std::sqrt(difference / sum);
 }
-
-} // namespace
 
 TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pstd]") {
     const double difference = effect_apart(4.0, 4.0);

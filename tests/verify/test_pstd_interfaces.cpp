@@ -12,8 +12,6 @@ namespace test_pstd_interfaces {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr double d_m = 1e-3, dt_s = 1e-5;
 const pstd::NodeMaterial soft{1000.0, 20.0, 5.0}, stiff{1500.0, 30.0, 9.0}, fluid{900.0, 18.0, 0.0};
 
@@ -27,7 +25,7 @@ struct Wave {
 const Wave p_wave{pstd::Field::uz, pstd::Field::szz}, s_wave{pstd::Field::ux, pstd::Field::sxz};
 
 /// A Gaussian that is cut off to zero at six widths, where its value is 1.5e-8.
-double bell(double z_m, double width_m) {
+static double bell(double z_m, double width_m) {
     const double a = z_m / width_m;
     // No node lies at the cutoff, where rounding would decide between 0 and e^-18.
     return std::abs(a) > 6.01 ? 0.0 : std::exp(-0.5 * a * a);
@@ -35,8 +33,8 @@ double bell(double z_m, double width_m) {
 
 /// Adds values at all nodes in the first step: a Gaussian of u that travels in the direction +z
 /// (ahead 1) or -z (-1), with the stress -+rho c u.
-void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMaterial& here,
-                double centre_m, double width_m, double ahead) {
+static void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMaterial& here,
+                       double centre_m, double width_m, double ahead) {
     for (const pstd::Field field : {wave.velocity, wave.stress}) {
         const bool velocity = field == wave.velocity;
         pstd::Source source{.field = field, .scaling = pstd::SourceScaling::none};
@@ -57,20 +55,18 @@ void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMaterial& 
     }
 }
 
-Comm alone() {
+static Comm alone() {
     return Comm::world().split(Comm::world().rank());
 }
 
 /// The value of largest magnitude between two nodes.
-double extreme(const std::vector<double>& line, std::ptrdiff_t from, std::ptrdiff_t to) {
+static double extreme(const std::vector<double>& line, std::ptrdiff_t from, std::ptrdiff_t to) {
     double most = 0.0;
     for (std::ptrdiff_t k = from; k < to; ++k)
         if (std::abs(line[static_cast<std::size_t>(k)]) > std::abs(most))
             most = line[static_cast<std::size_t>(k)];
     return most;
 }
-
-} // namespace
 
 TEST_CASE("amplitudes of reflected and transmitted waves follow from the impedances", "[pstd]") {
     const Wave wave = GENERATE(p_wave, s_wave);

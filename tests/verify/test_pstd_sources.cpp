@@ -12,12 +12,10 @@ namespace test_pstd_sources {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr double dx_m = 1e-3, dz_m = 0.8e-3, dt_s = 4e-6;
 const pstd::NodeMaterial solid{1000.0, 20.0, 5.0};
 
-Comm alone() {
+static Comm alone() {
     return Comm::world().split(Comm::world().rank());
 }
 
@@ -27,8 +25,6 @@ struct Plane {
     double speed_m_s;
     double amplitude; // of the received field, for a source value of 1
 };
-
-} // namespace
 
 TEST_CASE("an additive plane source emits the amplitude that follows from its scaling", "[pstd]") {
     // If f is added to one plane in each step, waves of f d/(2 c dt) travel to both sides. k-Wave

@@ -12,15 +12,13 @@ namespace test_pstd_stokes {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 constexpr double density_kg_m3 = 1000.0, c_p_m_s = 10.0, c_s_m_s = 5.0, d_m = 1e-3;
 constexpr double force_N = 1e-3, centre_s = 4e-3, width_s = 0.6e-3;
 constexpr std::ptrdiff_t points = 52, middle = 26;
 
 /// Force relative to force_N: down and up, so that no static field reaches the absorbing layer.
-double pulse(double t_s) {
+static double pulse(double t_s) {
     const double a = (t_s - centre_s) / width_s;
     return a * std::exp(-a * a);
 }
@@ -28,7 +26,7 @@ double pulse(double t_s) {
 /// Stokes 1849 (Aki and Richards, eq. 4.23): displacement at a distance from a point force along z,
 ///     4 pi rho u_z = (3 g^2 - 1)/r^3 int_{r/c_p}^{r/c_s} tau F(t - tau) dtau
 ///                    + g^2/(c_p^2 r) F(t - r/c_p) + (1 - g^2)/(c_s^2 r) F(t - r/c_s),  g = z/r.
-double stokes_u_z_m(pstd::Node away, double t_s) {
+static double stokes_u_z_m(pstd::Node away, double t_s) {
     double r2 = 0.0;
     for (const std::ptrdiff_t n : away)
         r2 += std::pow(static_cast<double>(n) * d_m, 2);
@@ -47,8 +45,6 @@ double stokes_u_z_m(pstd::Node away, double t_s) {
             g2 / (c_p_m_s * c_p_m_s * r) * pulse(t_s - from) +
             (1.0 - g2) / (c_s_m_s * c_s_m_s * r) * pulse(t_s - to));
 }
-
-} // namespace
 
 TEST_CASE("field of a force in a full space equals the solution of Stokes", "[pstd]") {
     const Comm team = Comm::world().split(Comm::world().rank());

@@ -13,8 +13,6 @@ namespace test_pstd_waves {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 constexpr double density_kg_m3 = 1000.0, c_p_m_s = 20.0, c_s_m_s = 5.0, dz_m = 1e-3;
 
@@ -27,7 +25,7 @@ const Wave p_wave{pstd::Field::uz, pstd::Field::szz, c_p_m_s};
 const Wave s_wave{pstd::Field::ux, pstd::Field::sxz, c_s_m_s};
 
 /// A line of nodes along z, uniform in x and y.
-pstd::Setup line(std::ptrdiff_t points, double dt_s) {
+static pstd::Setup line(std::ptrdiff_t points, double dt_s) {
     pstd::Setup s;
     s.grid = {{1, 1, points}, {1e-3, 1e-3, dz_m}, dt_s};
     s.pml.strength_1 = {0.0, 0.0, 0.0};
@@ -36,8 +34,8 @@ pstd::Setup line(std::ptrdiff_t points, double dt_s) {
 }
 
 /// One unscaled sample at all nodes of a line: the total increases by `value` of the node.
-pstd::Source at_once(pstd::Field field, std::ptrdiff_t points,
-                     const std::function<double(double)>& value) {
+static pstd::Source at_once(pstd::Field field, std::ptrdiff_t points,
+                            const std::function<double(double)>& value) {
     pstd::Source s{.field = field, .scaling = pstd::SourceScaling::none};
     std::vector<double> values;
     for (std::ptrdiff_t k = 0; k < points; ++k) {
@@ -50,25 +48,25 @@ pstd::Source at_once(pstd::Field field, std::ptrdiff_t points,
     return test::sampled_source(s, values);
 }
 
-std::vector<double> line_of(const pstd::Stepper<double>& stepper, pstd::Field field,
-                            const Comm& team) {
+static std::vector<double> line_of(const pstd::Stepper<double>& stepper, pstd::Field field,
+                                   const Comm& team) {
     return values_in<double>(stepper, field, {{0, 0, 0}, {1, 1, stepper.slabs().nz()}}, team);
 }
 
-std::complex<double> mode_of(const std::vector<double>& values, double k_rad_m) {
+static std::complex<double> mode_of(const std::vector<double>& values, double k_rad_m) {
     std::complex<double> sum = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i)
         sum += values[i] * std::polar(1.0, -k_rad_m * dz_m * static_cast<double>(i));
     return sum;
 }
 
-Comm alone() {
+static Comm alone() {
     return Comm::world().split(Comm::world().rank());
 }
 
 /// u = cos(k z - w t): the velocity at dt/2 and the stress -rho c cos at 0 are added in step 1.
-void start_travelling(pstd::Setup& setup, const Wave& wave, std::ptrdiff_t points, double k_rad_m,
-                      double w_rad_s) {
+static void start_travelling(pstd::Setup& setup, const Wave& wave, std::ptrdiff_t points,
+                             double k_rad_m, double w_rad_s) {
     setup.sources.push_back(at_once(wave.velocity, points, [=, &setup](double z_m) {
         return std::cos(k_rad_m * z_m - 0.5 * w_rad_s * setup.grid.dt_s);
     }));
@@ -76,8 +74,6 @@ void start_travelling(pstd::Setup& setup, const Wave& wave, std::ptrdiff_t point
         return -density_kg_m3 * wave.speed_m_s * std::cos(k_rad_m * z_m);
     }));
 }
-
-} // namespace
 
 TEST_CASE("a plane wave has the phase predicted by the scheme after 20 wavelengths", "[pstd]") {
     const Wave wave = GENERATE(p_wave, s_wave);

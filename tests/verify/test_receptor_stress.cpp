@@ -13,14 +13,12 @@ using namespace shearwake;
 using test::relative_l2;
 using test::with_step;
 
-namespace {
-
 constexpr std::size_t receptors = 3; // at depths of 0.3, 1.6 and 2 mm
 
 /// A 3 mm focus at 7 m/s over skin of 1.2 mm and 7 mm of softer tissue on a rigid base. It is
 /// switched on gradually; otherwise compressional waves travel up and down and oscillate in the
 /// stress, which steps of about 10 us do not resolve.
-Case skin_case() {
+static Case skin_case() {
     Case c = test::small_tissue();
     Layer skin = c.scene.medium.layers[0];
     skin.thickness_m = 1.2e-3;
@@ -37,7 +35,7 @@ Case skin_case() {
 }
 
 /// The maximum over the depths of the relative L2 differences of the last frame.
-double difference(const Case& c, const test::StressStore& a, const test::StressStore& b) {
+static double difference(const Case& c, const test::StressStore& a, const test::StressStore& b) {
     double worst = 0.0;
     for (std::size_t depth = 0; depth < receptors; ++depth)
         worst = std::max(
@@ -45,12 +43,10 @@ double difference(const Case& c, const test::StressStore& a, const test::StressS
     return worst;
 }
 
-test::StressStore exact(Case c) {
+static test::StressStore exact(Case c) {
     c.solver = LayeredOptions{.time_step_s = 12.5e-6};
     return test::stresses_of(c);
 }
-
-} // namespace
 
 TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]") {
     Case c = skin_case(), layers = c;

@@ -10,8 +10,6 @@ namespace test_reference_table {
 
 using namespace shearwake;
 
-namespace {
-
 struct Entry {
     double frequency_Hz, eta_at, eta_period, focal_rms_nm;
 };
@@ -28,13 +26,13 @@ constexpr Entry stm = {0.0, 0.141, 0.1671, 120.7};
 
 /// Focal rms as defined in the table: root of the time mean of sum_focal u^2 over the samples, nm
 /// per Pa.
-double focal_rms_nm(const std::map<std::string, double>& columns) {
+static double focal_rms_nm(const std::map<std::string, double>& columns) {
     const double samples_in_disc = M_PI * 3e-3 * 3e-3 / (0.75e-3 * 0.75e-3);
     return 1e3 * columns.at("focal_rms_um") * std::sqrt(samples_in_disc);
 }
 
-void check_entry(const Case& c, const Entry& entry, double reference_rms_nm,
-                 engines::Engine& engine, const Comm& team) {
+static void check_entry(const Case& c, const Entry& entry, double reference_rms_nm,
+                        engines::Engine& engine, const Comm& team) {
     CAPTURE(c.scene.load.modulation.kind, entry.frequency_Hz);
     const auto columns = test::columns_of(c, engine, team);
     CHECK(columns.at("eta_period_1") == Approx(entry.eta_period).epsilon(0.01));
@@ -43,8 +41,6 @@ void check_entry(const Case& c, const Entry& entry, double reference_rms_nm,
     CHECK(focal_rms_nm(columns) / reference_rms_nm ==
           Approx(entry.focal_rms_nm / stm.focal_rms_nm).epsilon(0.01));
 }
-
-} // namespace
 
 TEST_CASE("reproduces an independent table of AM-STM and SM-STM values", "[verify]") {
     const Medium medium = test::half_space(test::tissue());

@@ -12,14 +12,10 @@ using test::last_frame;
 using test::lump_case;
 using test::relative_l2;
 
-namespace {
-
-Body with_shape(Body body, decltype(Body::shape) shape) {
+static Body with_shape(Body body, decltype(Body::shape) shape) {
     body.shape = shape;
     return body;
 }
-
-} // namespace
 
 TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]") {
     const double step_s = GENERATE(25e-6, 50e-6, 200e-6);

@@ -127,16 +127,12 @@ TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]
     CHECK(outside > 1e-6);
 }
 
-namespace {
-
 /// A slab as wide as the domain, from 5 to 9 mm in 12 mm of tissue.
-Case slab_case(double viscosity_Pa_s) {
+static Case slab_case(double viscosity_Pa_s) {
     Case c = bone_case(Along::y, viscosity_Pa_s);
     c.scene.medium.bodies[0] = test::rigid_slab(c);
     return c;
 }
-
-} // namespace
 
 TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
     Case c = test::with_step(slab_case(0.5), 12.5e-6);

@@ -12,8 +12,6 @@ namespace test_rigid_references {
 
 using namespace shearwake;
 
-namespace {
-
 using test::bessel_i;
 using test::bessel_k;
 using test::body_radius_m;
@@ -23,18 +21,18 @@ constexpr double pi = std::numbers::pi;
 
 /// Forces per length, displacement and mu that move a rigid cylinder full of background. Outside:
 /// Stokes' second problem (K_0 and K_1); inside: its mass.
-double along_axis(double x) {
+static double along_axis(double x) {
     return 2.0 * pi * x * bessel_k(1, x) / bessel_k(0, x) + pi * x * x;
 }
-double across_axis(double x) {
+static double across_axis(double x) {
     return pi * x * x * (2.0 + 4.0 * bessel_k(1, x) / (x * bessel_k(0, x)));
 }
-double about_axis(double x) { // torque over radius^2
+static double about_axis(double x) { // torque over radius^2
     return 2.0 * pi * (2.0 + x * bessel_k(0, x) / bessel_k(1, x)) + 0.5 * pi * x * x;
 }
 
 /// Relative errors of the force along the axis, across it, and of the torque.
-Vec3 errors(double spacings_per_radius, double kappa) {
+static Vec3 errors(double spacings_per_radius, double kappa) {
     const RigidCylinder cylinder(spacings_per_radius, kappa);
     const double axial = cylinder.stiffness([](double, double) { return Vec3{1.0, 0.0, 0.0}; });
     const double level = cylinder.stiffness([](double, double) { return Vec3{0.0, 1.0, 0.0}; });
@@ -47,8 +45,6 @@ Vec3 errors(double spacings_per_radius, double kappa) {
     return {axial / along_axis(kappa) - 1.0, 0.5 * (level + upright) / across_axis(kappa) - 1.0,
             torque / about_axis(kappa) - 1.0};
 }
-
-} // namespace
 
 TEST_CASE("force on an oscillating rigid cylinder agrees with the closed form", "[verify]") {
     const double kappa = GENERATE(0.5, 1.0, 2.0); // at 3 mm and 5 m/s: 130, 270 and 530 Hz

@@ -11,10 +11,8 @@ namespace test_rigid_scattering {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// Directions to the corners, edges and faces of a cube.
-std::vector<Vec3> directions() {
+static std::vector<Vec3> directions() {
     std::vector<Vec3> all;
     for (int i = -1; i <= 1; ++i)
         for (int j = -1; j <= 1; ++j)
@@ -25,8 +23,6 @@ std::vector<Vec3> directions() {
             }
     return all;
 }
-
-} // namespace
 
 TEST_CASE("series of a wave scattered by a rigid sphere meets the conditions", "[verify]") {
     const double excess = GENERATE(as<double>{}, fixed, 0.9, 0.0);

@@ -12,10 +12,8 @@ namespace test_rigid_sphere {
 using namespace shearwake;
 using test::RigidSphere;
 
-namespace {
-
 /// A translation along an axis, by one radius.
-auto along(std::size_t axis) {
+static auto along(std::size_t axis) {
     return [axis](Vec3) { return spectral::motions_at({})[axis]; };
 }
 
@@ -24,7 +22,7 @@ auto along(std::size_t axis) {
 struct Errors {
     double mean, along_x, about_x, about_z;
 };
-Errors errors(double spacings_per_radius, double kappa, double width) {
+static Errors errors(double spacings_per_radius, double kappa, double width) {
     const RigidSphere sphere(spacings_per_radius, kappa, width);
     double force[3], torque[3];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -46,7 +44,7 @@ Errors errors(double spacings_per_radius, double kappa, double width) {
 /// stiffness k in an infinite solid. The images are as far away as the domain is wide, and their
 /// field varies over the sphere: S = c/w + d/w^3 for all domains of this shape. Three widths
 /// determine 1/k.
-double static_force(double spacings_per_radius, double lambda_per_mu) {
+static double static_force(double spacings_per_radius, double lambda_per_mu) {
     const double widths[3] = {6.0, 8.0, 12.0};
     double per_force[3];
     for (std::size_t n = 0; n < 3; ++n) {
@@ -65,8 +63,6 @@ double static_force(double spacings_per_radius, double lambda_per_mu) {
     const double of_first = difference(square, 0, 1), of_second = difference(square, 1, 2);
     return (of_second - of_first) / (first * of_second - second * of_first);
 }
-
-} // namespace
 
 TEST_CASE("force on an oscillating rigid sphere agrees with the closed form", "[verify]") {
     const double kappa = GENERATE(0.5, 1.0, 2.0); // at 3 mm and 5 m/s: 130, 270 and 530 Hz

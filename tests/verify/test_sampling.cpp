@@ -11,9 +11,7 @@ namespace test_sampling {
 
 using namespace shearwake;
 
-namespace {
-
-std::vector<double> trace_at_centre(const test::FrameStore& frames, const Case& c) {
+static std::vector<double> trace_at_centre(const test::FrameStore& frames, const Case& c) {
     std::vector<double> u;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
         u.push_back(frames.at(
@@ -21,7 +19,7 @@ std::vector<double> trace_at_centre(const test::FrameStore& frames, const Case& 
     return u;
 }
 
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
+static double difference(const std::vector<double>& a, const std::vector<double>& b) {
     double above = 0.0, below = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {
         above += (a[i] - b[i]) * (a[i] - b[i]);
@@ -29,8 +27,6 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
     }
     return std::sqrt(above / below);
 }
-
-} // namespace
 
 TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     // Frames resolve 40 kHz, so that there is no aliasing; spectra of the complete run.

@@ -11,9 +11,7 @@ namespace test_spectral {
 using namespace shearwake;
 using test::with_step;
 
-namespace {
-
-Case required_case() {
+static Case required_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 12e-3;
@@ -28,7 +26,7 @@ Case required_case() {
 }
 
 /// Relative L2 differences of the fields at 4 ms, at the surface and at depth.
-std::pair<double, double> difference(const Case& c, const Case& exact) {
+static std::pair<double, double> difference(const Case& c, const Case& exact) {
     const auto a = test::frames_of(c), b = test::frames_of(exact);
     double result[2];
     for (std::size_t depth = 0; depth < 2; ++depth) {
@@ -42,14 +40,12 @@ std::pair<double, double> difference(const Case& c, const Case& exact) {
     return {result[0], result[1]};
 }
 
-Case exact_of(Case c) {
+static Case exact_of(Case c) {
     LayeredOptions options;
     options.time_step_s = 12.5e-6;
     c.solver = options;
     return c;
 }
-
-} // namespace
 
 TEST_CASE("engine spectral agrees with layered within 0.1 % at a step of 25 us", "[verify]") {
     const Case c = required_case();

@@ -13,10 +13,8 @@ using test::last_frame;
 using test::relative_l2;
 using test::with_step;
 
-namespace {
-
 /// A 3 mm focus at 7 m/s from x = -9 mm over 9 mm of tissue in three equal layers of 3 mm.
-Case tissue_case() {
+static Case tissue_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 3e-3;
@@ -29,14 +27,14 @@ Case tissue_case() {
     return c;
 }
 
-Case one_solve(Case c) {
+static Case one_solve(Case c) {
     SpectralOptions options;
     options.method = SpectralMethod::one_solve;
     c.solver = options;
     return c;
 }
 
-Body ellipsoid(double contrast) {
+static Body ellipsoid(double contrast) {
     return {.name = "body",
             .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
             .centre_m = {2e-3, 3e-3, 4e-3},
@@ -44,14 +42,12 @@ Body ellipsoid(double contrast) {
 }
 
 /// A body that fills the second layer.
-Body slab(double contrast) {
+static Body slab(double contrast) {
     return {.name = "slab",
             .shape = Box{{1.0, 1.0, 3e-3}},
             .centre_m = {0.0, 0.0, 4.5e-3},
             .c_s_m_s = 5.0 * std::sqrt(contrast)};
 }
-
-} // namespace
 
 TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
     Case body = tissue_case(), layers = tissue_case();

@@ -9,12 +9,10 @@ namespace test_spectral_convergence {
 
 using namespace shearwake;
 
-namespace {
-
 /// A column four times stiffer through all depths, smooth from its axis outward, under a wide
 /// focus. A load that is switched on instantly would cause compressional waves that no grid
 /// resolves.
-Case column_case() {
+static Case column_case() {
     Case c = test::small_tissue();
     c.scene.medium.layers[0].thickness_m = 9e-3;
     c.scene.load.footprint = GaussianFootprint{6e-3};
@@ -30,15 +28,13 @@ Case column_case() {
     return c;
 }
 
-SpectralOptions one_solve(double step_s) {
+static SpectralOptions one_solve(double step_s) {
     // Without iterations, so that the differences do not contain their residual.
     SpectralOptions options;
     options.method = SpectralMethod::one_solve;
     options.time_step_s = step_s;
     return options;
 }
-
-} // namespace
 
 TEST_CASE("error decreases faster than any power of the element degree", "[verify]") {
     Case c = column_case();

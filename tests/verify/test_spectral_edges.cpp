@@ -11,15 +11,13 @@ namespace test_spectral_edges {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double spacing_m = 1e-3;
 // From the paths below, waves of 5 m/s need more than 14 ms to return to the middle 44 x 32 mm.
 constexpr std::ptrdiff_t wide_x = 120, wide_y = 90;
 
 /// A 3 mm focus that scans along 7 mm at 7 m/s: a pulse of 1 ms. The layer is so thick that
 /// reflections of its base arrive after the end of the run.
-Case pulse(std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
+static Case pulse(std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.1)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 32e-3;
@@ -42,7 +40,7 @@ void over_middle(const Case& c, const F& f) {
 }
 
 /// The returned energy, as the maximum of the surface motion in the middle.
-double returned(const Case& c, const test::FrameStore& reference) {
+static double returned(const Case& c, const test::FrameStore& reference) {
     const test::FrameStore frames = test::frames_of(c);
     double back = 0.0;
     for (std::ptrdiff_t n = 13; n < c.time.frames; ++n) { // after the end of the load
@@ -72,7 +70,7 @@ void step_through(const Case& c, const F& f) {
     }
 }
 
-Case lossless_with_body() {
+static Case lossless_with_body() {
     Case c = pulse(48, 36, 8e-3);
     c.scene.medium.layers[0].thickness_m = 9e-3;
     c.scene.medium.layers[0].loss = Lossless{};
@@ -84,8 +82,6 @@ Case lossless_with_body() {
     c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-6};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "[verify]") {
     // In viscous tissue only the long waves of a pulse remain, which need a wider sponge: 20 mm

@@ -12,10 +12,8 @@ namespace test_spectral_energy {
 
 using namespace shearwake;
 
-namespace {
-
 /// Lossless, 9 mm in three layers, a 3 mm focus at 7 m/s that is switched off after 2 of 12 ms.
-Case lossless_case() {
+static Case lossless_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.0);
     layer.thickness_m = 3e-3;
@@ -29,7 +27,7 @@ Case lossless_case() {
     return c;
 }
 
-Body ellipsoid(double contrast) {
+static Body ellipsoid(double contrast) {
     return {.name = "body",
             .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
             .centre_m = {2e-3, 3e-3, 4e-3},
@@ -49,8 +47,6 @@ void step_through(const Case& c, double step_s, const F& f) {
         f(stepper);
     }
 }
-
-} // namespace
 
 TEST_CASE("energy of a lossless medium is conserved after the load has ended", "[long][verify]") {
     Case c = lossless_case();
@@ -120,10 +116,8 @@ TEST_CASE("a lossless medium is stable at any step", "[verify]") {
     CHECK(largest == Approx(1.0).epsilon(1e-8)); // no other source or sink of energy
 }
 
-namespace {
-
 /// A layer of 8 mm in two elements.
-Case compressible_case(double c_p_m_s, double step_s) {
+static Case compressible_case(double c_p_m_s, double step_s) {
     Case c = lossless_case();
     Layer& layer = c.scene.medium.layers[0];
     layer.thickness_m = 8e-3;
@@ -136,11 +130,9 @@ Case compressible_case(double c_p_m_s, double step_s) {
     return c;
 }
 
-std::vector<double> compressible_steps_s() {
+static std::vector<double> compressible_steps_s() {
     return test::parameters(3, std::vector{12.5e-6, 40e-6, 100e-6, 20e-6, 25e-6, 50e-6});
 }
-
-} // namespace
 
 TEST_CASE("a medium of any compressibility is stable at any step", "[verify]") {
     // The shear stiffness resists compression as well, and lambda does not make up for this where
@@ -158,13 +150,9 @@ TEST_CASE("a medium of any compressibility is stable at any step", "[verify]") {
     CHECK(largest == Approx(1.0).epsilon(1e-8)); // no other source of energy
 }
 
-namespace {
-
 struct Compressible {
     double layer_c_p_m_s, layer_c_s_m_s, body_c_p_m_s, body_c_s_m_s;
 };
-
-} // namespace
 
 TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
     // Below c_p = sqrt(2) c_s lambda is negative; the bulk modulus is positive above 1.155 c_s.

@@ -11,10 +11,8 @@ namespace test_spectral_half_space {
 
 using namespace shearwake;
 
-namespace {
-
 /// A 3 mm focus at 5 m/s for 14 ms over 96 x 72 mm.
-Case scan() {
+static Case scan() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{5.0});
     auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-29e-3, 0.0};
@@ -26,8 +24,8 @@ Case scan() {
 }
 
 /// Relative L2 difference of the last frames at one of the depths.
-double difference(const Case& c, const test::FrameStore& a, const test::FrameStore& b,
-                  std::size_t depth) {
+static double difference(const Case& c, const test::FrameStore& a, const test::FrameStore& b,
+                         std::size_t depth) {
     const auto &x = a.at(c.time.frames - 1, depth), &y = b.at(c.time.frames - 1, depth);
     double above = 0.0, below = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -36,8 +34,6 @@ double difference(const Case& c, const test::FrameStore& a, const test::FrameSto
     }
     return std::sqrt(above / below);
 }
-
-} // namespace
 
 TEST_CASE("an absorber reproduces a half-space", "[verify]") {
     Case c = scan();
@@ -84,11 +80,9 @@ TEST_CASE("an absorber and a sponge never add energy", "[verify]") {
     CHECK(last < 0.1 * first);
 }
 
-namespace {
-
 /// The largest difference of any trace, as a fraction of the largest displacement.
-double worst_trace(const Case& c, const test::FrameStore& a, const test::FrameStore& b,
-                   std::size_t depth) {
+static double worst_trace(const Case& c, const test::FrameStore& a, const test::FrameStore& b,
+                          std::size_t depth) {
     double difference = 0.0, largest = 0.0;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         const auto &x = a.at(n, depth), &y = b.at(n, depth);
@@ -101,7 +95,7 @@ double worst_trace(const Case& c, const test::FrameStore& a, const test::FrameSt
 }
 
 /// Relative L2 difference of all frames at the surface.
-double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
+static double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
     double above = 0.0, below = 0.0;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         const auto &x = a.at(n), &y = b.at(n);
@@ -115,7 +109,7 @@ double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameSt
 
 /// A focus of 4 mm at rest on a half-space with c_p = ratio c_s. Its force is modulated and starts
 /// at 0.
-Case pulsating(double ratio, double frequency_Hz) {
+static Case pulsating(double ratio, double frequency_Hz) {
     Case c =
         test::moving_focus(test::half_space(test::tissue(5.0 * ratio, 0.5)), ConstantSpeed{5.0});
     c.scene.load.footprint = GaussianFootprint{4e-3};
@@ -126,8 +120,6 @@ Case pulsating(double ratio, double frequency_Hz) {
     c.measure.depths_m = {0.0, 4e-3};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("neither compressional nor shear waves return from below a half-space", "[verify]") {
     // At 800 Hz and c_p = 50 m/s (wavelength 62 mm) compressional waves leave downward at oblique
@@ -189,10 +181,8 @@ TEST_CASE("the field at the end of a path is that of the exact half-space", "[ve
     CHECK(error < 1.5e-4);
 }
 
-namespace {
-
 /// A force that is modulated, starts with a jump, or moves along a path that ends within the run.
-Case of_kind(const std::string& kind, double ratio) {
+static Case of_kind(const std::string& kind, double ratio) {
     if (kind == "AM") return pulsating(ratio, 200.0);
     if (kind == "fast AM") return pulsating(ratio, 800.0);
     Case c = pulsating(ratio, 200.0);
@@ -203,8 +193,6 @@ Case of_kind(const std::string& kind, double ratio) {
             {Travel{{{-15e-3, 0.0}, {15e-3, 0.0}}, ConstantSpeed{5.0}}}};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("the stated error of the surface field is within a factor of two", "[verify]") {
     const auto [kind, ratio] = GENERATE(table<std::string, double>(

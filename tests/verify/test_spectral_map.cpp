@@ -8,9 +8,7 @@ namespace test_spectral_map {
 
 using namespace shearwake;
 
-namespace {
-
-Case tissue_case() {
+static Case tissue_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 9e-3;
@@ -24,7 +22,7 @@ Case tissue_case() {
 }
 
 /// 16 times the stiffness of the tissue from 3.0 to 6.2 mm.
-std::shared_ptr<MaterialMap> stiff_map() {
+static std::shared_ptr<MaterialMap> stiff_map() {
     auto map = std::make_shared<MaterialMap>();
     map->counts = {1, 1, 16};
     map->origin_m = {0.0, 0.0, 3.1e-3};
@@ -33,8 +31,6 @@ std::shared_ptr<MaterialMap> stiff_map() {
     map->content_hash = hash_of(*map);
     return map;
 }
-
-} // namespace
 
 TEST_CASE("a map that fills the plane between two depths is equivalent to a layer", "[verify]") {
     Case c = tissue_case(), layers = c;

@@ -10,21 +10,19 @@ namespace test_spectral_materials {
 
 using namespace shearwake;
 
-namespace {
-
 struct Kind {
     std::string name;
     Body body;
     double limit; // required limit of the error at 25 us
 };
 
-Body with(std::optional<double> Body::*property, double value) {
+static Body with(std::optional<double> Body::*property, double value) {
     Body body = test::small_body();
     body.*property = value;
     return body;
 }
 
-const std::vector<Kind>& kinds() {
+static const std::vector<Kind>& kinds() {
     static const std::vector<Kind> all = {
         {"four times softer", test::small_body(0.25), 0.01},
         {"16 times stiffer", test::small_body(16.0), 0.01},
@@ -41,7 +39,7 @@ const std::vector<Kind>& kinds() {
 }
 
 /// 10^5 times stiffer than the tissue: rigid by default, otherwise capped by the engine.
-Kind bone() {
+static Kind bone() {
     Body body = test::small_body();
     body.density_kg_m3 = 1900.0;
     body.c_p_m_s = 3517.0;
@@ -50,7 +48,7 @@ Kind bone() {
 }
 
 /// As narrow as the body and the path allow.
-Case tissue(double viscosity_Pa_s) {
+static Case tissue(double viscosity_Pa_s) {
     Case c = test::small_tissue(viscosity_Pa_s);
     c.domain.nx = 20;
     c.domain.ny = 16;
@@ -59,7 +57,7 @@ Case tissue(double viscosity_Pa_s) {
     return c;
 }
 
-Case with_body(Case c, const Kind& kind) {
+static Case with_body(Case c, const Kind& kind) {
     c.solver = SpectralOptions{};
     c.scene.medium.bodies = {kind.body};
     return c;
@@ -67,12 +65,12 @@ Case with_body(Case c, const Kind& kind) {
 
 /// With a residual of a hundredth of the limits, so that only the time error remains. The scheme is
 /// of second order or better in the step, so that it is at most a ninth of the error at 25 us.
-Case reference(Case c) {
+static Case reference(Case c) {
     std::get<SpectralOptions>(c.solver).residual = 1e-4;
     return test::with_step(c, 25e-6 / 3.0);
 }
 
-void check_stable(const Kind& kind, double step_s, double rigid_above = 1000.0) {
+static void check_stable(const Kind& kind, double step_s, double rigid_above = 1000.0) {
     // Without losses nothing hides a growing mode. After 3 ms the load has ended, so that the
     // energy does not increase; the motion spreads over domain and depth.
     Case c = with_body(test::small_tissue(0.0), kind);
@@ -90,11 +88,9 @@ void check_stable(const Kind& kind, double step_s, double rigid_above = 1000.0) 
     CHECK(at_the_end < 0.8 * while_pressed);
 }
 
-bool changes_shear(const Kind& kind) {
+static bool changes_shear(const Kind& kind) {
     return !kind.body.c_p_m_s.has_value();
 }
-
-} // namespace
 
 TEST_CASE("error with bodies of any material is within its limit at 25 us", "[verify]") {
     const Kind kind = kinds()[GENERATE(range(std::size_t{0}, std::size_t{10}))];

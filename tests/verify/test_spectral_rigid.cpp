@@ -18,10 +18,9 @@ using test::relative_l2;
 using test::step_through;
 using test::with_step;
 
-namespace {
-
 /// The displacement at a point, smoothed across the axis as at a marker.
-Vec3 displacement_at(const Case& c, const spectral::Stepper& stepper, Vec3 at_m, bool along_x) {
+static Vec3 displacement_at(const Case& c, const spectral::Stepper& stepper, Vec3 at_m,
+                            bool along_x) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const Comm alone = Comm::world().split(Comm::world().rank());
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
@@ -33,8 +32,6 @@ Vec3 displacement_at(const Case& c, const spectral::Stepper& stepper, Vec3 at_m,
                                      return std::exp(-0.5 * width * width);
                                  });
 }
-
-} // namespace
 
 TEST_CASE("markers of a rigid body move rigidly", "[verify]") {
     const auto axis = GENERATE(Along::x, Along::y);

@@ -8,11 +8,9 @@ namespace test_spectral_viscosity {
 
 using namespace shearwake;
 
-namespace {
-
 /// A focus of 4 mm at rest over 10 mm of tissue, modulated at a frequency, without or with a sphere
 /// of 4 mm radius.
-Case pressed(double frequency_Hz, double depth = 1.0) {
+static Case pressed(double frequency_Hz, double depth = 1.0) {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 10e-3;
@@ -27,15 +25,13 @@ Case pressed(double frequency_Hz, double depth = 1.0) {
     return c;
 }
 
-Case with_sphere(Case c, double viscosity_Pa_s) {
+static Case with_sphere(Case c, double viscosity_Pa_s) {
     c.scene.medium.bodies = {{.name = "sphere",
                               .shape = Ellipsoid{{4e-3, 4e-3, 4e-3}},
                               .centre_m = {0.0, 0.0, 4.5e-3},
                               .viscosity_Pa_s = viscosity_Pa_s}};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("the effect of a sphere follows its viscosity, however small the difference",
           "[verify]") {

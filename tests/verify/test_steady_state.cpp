@@ -14,13 +14,11 @@ namespace test_steady_state {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 constexpr double turn = 2.0 * std::numbers::pi;
 constexpr double period_s = 10e-3;
 
-Travel circle(double radius_m, double draws_per_s) {
+static Travel circle(double radius_m, double draws_per_s) {
     return {Arc{{}, radius_m, 0.3, turn}, ConstantSpeed{turn * radius_m * draws_per_s},
             AtEnd::repeat};
 }
@@ -35,7 +33,7 @@ struct NamedLoad {
 
 /// Loads whose least common period is 10 ms: six kinds for every medium, and further combinations
 /// of them for one.
-std::vector<NamedLoad> loads(std::string_view medium) {
+static std::vector<NamedLoad> loads(std::string_view medium) {
     Travel with_speed = circle(6e-3, 100.0);
     with_speed.motion = OscillatingSpeed{turn * 6e-3 * 100.0, 1.0, 200.0, 0.4};
     const Travel there_and_back{Curve(Vec2{-7e-3, 1e-3}, Vec2{7e-3, -2e-3}),
@@ -71,7 +69,7 @@ struct NamedMedium {
     Medium medium;
 };
 
-std::vector<NamedMedium> media() {
+static std::vector<NamedMedium> media() {
     Layer film = test::tissue(1500.0, 0.5), fat = test::tissue(1500.0, 5.0);
     film.thickness_m = 0.3e-3;
     film.c_s_m_s = 20.0;
@@ -82,7 +80,7 @@ std::vector<NamedMedium> media() {
             {"forearm", {{fat}, Base::rigid}}};
 }
 
-Case periodic_case(const Medium& medium) {
+static Case periodic_case(const Medium& medium) {
     Case c = test::moving_focus(medium, {});
     c.scene.load.footprint = GaussianFootprint{5e-3};
     c.domain = {36, 32, 1.25e-3, 0.0, DomainEdges::open};
@@ -101,8 +99,6 @@ public:
 private:
     engines::SolverReport report_;
 };
-
-} // namespace
 
 TEST_CASE("the steady state is the last of many repetitions", "[long][steady_state]") {
     constexpr std::ptrdiff_t repetitions = 12;
@@ -179,8 +175,6 @@ TEST_CASE("the work per period is that of the load on the computed field", "[ste
     CHECK(frames.report().period_energy->work_J == Approx(work_J).epsilon(1e-7));
 }
 
-namespace {
-
 /// Gauss-Legendre rule of 16 points on [from, to].
 template <class F>
 void integrate(double from, double to, F f) {
@@ -196,8 +190,6 @@ void integrate(double from, double to, F f) {
         f(middle - half * x[i], half * w[i]);
     }
 }
-
-} // namespace
 
 TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]") {
     // With a radius a and an angle Omega t + theta_0, harmonic m of the field at (r, theta) is

@@ -11,10 +11,8 @@ namespace test_tensor_volumes {
 
 using namespace shearwake;
 
-namespace {
-
 /// A 3 mm focus of 1 Pa at 7 m/s over 8 mm of tissue, with one element of 8 mm or two of 4 mm.
-Case tissue_case() {
+static Case tissue_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 8e-3;
@@ -29,7 +27,7 @@ Case tissue_case() {
     return c;
 }
 
-Body bone(double contrast) {
+static Body bone(double contrast) {
     return {.name = "bone",
             .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
             .centre_m = {2e-3, 3e-3, 4e-3},
@@ -39,13 +37,11 @@ Body bone(double contrast) {
 constexpr std::size_t stress = 0, u = 1, strain = 2; // in the order of the case
 enum { xx, yy, zz, yz, xz, xy };
 
-test::VolumeStore volumes_of(const Case& c) {
+static test::VolumeStore volumes_of(const Case& c) {
     test::VolumeStore store;
     engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
     return store;
 }
-
-} // namespace
 
 TEST_CASE("stress at the surface equals the load", "[verify]") {
     Case c = tissue_case();

@@ -9,15 +9,13 @@ namespace test_time_step {
 
 using namespace shearwake;
 
-namespace {
-
 struct Scan {
     double fwhm_m, speed_m_s, c_s_m_s, viscosity_Pa_s;
     double am_Hz = 0.0, sm_Hz = 0.0, film_m_s = 0.0;
 };
 
 /// 4 ms over 12 mm on a rigid base, 16 x 12 footprints wide, three points per footprint.
-Case scan_case(const Scan& s) {
+static Case scan_case(const Scan& s) {
     Motion motion = ConstantSpeed{s.speed_m_s};
     if (s.sm_Hz > 0.0) motion = OscillatingSpeed{s.speed_m_s, 4.0, s.sm_Hz, 0.0};
     Case c = test::moving_focus({}, motion);
@@ -40,7 +38,7 @@ Case scan_case(const Scan& s) {
 }
 
 /// Relative L2 difference over all frames.
-double difference(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
+static double difference(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
     double above = 0.0, below = 0.0;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         for (std::size_t i = 0; i < a.at(n).size(); ++i) {
@@ -50,8 +48,6 @@ double difference(const Case& c, const test::FrameStore& a, const test::FrameSto
     }
     return std::sqrt(above / below);
 }
-
-} // namespace
 
 TEST_CASE("chosen step reaches the requested accuracy without being much too short", "[verify]") {
     const Scan scan =

@@ -12,9 +12,7 @@ using test::last_frame;
 using test::lump_case;
 using test::relative_l2;
 
-namespace {
-
-Case with_shapes(Case c, const std::vector<decltype(Body::shape)>& shapes) {
+static Case with_shapes(Case c, const std::vector<decltype(Body::shape)>& shapes) {
     const Body body = c.scene.medium.bodies[0];
     const std::vector<Vec3> centres_m = {
         {1.3e-3, 0.7e-3, 6e-3}, {-7.3e-3, -7.1e-3, 6e-3}, {7.4e-3, 7.6e-3, 6.2e-3}};
@@ -29,7 +27,7 @@ Case with_shapes(Case c, const std::vector<decltype(Body::shape)>& shapes) {
 }
 
 /// The effect of the bodies on the surface, which differs from the field by that without bodies.
-std::vector<double> effect(const Case& c) {
+static std::vector<double> effect(const Case& c) {
     Case without = c;
     without.scene.medium.bodies.clear();
     std::vector<double> field = last_frame(c);
@@ -38,8 +36,6 @@ std::vector<double> effect(const Case& c) {
         field[i] -= background[i];
     return field;
 }
-
-} // namespace
 
 TEST_CASE("energy of a lossless medium with turned rigid lumps is conserved", "[verify]") {
     const double step_s = GENERATE(50e-6, 200e-6);

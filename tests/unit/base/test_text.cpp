@@ -58,8 +58,6 @@ TEST_CASE("stable hash matches the published FNV-1a vectors", "[hash]") {
     CHECK(hex(1) == "0000000000000001");
 }
 
-namespace {
-
 /// Gives some characters and then refuses memory, as the buffer of a file may.
 class Refusing : public std::streambuf {
 public:
@@ -71,8 +69,6 @@ private:
     int_type underflow() override { throw std::bad_alloc(); }
     std::string text_;
 };
-
-} // namespace
 
 TEST_CASE("lines are read up to the end of the stream", "[text]") {
     std::istringstream in("one\n\nthree");

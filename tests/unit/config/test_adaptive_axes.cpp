@@ -6,24 +6,20 @@ namespace test_adaptive_axes {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 constexpr std::string_view refined = R"([sweep]
 "load.modulation.am_frequency_Hz" = { refine = [100, 800], column = "eta_period_1", tolerance = 0.002 }
 load.peak_Pa = [50, 100]
 )";
 
-Plan plan_of(std::string_view more, const config::AxisPoints& points = {},
-             std::vector<config::Override> overrides = {}) {
+static Plan plan_of(std::string_view more, const config::AxisPoints& points = {},
+                    std::vector<config::Override> overrides = {}) {
     return config::read_job(plain_and(more), "job.toml", overrides, nullptr, nullptr, points).plan;
 }
 
-Texts of_axis(const std::string& axis) {
+static Texts of_axis(const std::string& axis) {
     return diagnostics_of(
         plain_and("[sweep]\n\"load.modulation.am_frequency_Hz\" = { " + axis + " }\n"));
 }
-
-} // namespace
 
 TEST_CASE("an adaptive axis has the points of the first round", "[config][adapt]") {
     const Plan plan = plan_of(refined);

@@ -15,9 +15,7 @@ namespace test_case_ids {
 using namespace shearwake;
 using namespace shearwake::config;
 
-namespace {
-
-std::string contents(const std::filesystem::path& path) {
+static std::string contents(const std::filesystem::path& path) {
     std::ifstream file(path);
     REQUIRE(file);
     std::stringstream text;
@@ -25,7 +23,7 @@ std::string contents(const std::filesystem::path& path) {
     return text.str();
 }
 
-std::vector<std::string> ids_of(const std::filesystem::path& path) {
+static std::vector<std::string> ids_of(const std::filesystem::path& path) {
     const TextLoader load_text = [&](const std::string& name) {
         return contents(path.parent_path() / name);
     };
@@ -35,8 +33,6 @@ std::vector<std::string> ids_of(const std::filesystem::path& path) {
         ids.push_back(c.id);
     return ids;
 }
-
-} // namespace
 
 TEST_CASE("the ids of existing jobs do not change", "[fields][case]") {
     const std::filesystem::path data = std::filesystem::path(TEST_DATA) / "case_ids";

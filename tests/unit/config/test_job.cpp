@@ -9,10 +9,8 @@ namespace test_job {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// The example of the interface document, with a medium of layers only.
-std::string full_job() {
+static std::string full_job() {
     std::string job(plain_job);
     for (const auto& [old, by] :
          {std::pair{"\"plain\"", "\"am-stm-frequency\"\ntitle = \"eta and IPR against "
@@ -47,7 +45,7 @@ reference = { kind = "STM" }
 }
 
 /// Every value of `full_job` before its sweep, in SI, written by hand.
-Case full_case() {
+static Case full_case() {
     Case c;
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers = {{"tissue", 0.02, 1000.0, 1500.0, 5.0, KelvinVoigt{1.0}}};
@@ -62,8 +60,6 @@ Case full_case() {
     c.record = {{{0.0, 0.0}}, {0.007, 0.014}, false};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("the example of the interface has the documented meaning", "[job]") {
     const std::string job = full_job(), unswept = job.substr(0, job.find("[sweep]"));

@@ -22,8 +22,6 @@ using namespace shearwake;
 using namespace shearwake::config;
 using Json = nlohmann::ordered_json;
 
-namespace {
-
 /// A number of the schema: its place as a job text with a hole for the value, and its bounds.
 struct Bounded {
     std::string key;           // "load.footprint.fwhm_mm"
@@ -161,7 +159,7 @@ private:
 };
 
 /// The messages about a job, one per line.
-std::string messages(const std::string& job) {
+static std::string messages(const std::string& job) {
     std::vector<Diagnostic> diagnostics;
     try {
         diagnostics = read_job("schema = 1\n" + job + "\n", "job.toml").diagnostics;
@@ -174,7 +172,7 @@ std::string messages(const std::string& job) {
     return all;
 }
 
-std::string number_text(double value) {
+static std::string number_text(double value) {
     const std::string text = fmt::format("{}", value);
     return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
@@ -186,7 +184,7 @@ struct Answers {
     std::string all;           // the job and the messages
 };
 
-Answers answers(const Bounded& b, double value) {
+static Answers answers(const Bounded& b, double value) {
     const std::string text = b.is_integer ? fmt::format("{:.0f}", value) : number_text(value);
     std::string job = b.before + text + b.after;
     if (const std::size_t hole = job.find('%'); hole != std::string::npos)
@@ -210,7 +208,7 @@ Answers answers(const Bounded& b, double value) {
 }
 
 /// The reader refuses the value in the words of these bounds, or for none.
-void check_value(const Bounded& b, double value) {
+static void check_value(const Bounded& b, double value) {
     const Answers found = answers(b, value);
     INFO(b.key << ": " << b.allowed.words() << "\n" << found.all);
     CHECK(found.names_bounds != b.allowed.contains(value));
@@ -218,7 +216,7 @@ void check_value(const Bounded& b, double value) {
 }
 
 /// Values at the bounds and next to them, and values that no quantity has.
-std::vector<double> probes(const Bounded& b) {
+static std::vector<double> probes(const Bounded& b) {
     std::vector<double> values;
     const auto around = [&](double bound) {
         if (!std::isfinite(bound)) return;
@@ -236,7 +234,8 @@ std::vector<double> probes(const Bounded& b) {
 }
 
 /// Whether a row of the reference has this key, perhaps with a prefix, and these values.
-bool has_row(const std::string& reference, const std::string& key, const std::string& words) {
+static bool has_row(const std::string& reference, const std::string& key,
+                    const std::string& words) {
     if (words == Range{}.words()) return true;
     std::istringstream rows(reference);
     for (std::string row; std::getline(rows, row);) {
@@ -248,8 +247,6 @@ bool has_row(const std::string& reference, const std::string& key, const std::st
     }
     return false;
 }
-
-} // namespace
 
 TEST_CASE("schema and reader and the reference agree on each bound", "[fields][schema]") {
     const Json schema = schema_of_jobs();

@@ -8,14 +8,12 @@ namespace test_sweep {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
+static Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
     return config::read_job(plain_and(more), "job.toml", overrides).plan;
 }
 
 /// The values of one swept key, case after case.
-std::vector<double> numbers(const Plan& plan, std::string_view key) {
+static std::vector<double> numbers(const Plan& plan, std::string_view key) {
     std::vector<double> values;
     for (const PlannedCase& c : plan.cases)
         for (const Setting& setting : c.settings)
@@ -23,11 +21,9 @@ std::vector<double> numbers(const Plan& plan, std::string_view key) {
     return values;
 }
 
-std::vector<double> peaks(std::string_view values) {
+static std::vector<double> peaks(std::string_view values) {
     return numbers(plan_of("[sweep]\n\"load.peak_Pa\" = " + std::string(values)), "load.peak_Pa");
 }
-
-} // namespace
 
 TEST_CASE("axes multiply, the first slowest and the last fastest", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.peak_Pa\" = [100, 200]\n"

@@ -6,16 +6,12 @@ namespace test_table {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-Plan plan_of(std::string_view more) {
+static Plan plan_of(std::string_view more) {
     return config::read_job(plain_and(more), "job.toml").plan;
 }
 
 const std::string two_axes = "[sweep]\n\"load.modulation.am_frequency_Hz\" = [500, 600]\n"
                              "\"load.footprint.fwhm_mm\" = [3.0, 4.0]\n";
-
-} // namespace
 
 TEST_CASE("a table has the first axis as rows and the others as curves", "[config][table]") {
     const TableOptions table = plan_of(two_axes).table;

@@ -10,19 +10,17 @@ namespace test_uncertain {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 constexpr std::string_view two_keys = R"([uncertain]
 samples = 16
 "medium.layer[1].c_s_m_s" = { distribution = "normal", mean = 5.0, sd = 0.5, min = 4.0, max = 6.0 }
 "medium.layer[1].viscosity_Pa_s" = { distribution = "lognormal", median = 1.0, geometric_sd = 1.2 }
 )";
 
-Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
+static Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
     return config::read_job(plain_and(more), "job.toml", overrides).plan;
 }
 
-std::set<std::string> ids(const Plan& plan) {
+static std::set<std::string> ids(const Plan& plan) {
     std::set<std::string> found;
     for (const PlannedCase& c : plan.cases)
         found.insert(c.id);
@@ -30,7 +28,7 @@ std::set<std::string> ids(const Plan& plan) {
 }
 
 /// The diagnostics of a job with one uncertain key, whose values follow.
-Texts of_speed(const std::string& distribution, const std::string& more = "samples = 16") {
+static Texts of_speed(const std::string& distribution, const std::string& more = "samples = 16") {
     return diagnostics_of(
         plain_and("[uncertain]\n" + more + "\n\"medium.layer[1].c_s_m_s\" = " + distribution));
 }
@@ -38,8 +36,6 @@ Texts of_speed(const std::string& distribution, const std::string& more = "sampl
 const std::string observed =
     plain_and("[uncertain]\nsamples = 8\n\"load.peak_Pa\" = { distribution "
               "= \"csv\", file = \"p.csv\", column = \"p\" }\n");
-
-} // namespace
 
 TEST_CASE("a sample is the last axis of a sweep", "[config][uncertain]") {
     const Plan plan = plan_of("[sweep]\nload.peak_Pa = [50, 100]\n" + std::string(two_keys));

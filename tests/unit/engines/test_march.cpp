@@ -10,8 +10,6 @@ namespace test_march {
 
 using namespace shearwake;
 
-namespace {
-
 /// A field without values.
 class Counter : public engines::Marching {
 public:
@@ -33,8 +31,6 @@ public:
 
     std::vector<double> all;
 };
-
-} // namespace
 
 TEST_CASE("the share of complete steps is reported after each step") {
     test::FrameStore observer;

@@ -11,12 +11,10 @@ namespace test_disc_fraction {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
 /// Share of n x n points of the unit cell about (x, y) that lie in the disc.
-double by_counting(double x, double y, Vec2 centre, double radius, int n) {
+static double by_counting(double x, double y, Vec2 centre, double radius, int n) {
     int inside = 0;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
@@ -24,8 +22,6 @@ double by_counting(double x, double y, Vec2 centre, double radius, int n) {
                                  y + (j + 0.5) / n - 0.5 - centre.y) < radius;
     return inside / static_cast<double>(n * n);
 }
-
-} // namespace
 
 TEST_CASE("disc fractions agree with counting points in the cell", "[disc_fraction]") {
     std::mt19937 random(1);

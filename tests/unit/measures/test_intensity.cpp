@@ -10,21 +10,17 @@ namespace test_intensity {
 
 using namespace shearwake;
 
-namespace {
-
-Load steady_load() {
+static Load steady_load() {
     return {.peak_Pa = 100.0,
             .footprint = GaussianFootprint{.fwhm_m = 3e-3},
             .modulation = {.trajectory = {{Hold{}}}}};
 }
 
-Travel line(double speed_m_s, AtEnd at_end) {
+static Travel line(double speed_m_s, AtEnd at_end) {
     return {.path = {{-49e-3, 0.0}, {49e-3, 0.0}},
             .motion = ConstantSpeed{speed_m_s},
             .at_end = at_end};
 }
-
-} // namespace
 
 TEST_CASE("a steady load delivers force times time", "[intensity]") {
     const double force = 100.0 * std::numbers::pi * 9e-6 / (4.0 * std::numbers::ln2);

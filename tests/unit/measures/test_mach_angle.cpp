@@ -11,8 +11,6 @@ namespace test_mach_angle {
 
 using namespace shearwake;
 
-namespace {
-
 const Domain domain{.nx = 256, .ny = 192, .spacing_m = 0.75e-3, .sponge_m = 12e-3};
 constexpr double rayleigh = 4.777, fwhm = 3e-3, since_start = 14e-3,
                  degrees = std::numbers::pi / 180;
@@ -28,7 +26,7 @@ struct Frame {
 
 /// Two straight fronts of Gaussian profile at the half-angle, weaker with distance, behind them a
 /// tail and before them a shallow trough, as a Rayleigh wake has; noise of the given size.
-Frame wedge(double angle_deg, double speed, double direction_deg, double noise = 0.0) {
+static Frame wedge(double angle_deg, double speed, double direction_deg, double noise = 0.0) {
     const Vec2 along{std::cos(direction_deg * degrees), std::sin(direction_deg * degrees)};
     Frame frame{.focus = 40e-3 * along, .velocity = speed * along};
     std::mt19937 random(5);
@@ -51,8 +49,6 @@ Frame wedge(double angle_deg, double speed, double direction_deg, double noise =
         }
     return frame;
 }
-
-} // namespace
 
 TEST_CASE("the half-angle of a straight wake is found in any direction", "[mach_angle]") {
     const double speed = GENERATE(7.0, 8.0, 10.0);

@@ -10,10 +10,8 @@ namespace test_participation {
 
 using namespace shearwake;
 
-namespace {
-
 /// n samples displaced by +u and m by -u, `focal` of them in the disc.
-measures::SurfaceSums equal_samples(double n, double m, double u, double focal) {
+static measures::SurfaceSums equal_samples(double n, double m, double u, double focal) {
     return {.u = (n - m) * u,
             .abs_u = (n + m) * u,
             .u2 = (n + m) * u * u,
@@ -21,8 +19,6 @@ measures::SurfaceSums equal_samples(double n, double m, double u, double focal) 
             .focal_u2 = focal * u * u,
             .focal_weight = 2.0 * focal};
 }
-
-} // namespace
 
 TEST_CASE("equal displacements of n samples participate as n samples", "[participation]") {
     const measures::SurfaceSums sums = equal_samples(12, 0, 2e-6, 3);

@@ -13,12 +13,10 @@ namespace test_sensation {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// AM at 100 Hz at rest, 10 ms in the periodic regime; 40 mm in steps of 1 mm.
-Case periodic_case() {
+static Case periodic_case() {
     Case c;
     c.scene.medium = {
         .layers = {
@@ -36,8 +34,8 @@ Case periodic_case() {
 using Motion = std::function<double(Vec2, double)>;
 
 /// The levels of some rows; with `in_pieces`, the sums are flushed as a checkpoint does.
-measures::SensationMap map_of_rows(const Case& c, const Motion& u_m, std::ptrdiff_t first,
-                                   std::ptrdiff_t rows, bool in_pieces) {
+static measures::SensationMap map_of_rows(const Case& c, const Motion& u_m, std::ptrdiff_t first,
+                                          std::ptrdiff_t rows, bool in_pieces) {
     measures::SensationSums sums(c, first, rows);
     std::vector<double> plane;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
@@ -51,11 +49,11 @@ measures::SensationMap map_of_rows(const Case& c, const Motion& u_m, std::ptrdif
     CHECK(sums.first_row() == first);
     return sums.levels();
 }
-measures::SensationMap map_of(const Case& c, const Motion& u_m) {
+static measures::SensationMap map_of(const Case& c, const Motion& u_m) {
     return map_of_rows(c, u_m, 0, c.domain.nx, false);
 }
 
-double column(const Case& c, const measures::SensationMap& map, const std::string& name) {
+static double column(const Case& c, const measures::SensationMap& map, const std::string& name) {
     const auto columns = measures::sensation_columns(c, map);
     const auto found = std::ranges::find(columns, name, &measures::Column::name);
     REQUIRE(found != columns.end());
@@ -64,12 +62,10 @@ double column(const Case& c, const measures::SensationMap& map, const std::strin
 }
 
 /// A motion with this rms acceleration and frequency.
-double tone_m(double rms_m_s2, double f_Hz, double t_s) {
+static double tone_m(double rms_m_s2, double f_Hz, double t_s) {
     return std::numbers::sqrt2 * rms_m_s2 / std::pow(two_pi * f_Hz, 2) *
            std::cos(two_pi * f_Hz * t_s + 0.7);
 }
-
-} // namespace
 
 TEST_CASE("the level of a plane that oscillates is that of its acceleration", "[sensation]") {
     const Case c = periodic_case();
@@ -256,10 +252,9 @@ TEST_CASE("a window that cannot judge its load has no level, with the reason", "
     CHECK_THAT(reason(), Catch::StartsWith("fewer than four frames"));
 }
 
-namespace {
-
 /// Spots with Gaussian profiles of 4 mm standard deviation, and of 2 mm in the middle.
-measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m, double middle = 0.0) {
+static measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m,
+                                    double middle = 0.0) {
     return map_of(c, [&](Vec2 place, double t) {
         double sum = middle * std::exp(-0.5 * std::pow(norm(place) / 2e-3, 2));
         for (const Vec2 spot : at_m)
@@ -268,14 +263,12 @@ measures::SensationMap spots(const Case& c, const std::vector<Vec2>& at_m, doubl
     });
 }
 
-Case two_foci(double distance_m) {
+static Case two_foci(double distance_m) {
     Case c = periodic_case();
     c.domain = {.nx = 80, .ny = 60, .spacing_m = 1e-3};
     c.scene.load.modulation.foci_m = {{-0.5 * distance_m, 0.0}, {0.5 * distance_m, 0.0}};
     return c;
 }
-
-} // namespace
 
 TEST_CASE("two distant foci have two maxima with the dip of their profiles", "[sensation]") {
     const Case far = two_foci(32e-3), near = two_foci(6e-3);

@@ -10,13 +10,11 @@ namespace test_sharpness {
 
 using namespace shearwake;
 
-namespace {
-
-Domain domain() {
+static Domain domain() {
     return {.nx = 96, .ny = 80, .spacing_m = 0.5e-3};
 }
 
-std::vector<double> surface(const auto& energy) {
+static std::vector<double> surface(const auto& energy) {
     const Domain d = domain();
     std::vector<double> values;
     for (std::ptrdiff_t i = 0; i < d.nx; ++i)
@@ -25,14 +23,12 @@ std::vector<double> surface(const auto& energy) {
     return values;
 }
 
-double sharpness_of(const std::vector<double>& values, const std::vector<std::vector<Vec2>>& lines,
-                    double reach_m) {
+static double sharpness_of(const std::vector<double>& values,
+                           const std::vector<std::vector<Vec2>>& lines, double reach_m) {
     const Domain d = domain();
     return measures::sharpness({values.data(), d.nx, d.ny}, d, measures::measured_region(d), lines,
                                reach_m);
 }
-
-} // namespace
 
 TEST_CASE("a Gaussian ridge along the drawn line has the sharpness of its error function",
           "[sharpness]") {

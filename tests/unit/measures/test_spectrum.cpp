@@ -11,12 +11,11 @@ namespace test_spectrum {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double dt = 50e-6;
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-std::vector<double> tone(double amplitude, double frequency_Hz, double phase, std::size_t samples) {
+static std::vector<double> tone(double amplitude, double frequency_Hz, double phase,
+                                std::size_t samples) {
     std::vector<double> u;
     for (std::size_t n = 0; n < samples; ++n)
         u.push_back(amplitude *
@@ -24,14 +23,12 @@ std::vector<double> tone(double amplitude, double frequency_Hz, double phase, st
     return u;
 }
 
-double rms(const std::vector<double>& u) {
+static double rms(const std::vector<double>& u) {
     double sum = 0.0;
     for (const double v : u)
         sum += v * v;
     return std::sqrt(sum / static_cast<double>(u.size()));
 }
-
-} // namespace
 
 TEST_CASE("a tone of whole periods shows its amplitude at its frequency", "[spectrum]") {
     const double phase = GENERATE(0.0, 0.7, 2.5);

@@ -12,10 +12,8 @@ namespace test_summary {
 
 using namespace shearwake;
 
-namespace {
-
 /// AM-STM at 200 Hz and 7 m/s over 14 ms, frames every 50 us.
-Case thesis_case() {
+static Case thesis_case() {
     Case c;
     c.scene.medium = {
         .layers = {
@@ -34,7 +32,7 @@ Case thesis_case() {
 constexpr double disc_cells = 16.0 * std::numbers::pi; // a radius of 3 mm in cells of 0.75 mm
 
 /// Frame n: 100 samples of n nm, and 20 in the focal disc.
-measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
+static measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
     measures::DepthSeries series{.depth_m = depth_m};
     for (std::ptrdiff_t n = 0; n < frames; ++n) {
         const double u = scale * 1e-9 * static_cast<double>(n + 1), u2 = u * u;
@@ -49,14 +47,15 @@ measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scal
     return series;
 }
 
-measures::TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
+static measures::TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
     measures::TraceSeries trace{.at_m = at_m};
     for (int n = 1; n <= 280; ++n)
         trace.u_m.push_back(1e-6 * std::sin(2 * std::numbers::pi * frequency_Hz * 50e-6 * n));
     return trace;
 }
 
-measures::Column find(const std::vector<measures::Column>& columns, const std::string& name) {
+static measures::Column find(const std::vector<measures::Column>& columns,
+                             const std::string& name) {
     const auto found =
         std::find_if(columns.begin(), columns.end(),
                      [&](const measures::Column& column) { return column.name == name; });
@@ -64,8 +63,6 @@ measures::Column find(const std::vector<measures::Column>& columns, const std::s
     REQUIRE(found != columns.end());
     return *found;
 }
-
-} // namespace
 
 TEST_CASE("the table has every column once, with a unit and a description", "[summary]") {
     const auto columns =

@@ -14,13 +14,11 @@ namespace test_surface_sums {
 
 using namespace shearwake;
 
-namespace {
-
 const Domain thesis_domain{.nx = 256, .ny = 192, .spacing_m = 0.75e-3, .sponge_m = 12e-3};
 
 /// Like a wake of nearly incompressible tissue: a spot and wavelets over the whole plane, shifted
 /// so that next to nothing is left of the sum.
-std::vector<double> realistic_frame(const Domain& d) {
+static std::vector<double> realistic_frame(const Domain& d) {
     std::vector<double> u;
     std::mt19937 random(7);
     std::normal_distribution<double> noise(0.0, 1e-9);
@@ -42,8 +40,8 @@ std::vector<double> realistic_frame(const Domain& d) {
     return u;
 }
 
-measures::SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
-                                    const std::vector<std::ptrdiff_t>& cuts, Vec2 focus) {
+static measures::SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
+                                           const std::vector<std::ptrdiff_t>& cuts, Vec2 focus) {
     measures::SurfaceSums sums;
     for (std::size_t s = 0; s + 1 < cuts.size(); ++s) {
         const View2<const double> slab(u.data() + cuts[s] * d.ny, cuts[s + 1] - cuts[s], d.ny);
@@ -55,7 +53,8 @@ measures::SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& 
 }
 
 /// Positive sums differ by rounding; the signed one, of which little is left, by `margin`.
-void check_equal(const measures::SurfaceSums& a, const measures::SurfaceSums& b, double margin) {
+static void check_equal(const measures::SurfaceSums& a, const measures::SurfaceSums& b,
+                        double margin) {
     CHECK(a.u == Approx(b.u).margin(margin));
     CHECK(a.abs_u == Approx(b.abs_u).epsilon(1e-14));
     CHECK(a.u2 == Approx(b.u2).epsilon(1e-14));
@@ -64,8 +63,6 @@ void check_equal(const measures::SurfaceSums& a, const measures::SurfaceSums& b,
     CHECK(a.focal_weight == Approx(b.focal_weight).epsilon(1e-14));
     CHECK(a.peak == b.peak);
 }
-
-} // namespace
 
 TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]") {
     CHECK(measures::measured_region(thesis_domain) == measures::Region{16, 240, 16, 176});
@@ -78,21 +75,19 @@ TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]"
           measures::Region{5, 5, 4, 4});
 }
 
-namespace {
-
-measures::Region region_of(const Domain& d, std::vector<Vec2> corners) {
+static measures::Region region_of(const Domain& d, std::vector<Vec2> corners) {
     MeasureOptions measure;
     measure.region_m = std::move(corners);
     return measures::measured_region(d, measure);
 }
 
-std::vector<Vec2> rectangle(double half_x_m, double half_y_m) {
+static std::vector<Vec2> rectangle(double half_x_m, double half_y_m) {
     return {
         {-half_x_m, -half_y_m}, {half_x_m, -half_y_m}, {half_x_m, half_y_m}, {-half_x_m, half_y_m}};
 }
 
 /// The weight of every sample, row by row.
-std::vector<double> weights_of(const Domain& d, const measures::Region& region) {
+static std::vector<double> weights_of(const Domain& d, const measures::Region& region) {
     std::vector<double> weights(static_cast<std::size_t>(d.nx * d.ny), 0.0);
     for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
         region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double weight) {
@@ -102,7 +97,7 @@ std::vector<double> weights_of(const Domain& d, const measures::Region& region) 
     return weights;
 }
 
-bool is_in_polygon(const std::vector<Vec2>& corners, Vec2 at) {
+static bool is_in_polygon(const std::vector<Vec2>& corners, Vec2 at) {
     bool inside = false;
     for (std::size_t n = 0; n < corners.size(); ++n) {
         const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
@@ -111,8 +106,6 @@ bool is_in_polygon(const std::vector<Vec2>& corners, Vec2 at) {
     }
     return inside;
 }
-
-} // namespace
 
 TEST_CASE("a region whose edges lie on samples is symmetric and has its stated area",
           "[surface_sums]") {

@@ -13,20 +13,16 @@ namespace test_window {
 
 using namespace shearwake;
 
-namespace {
-
 const TimeAxis thesis_time{.frames = 280, .interval_s = 50e-6};
 
-double integral(const TimeAxis& time, double from_s, double to_s,
-                const std::function<double(double)>& f) {
+static double integral(const TimeAxis& time, double from_s, double to_s,
+                       const std::function<double(double)>& f) {
     const std::vector<double> weights = measures::window_weights(time, from_s, to_s);
     double sum = 0.0;
     for (std::ptrdiff_t n = 0; n < time.frames; ++n)
         sum += weights[static_cast<std::size_t>(n)] * f(time.frame_s(n)) * time.interval_s;
     return sum;
 }
-
-} // namespace
 
 TEST_CASE("between frames the window's weights are those of the trapezoidal rule", "[window]") {
     const std::vector<double> weights =

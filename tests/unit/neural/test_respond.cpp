@@ -9,15 +9,11 @@ namespace test_respond {
 using namespace shearwake;
 using namespace shearwake::neural;
 
-namespace {
-
-AfferentClass class_of(const std::string& name) {
+static AfferentClass class_of(const std::string& name) {
     return name == "SA1"  ? AfferentClass::SA1
            : name == "RA" ? AfferentClass::RA
                           : AfferentClass::PC;
 }
-
-} // namespace
 
 TEST_CASE("all 17 neurons fire at the same samples as in TouchSim", "[neural]") {
     const std::string stimulus =

@@ -17,9 +17,7 @@ namespace test_response {
 using namespace shearwake;
 using namespace shearwake::neural;
 
-namespace {
-
-PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
+static PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
     PinStimulus s{.at_mm = std::move(at_mm), .radius_mm = 1.0, .rate_Hz = rate_Hz};
     const auto samples = static_cast<std::size_t>(0.1 * rate_Hz);
     s.indentation_mm = Lines(s.at_mm.size(), samples);
@@ -31,20 +29,18 @@ PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
 }
 
 /// Of half a second, at this modulation, with all fibres on the path.
-std::vector<ClassResponse> responses_at(double f_Hz, const std::vector<Afferent>& afferents,
-                                        const SpikeTimes& times_s, double duration_s = 0.5) {
+static std::vector<ClassResponse> responses_at(double f_Hz, const std::vector<Afferent>& afferents,
+                                               const SpikeTimes& times_s, double duration_s = 0.5) {
     return class_responses(afferents, times_s, duration_s, f_Hz, 1.0, [](Vec2) { return 0.0; });
 }
 
-std::string words(const std::vector<Remark>& remarks) {
+static std::string words(const std::vector<Remark>& remarks) {
     std::string all;
     for (const Remark& r : remarks)
         all += (r.severity == Severity::error ? "error: " : "warning: ") + r.key + ": " +
                r.message + "\n";
     return all;
 }
-
-} // namespace
 
 TEST_CASE("adds silence before the stimulus and fades out its last value", "[neural]") {
     PinStimulus s{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 1000.0};

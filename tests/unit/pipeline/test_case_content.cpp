@@ -11,16 +11,12 @@ namespace test_case_content {
 
 using namespace shearwake;
 
-namespace {
-
-const Variable& find(const VariableGroup& group, const std::string& name) {
+static const Variable& find(const VariableGroup& group, const std::string& name) {
     const auto found = std::find_if(group.variables.begin(), group.variables.end(),
                                     [&](const Variable& v) { return v.name == name; });
     REQUIRE(found != group.variables.end());
     return *found;
 }
-
-} // namespace
 
 TEST_CASE("the receptors of a case are placed once", "[content]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});

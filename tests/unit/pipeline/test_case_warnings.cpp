@@ -16,10 +16,8 @@ namespace test_case_warnings {
 
 using namespace shearwake;
 
-namespace {
-
 /// A focus over a domain so small that `check` expects waves to return.
-Case small_domain() {
+static Case small_domain() {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     c.domain = {.nx = 20, .ny = 10, .spacing_m = 1e-3, .sponge_m = 0.0};
     c.scene.load.footprint = GaussianFootprint{4e-3};
@@ -30,7 +28,7 @@ Case small_domain() {
 }
 
 /// A mean of u_z^2 of 1 in the middle and `edge` in the first column and row.
-std::vector<double> with_edges(const Domain& d, double edge) {
+static std::vector<double> with_edges(const Domain& d, double edge) {
     std::vector<double> mean_u2(static_cast<std::size_t>(d.nx * d.ny), 1.0);
     for (std::ptrdiff_t i = 0; i < d.nx; ++i)
         for (std::ptrdiff_t j = 0; j < d.ny; ++j)
@@ -38,14 +36,12 @@ std::vector<double> with_edges(const Domain& d, double edge) {
     return mean_u2;
 }
 
-std::vector<Remark> of_extent(const std::vector<double>& mean_u2) {
+static std::vector<Remark> of_extent(const std::vector<double>& mean_u2) {
     auto warnings =
         pipeline::case_warnings(small_domain(), {.mean_u2 = mean_u2}, check(small_domain()));
     std::erase_if(warnings, [](const Remark& w) { return w.key != "domain.extent_mm"; });
     return warnings;
 }
-
-} // namespace
 
 TEST_CASE("the share of the energy on the edges relates their mean to that of the domain",
           "[warnings]") {

@@ -13,13 +13,11 @@ namespace test_endless_loop {
 using namespace shearwake;
 using namespace shearwake::pipeline;
 
-namespace {
-
 constexpr double rate_Hz = 16000.0, period_s = 20e-3;
 constexpr std::size_t samples = 320; // of a period
 
 /// Every neuron of every class, 3 mm from the pin.
-AfferentOptions all_neurons(AfferentInput input) {
+static AfferentOptions all_neurons(AfferentInput input) {
     AfferentList list;
     for (const AfferentClass kind : all_classes)
         for (std::size_t row = 0; row < neural::neuron_rows(kind).size(); ++row)
@@ -29,7 +27,7 @@ AfferentOptions all_neurons(AfferentInput input) {
 }
 
 /// An indentation of 50 Hz and its harmonics about a mean, beginning `shift` samples later.
-std::vector<double> one_period(double amplitude, std::size_t shift) {
+static std::vector<double> one_period(double amplitude, std::size_t shift) {
     std::vector<double> line;
     for (std::size_t k = 0; k < samples; ++k) {
         const double phase = 2.0 * std::numbers::pi * static_cast<double>(k + shift) / samples;
@@ -39,8 +37,8 @@ std::vector<double> one_period(double amplitude, std::size_t shift) {
     return line;
 }
 
-ReceptorMotion repeating(const AfferentOptions& options, std::size_t counted,
-                         std::size_t shift = 0) {
+static ReceptorMotion repeating(const AfferentOptions& options, std::size_t counted,
+                                std::size_t shift = 0) {
     ReceptorMotion motion{.pins = {.rate_Hz = rate_Hz}, .modulation_Hz = 50.0, .name = "a case"};
     const auto afferents = neural::make_scene(options).afferents;
     motion.repetitions = neural::repetitions_of(afferents, period_s, counted);
@@ -52,29 +50,27 @@ ReceptorMotion repeating(const AfferentOptions& options, std::size_t counted,
     return motion;
 }
 
-AfferentResult felt_alone(const ReceptorMotion& motion, const AfferentOptions& options) {
+static AfferentResult felt_alone(const ReceptorMotion& motion, const AfferentOptions& options) {
     return simulate_afferents(motion, options, neural::make_scene(options),
                               Comm::world().split(Comm::world().rank()));
 }
 
-std::vector<double> values(const AfferentResult& result, const std::string& name) {
+static std::vector<double> values(const AfferentResult& result, const std::string& name) {
     for (const Variable& v : result.groups.at(0).variables)
         if (v.name == name) return v.values;
     throw std::runtime_error("no variable " + name);
 }
 
-std::vector<double> counts(const AfferentOptions& options, std::size_t counted,
-                           std::size_t shift = 0) {
+static std::vector<double> counts(const AfferentOptions& options, std::size_t counted,
+                                  std::size_t shift = 0) {
     return values(felt_alone(repeating(options, counted, shift), options), "spike_count");
 }
 
-const measures::Column& column(const AfferentResult& result, const std::string& name) {
+static const measures::Column& column(const AfferentResult& result, const std::string& name) {
     for (const measures::Column& c : result.columns)
         if (c.name == name) return c;
     throw std::runtime_error("no column " + name);
 }
-
-} // namespace
 
 TEST_CASE("spikes per period do not depend on the number of periods of an endless loop",
           "[neural][periodic]") {

@@ -13,14 +13,10 @@ namespace test_memory {
 using namespace shearwake;
 namespace fs = std::filesystem;
 
-namespace {
-
-void write(const fs::path& file, const char* text) {
+static void write(const fs::path& file, const char* text) {
     fs::create_directories(file.parent_path());
     std::ofstream(file) << text;
 }
-
-} // namespace
 
 TEST_CASE("control groups of both versions limit the memory, as do their parents", "[memory]") {
     const test::TemporaryFolder folder;

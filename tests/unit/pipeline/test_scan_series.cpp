@@ -11,13 +11,11 @@ namespace test_scan_series {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr Vec2 wave_rad_m{150.0, -120.0};
 constexpr Vec3 amplitudes_m{2e-6, -3e-6, 5e-6};
 
 /// 60 mm x 48 mm, two frames, four points between the nodes.
-Case scanned() {
+static Case scanned() {
     Case c;
     c.domain.nx = 60;
     c.domain.ny = 48;
@@ -29,12 +27,12 @@ Case scanned() {
 }
 
 /// One component of a wave that runs across the plane, at a frame.
-double wave_m(double amplitude_m, Vec2 at_m, std::ptrdiff_t frame) {
+static double wave_m(double amplitude_m, Vec2 at_m, std::ptrdiff_t frame) {
     return amplitude_m * std::cos(wave_rad_m.x * at_m.x + wave_rad_m.y * at_m.y -
                                   0.7 * static_cast<double>(frame));
 }
 
-std::vector<double> motion_in_sight_m(const Case& c) {
+static std::vector<double> motion_in_sight_m(const Case& c) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     pipeline::ScanSeries series(c, alone);
     series.begin({0, c.domain.nx});
@@ -57,7 +55,7 @@ std::vector<double> motion_in_sight_m(const Case& c) {
 }
 
 /// The largest difference from the motion along the line of sight, relative to its amplitude.
-double error_of(const Case& c, double spot_factor) {
+static double error_of(const Case& c, double spot_factor) {
     const VibrometerOptions& o = *c.vibrometer;
     const Vec3 along = o.line_of_sight();
     const double amplitude_m =
@@ -77,8 +75,6 @@ double error_of(const Case& c, double spot_factor) {
 
 // Cubic interpolation in both directions: 2 (k h)^4 3 / 128 with k h = 0.15.
 constexpr double of_interpolation = 3e-5;
-
-} // namespace
 
 TEST_CASE("a vibrometer records all components along its line of sight", "[vibrometer]") {
     Case c = scanned();

@@ -9,19 +9,17 @@ namespace test_vibrometer {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double full_circle_rad = 2.0 * std::numbers::pi;
 
 /// Frames every 50 us for 20 ms, and one point.
-Case measured(const VibrometerOptions& options) {
+static Case measured(const VibrometerOptions& options) {
     Case c;
     c.time = {.frames = 400, .interval_s = 5e-5};
     c.vibrometer = options;
     return c;
 }
 
-VibrometerOptions points(std::size_t count) {
+static VibrometerOptions points(std::size_t count) {
     VibrometerOptions options;
     for (std::size_t n = 0; n < count; ++n)
         options.points_m.push_back({1e-3 * static_cast<double>(n), 0.0});
@@ -29,24 +27,22 @@ VibrometerOptions points(std::size_t count) {
 }
 
 /// A displacement that starts smoothly at t = 0, and its velocity.
-double displacement(double t) {
+static double displacement(double t) {
     return 1e-6 * std::pow(t / 2e-3, 4) * std::exp(-t / 2e-3) *
            std::sin(full_circle_rad * 200.0 * t);
 }
-double velocity(double t) {
+static double velocity(double t) {
     constexpr double h = 1e-7;
     return (displacement(t + h) - displacement(t - h)) / (2.0 * h);
 }
 
-std::vector<double> displacements(const Case& c) {
+static std::vector<double> displacements(const Case& c) {
     std::vector<double> all;
     for (std::size_t p = 0; p < c.vibrometer->points_m.size(); ++p)
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
             all.push_back(displacement(c.time.frame_s(n)));
     return all;
 }
-
-} // namespace
 
 TEST_CASE("the vibrometer records the derivative of the displacement", "[vibrometer]") {
     VibrometerOptions options = points(1);

@@ -11,8 +11,6 @@ namespace test_adaptive_tables {
 using namespace shearwake;
 using Goal = AdaptiveAxis::Goal;
 
-namespace {
-
 using Surface = std::function<double(double x, double y)>;
 
 /// A plan with axes "x" and "y" on a grid, each case with a reference of the value `reference`.
@@ -40,7 +38,7 @@ struct Grid {
     reduce::Table table;
 };
 
-AdaptiveAxis axis(const std::string& key, Goal goal, double tolerance) {
+static AdaptiveAxis axis(const std::string& key, Goal goal, double tolerance) {
     return {.key = key,
             .goal = goal,
             .first = 0.0,
@@ -52,14 +50,12 @@ AdaptiveAxis axis(const std::string& key, Goal goal, double tolerance) {
 
 const std::vector<double> five = {0.0, 1.0, 2.0, 3.0, 4.0};
 
-double number(const reduce::Table& table, std::size_t row, const std::string& column) {
+static double number(const reduce::Table& table, std::size_t row, const std::string& column) {
     for (std::size_t i = 0; i < table.columns.size(); ++i)
         if (table.columns[i] == column) return std::get<double>(table.rows[row][i]);
     FAIL("no column " << column);
     return 0.0;
 }
-
-} // namespace
 
 TEST_CASE("an interval is divided if any curve of the other axes requires it", "[reduce][adapt]") {
     const Grid grid({axis("x", Goal::refine, 1.2)}, five, {0.0, 1.0},

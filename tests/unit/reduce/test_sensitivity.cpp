@@ -13,8 +13,6 @@ namespace test_sensitivity {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 using Model = std::function<double(const std::vector<double>&)>;
 
@@ -74,8 +72,8 @@ public:
     reduce::UncertainTables evaluated;
 };
 
-void check_index(const ModelRun& run, const std::string& key, const std::string& index,
-                 double exact) {
+static void check_index(const ModelRun& run, const std::string& key, const std::string& index,
+                        double exact) {
     for (const double scale : {1.0, 10.0}) {
         const auto line = ModelRun::line(run.evaluated.sensitivity, scale, {"eta", key, index});
         INFO(key << " " << index << ": " << line.value << " in " << line.low << ".." << line.high);
@@ -85,12 +83,11 @@ void check_index(const ModelRun& run, const std::string& key, const std::string&
     }
 }
 
-void check_indices(const ModelRun& run, const std::string& key, const test::KnownIndex& exact) {
+static void check_indices(const ModelRun& run, const std::string& key,
+                          const test::KnownIndex& exact) {
     check_index(run, key, "first_order", exact.first_order);
     check_index(run, key, "total", exact.total);
 }
-
-} // namespace
 
 TEST_CASE("the Sobol indices of the Ishigami function are found", "[reduce][sensitivity]") {
     const ModelRun run("sobol-indices", 4096, 3, test::ishigami);

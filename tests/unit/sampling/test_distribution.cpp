@@ -14,14 +14,12 @@ using namespace shearwake;
 using sampling::Distribution;
 using sampling::Sampling;
 
-namespace {
-
 constexpr std::size_t sample_size = 2000;
 
 /// The Kolmogorov-Smirnov distance between sample_size values of the distribution and its analytic
 /// cumulative distribution.
-double distance(const Distribution& d, Sampling sampling,
-                const std::function<double(double)>& cumulative) {
+static double distance(const Distribution& d, Sampling sampling,
+                       const std::function<double(double)>& cumulative) {
     REQUIRE_FALSE(sampling::problem_of(d).has_value());
     std::vector<double> values;
     for (const auto& point : sampling::unit_points(sampling, sample_size, 1, 42))
@@ -35,11 +33,11 @@ double distance(const Distribution& d, Sampling sampling,
     return largest;
 }
 
-double normal_below(double z) {
+static double normal_below(double z) {
     return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
-void check_fit(const Distribution& d, const std::function<double(double)>& cumulative) {
+static void check_fit(const Distribution& d, const std::function<double(double)>& cumulative) {
     // The critical value of the test at the level of 0.1 % is 1.95 / sqrt(sample_size).
     CHECK(distance(d, Sampling::random, cumulative) < 1.95 / std::sqrt(sample_size));
     // The other sequences have one value per interval of 1/1024.
@@ -48,8 +46,6 @@ void check_fit(const Distribution& d, const std::function<double(double)>& cumul
     for (const double p : {0.001, 0.3, 0.999})
         CHECK(cumulative(sampling::quantile(d, p)) == Approx(p).epsilon(1e-9));
 }
-
-} // namespace
 
 TEST_CASE("samples follow their analytic distributions (Kolmogorov-Smirnov)", "[sampling]") {
     check_fit({.shape = sampling::Uniform{2.0, 6.0}}, [](double x) { return (x - 2.0) / 4.0; });

@@ -12,10 +12,9 @@ using namespace shearwake;
 using Goal = AdaptiveAxis::Goal;
 using Function = std::function<double(double)>;
 
-namespace {
-
 /// The points of all rounds, with functions instead of a sweep.
-std::vector<double> points_of(const AdaptiveAxis& axis, const std::vector<Function>& functions) {
+static std::vector<double> points_of(const AdaptiveAxis& axis,
+                                     const std::vector<Function>& functions) {
     std::vector<double> x = adapt::first_points(axis);
     for (int round = 0; round < 100; ++round) {
         std::vector<adapt::Curve> curves;
@@ -34,18 +33,16 @@ std::vector<double> points_of(const AdaptiveAxis& axis, const std::vector<Functi
     return x;
 }
 
-double interpolated(const std::vector<double>& x, const Function& f, double at) {
+static double interpolated(const std::vector<double>& x, const Function& f, double at) {
     const auto next = std::clamp(std::ranges::upper_bound(x, at), x.begin() + 1, x.end() - 1);
     const double a = *(next - 1), b = *next;
     return std::lerp(f(a), f(b), (at - a) / (b - a));
 }
 
 /// A curve like that of eta against the modulation frequency, with a bend at 200 Hz.
-double bend(double f_Hz) {
+static double bend(double f_Hz) {
     return 0.3 - 0.15 / (1.0 + std::exp(-(f_Hz - 200.0) / 25.0)) + 1e-5 * f_Hz;
 }
-
-} // namespace
 
 TEST_CASE("a refined curve stays within its tolerance of a fine grid", "[adapt]") {
     const AdaptiveAxis axis{

@@ -14,9 +14,7 @@ using namespace shearwake;
 using sampling::Points;
 using sampling::Sampling;
 
-namespace {
-
-std::vector<double> column(const Points& points, std::size_t d) {
+static std::vector<double> column(const Points& points, std::size_t d) {
     std::vector<double> x;
     for (const auto& point : points)
         x.push_back(point[d]);
@@ -24,7 +22,7 @@ std::vector<double> column(const Points& points, std::size_t d) {
 }
 
 /// Spearman's coefficient of two columns without ties.
-double rank_correlation(const Points& points, std::size_t a, std::size_t b) {
+static double rank_correlation(const Points& points, std::size_t a, std::size_t b) {
     const auto ranks = [&](std::size_t d) {
         const std::vector<double> x = column(points, d);
         std::vector<std::size_t> order(x.size());
@@ -42,8 +40,6 @@ double rank_correlation(const Points& points, std::size_t a, std::size_t b) {
     const auto n = static_cast<double>(u.size());
     return 1.0 - 6.0 * squares / (n * (n * n - 1.0));
 }
-
-} // namespace
 
 TEST_CASE("an extended sample begins with the smaller one", "[sampling]") {
     for (const Sampling kind : {Sampling::sobol, Sampling::latin_hypercube, Sampling::random}) {

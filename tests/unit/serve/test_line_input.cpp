@@ -10,8 +10,6 @@ namespace test_line_input {
 
 using namespace shearwake;
 
-namespace {
-
 /// A pipe whose reading end belongs to the input under test.
 class Pipe {
 public:
@@ -37,7 +35,7 @@ private:
     bool is_open_ = true;
 };
 
-std::vector<std::string> texts(const std::vector<serve::Line>& lines) {
+static std::vector<std::string> texts(const std::vector<serve::Line>& lines) {
     std::vector<std::string> found;
     for (const serve::Line& line : lines)
         found.push_back(line.is_too_long ? "<too long>" : line.text);
@@ -45,8 +43,6 @@ std::vector<std::string> texts(const std::vector<serve::Line>& lines) {
 }
 
 using Texts = std::vector<std::string>;
-
-} // namespace
 
 TEST_CASE("lines are returned when their end arrives", "[serve]") {
     Pipe pipe;

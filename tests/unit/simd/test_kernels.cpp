@@ -19,17 +19,13 @@ namespace test_kernels {
 using namespace shearwake;
 using simd::InstructionSet;
 
-namespace {
-
-std::vector<Block> random_blocks(std::size_t count, unsigned seed) {
+static std::vector<Block> random_blocks(std::size_t count, unsigned seed) {
     const std::vector<double> numbers =
         test::random_numbers<std::vector<double>>(count * lane_count, seed);
     std::vector<Block> blocks(count);
     std::copy(numbers.begin(), numbers.end(), scalars(blocks.data()));
     return blocks;
 }
-
-} // namespace
 
 TEST_CASE("converts instruction sets to names and rejects other names", "[simd]") {
     for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512})

@@ -16,8 +16,6 @@ namespace test_pstd_kernels {
 
 using namespace shearwake;
 
-namespace {
-
 template <class Real>
 fft::AlignedVector<Real> random_reals(std::size_t count, unsigned seed) {
     return test::random_numbers<fft::AlignedVector<Real>>(count, seed);
@@ -106,8 +104,6 @@ void check_same(const FieldInLayers<Real>& a, const FieldInLayers<Real>& b) {
     CHECK(worst_difference(a.first, b.first) < rounding<Real>);
     CHECK(worst_difference(a.second, b.second) < rounding<Real>);
 }
-
-} // namespace
 
 TEMPLATE_TEST_CASE("velocities and their accelerations are updated as by a plain loop",
                    "[simd][pstd]", double, float) {

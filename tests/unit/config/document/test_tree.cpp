@@ -7,20 +7,16 @@ namespace test_tree {
 
 using namespace shearwake;
 
-namespace {
-
-config::NodePtr parse(std::string_view text) {
+static config::NodePtr parse(std::string_view text) {
     config::DiagnosticList diagnostics;
     const config::NodePtr tree = config::parse_toml(text, "t.toml", diagnostics);
     REQUIRE(diagnostics.errors() == 0);
     return tree;
 }
 
-config::NodePtr at(const config::NodePtr& root, std::string_view path) {
+static config::NodePtr at(const config::NodePtr& root, std::string_view path) {
     return config::find(root, config::split_path(path).value());
 }
-
-} // namespace
 
 TEST_CASE("a path consists of keys, quoted keys and list indices", "[config][tree]") {
     const auto path = config::split_path("a.\"b.c\".d[2][1].e").value();

@@ -8,13 +8,12 @@ namespace test_afferents_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-AfferentOptions options_of(std::string_view text, const config::TextLoader& files = nullptr) {
+static AfferentOptions options_of(std::string_view text,
+                                  const config::TextLoader& files = nullptr) {
     return config::read_afferent_options("[afferents]\n" + std::string(text), "options", {}, files);
 }
 
-std::string refusal(std::string_view text, const config::TextLoader& files = nullptr) {
+static std::string refusal(std::string_view text, const config::TextLoader& files = nullptr) {
     try {
         options_of(text, files);
     } catch (const config::BadJob& bad) {
@@ -22,8 +21,6 @@ std::string refusal(std::string_view text, const config::TextLoader& files = nul
     }
     return "";
 }
-
-} // namespace
 
 TEST_CASE("a job without [afferents] keeps its case id", "[config][afferents]") {
     CHECK_FALSE(only_case(plain_job).afferents.has_value());

@@ -6,10 +6,8 @@ namespace test_body_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// The plain job for the engine that takes bodies. What is added stands from line 28 on.
-std::string job_with(const std::string& more) {
+static std::string job_with(const std::string& more) {
     return replaced(plain_and(more), "[job]", "solver = { engine = \"spectral\" }\n[job]");
 }
 
@@ -21,26 +19,24 @@ c_s_m_s = 9.0
 )";
 
 /// `ball` with its second line and those after it replaced.
-std::string body_of(const std::string& lines) {
+static std::string body_of(const std::string& lines) {
     return job_with("[[medium.body]]\n" + lines);
 }
 
 const std::string upright = "shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
                             "c_s_m_s = 9\n";
 
-Body only_body(const std::string& job) {
+static Body only_body(const std::string& job) {
     const auto bodies = only_case(job).scene.medium.bodies;
     REQUIRE(bodies.size() == 1);
     return bodies[0];
 }
 
-std::shared_ptr<const MaterialMap> small_map(double c_s_m_s) {
+static std::shared_ptr<const MaterialMap> small_map(double c_s_m_s) {
     MaterialMap map{.counts = {1, 1, 1}, .c_s_m_s = {c_s_m_s}};
     map.content_hash = hash_of(map);
     return std::make_shared<const MaterialMap>(map);
 }
-
-} // namespace
 
 TEST_CASE("each shape is read in SI", "[config][body]") {
     const Body ellipsoid = only_body(job_with(ball));

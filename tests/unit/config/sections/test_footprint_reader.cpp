@@ -11,22 +11,18 @@ namespace test_footprint_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// The plain job with another footprint, on a domain that such a focus fits on.
-std::string with_footprint(std::string_view footprint, std::string_view peak = "") {
+static std::string with_footprint(std::string_view footprint, std::string_view peak = "") {
     std::string job = plain_with("footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
                                  "footprint = { " + std::string(footprint) + " }");
     return replaced(job, "peak_Pa = 100.0\n", peak);
 }
 
-Load load_of(std::string_view footprint, std::string_view peak = "") {
+static Load load_of(std::string_view footprint, std::string_view peak = "") {
     return only_case(with_footprint(footprint, peak)).scene.load;
 }
 
 const std::string board = "shape = \"array\", preset = \"array-16x16\", distance_mm = 200";
-
-} // namespace
 
 TEST_CASE("an array is given by its numbers or by a preset", "[config][footprint]") {
     const Load given = load_of("shape = \"array\", elements = [16, 16], pitch_mm = 10.47, "
@@ -115,11 +111,9 @@ TEST_CASE("several foci are positions relative to the moving point", "[config][f
                 "position"});
 }
 
-namespace {
-
 /// Radiation pressure of the 249 elements, each of 1 Pa m, focused below their middle, summed
 /// element by element, from the numbers of the preset as the manual prints them [Pa].
-double pressure_of_249_Pa(double x_m, double y_m) {
+static double pressure_of_249_Pa(double x_m, double y_m) {
     const double pitch_m = 10.16e-3, radius_m = 4.5e-3, distance_m = 0.2, c_m_s = 346.1;
     const double k = 2.0 * std::numbers::pi * 40e3 / c_m_s;
     std::complex<double> p = 0.0;
@@ -136,7 +130,7 @@ double pressure_of_249_Pa(double x_m, double y_m) {
 }
 
 /// Distance along a direction at which half of the pressure is left [m].
-double half_of_249_m(double along_x, double along_y) {
+static double half_of_249_m(double along_x, double along_y) {
     double low = 0.0, high = 8e-3; // before the first zero
     for (int i = 0; i < 50; ++i) {
         const double middle = 0.5 * (low + high);
@@ -146,8 +140,6 @@ double half_of_249_m(double along_x, double along_y) {
     }
     return low;
 }
-
-} // namespace
 
 TEST_CASE("the pressure of the array of 249 elements is the sum over its elements",
           "[config][footprint]") {

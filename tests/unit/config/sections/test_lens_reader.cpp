@@ -8,12 +8,10 @@ namespace test_lens_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 const std::string plate = "shape = \"lens\", aperture_mm = 60, distance_mm = 60, iterations = 3, "
                           "material_c_m_s = 1500, material_density_kg_m3 = 1200";
 
-std::string with_lens(std::string_view footprint, std::string_view peak = "peak_Pa = 5\n") {
+static std::string with_lens(std::string_view footprint, std::string_view peak = "peak_Pa = 5\n") {
     std::string job = plain_with("footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
                                  "footprint = { " + std::string(footprint) + " }");
     job = replaced(job,
@@ -22,8 +20,6 @@ std::string with_lens(std::string_view footprint, std::string_view peak = "peak_
                    "kind = \"AM\"\n");
     return replaced(job, "peak_Pa = 100.0\n", peak);
 }
-
-} // namespace
 
 TEST_CASE("the pressure behind a lens gives the peak on the skin", "[config][lens]") {
     const Load load =

@@ -8,16 +8,12 @@ namespace test_load_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-Modulation modulation_of(std::string_view modulation) {
+static Modulation modulation_of(std::string_view modulation) {
     return only_case(with_modulation(modulation)).scene.load.modulation;
 }
 
 const std::string path = "path = { shape = \"line\", from_mm = [-14, 0], to_mm = [14, 0] }\n";
 const Line line = {{-0.014, 0.0}, {0.014, 0.0}};
-
-} // namespace
 
 TEST_CASE("AM is a fixed point with a sine gain", "[config][load]") {
     const Modulation am = modulation_of("kind = \"AM\"\nam_frequency_Hz = 500");

@@ -7,13 +7,9 @@ namespace test_medium_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-Layer layer_with(std::string_view loss) {
+static Layer layer_with(std::string_view loss) {
     return only_case(plain_with("viscosity_Pa_s = 1.0", loss)).scene.medium.layers.at(0);
 }
-
-} // namespace
 
 TEST_CASE("each loss law is read in SI", "[config][medium]") {
     CHECK(layer_with("viscosity_Pa_s = 2").loss == ShearLoss(KelvinVoigt{2.0}));

@@ -10,26 +10,22 @@ namespace test_path_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 constexpr const char* speed = "speed_m_s = 7\n";
 
-std::string stm(std::string_view path, std::string_view more = speed) {
+static std::string stm(std::string_view path, std::string_view more = speed) {
     return with_modulation("kind = \"STM\"\n" + std::string(more) + "path = { " +
                            std::string(path) + " }");
 }
 
-Modulation modulation_of(std::string_view modulation) {
+static Modulation modulation_of(std::string_view modulation) {
     return only_case(with_modulation(modulation)).scene.load.modulation;
 }
 
-Travel travel_of(std::string_view path, std::string_view more = speed) {
+static Travel travel_of(std::string_view path, std::string_view more = speed) {
     return std::get<Travel>(
         only_case(stm(path, more)).scene.load.modulation.trajectory.parts.at(0));
 }
-
-} // namespace
 
 TEST_CASE("paths are read in millimetres and degrees", "[config][path]") {
     const Travel circle = travel_of("shape = \"circle\", radius_mm = 10, start_deg = 90");
@@ -178,19 +174,15 @@ TEST_CASE("a path can come from a file of points", "[config][path]") {
           Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
 }
 
-namespace {
-
 /// The path of a file with such a text.
-Travel travel_of_file(const std::string& csv, std::string_view path = "",
-                      std::string_view more = "") {
+static Travel travel_of_file(const std::string& csv, std::string_view path = "",
+                             std::string_view more = "") {
     const config::Job read =
         config::read_job(stm("shape = \"csv\", file = \"a.csv\"" + std::string(path), more),
                          "job.toml", {}, nullptr, [&](const std::string&) { return csv; });
     return std::get<Travel>(
         read.plan.cases.at(0).physics.scene.load.modulation.trajectory.parts.at(0));
 }
-
-} // namespace
 
 TEST_CASE("a focus rests at the points of a file with times", "[config][path]") {
     // Six of eight points lie within a millimetre: they have 75 % of the time.

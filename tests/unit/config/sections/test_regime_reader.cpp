@@ -10,10 +10,8 @@ namespace test_regime_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
 /// A circle of 62.8 mm with AM at 200 Hz, drawn `draws` times per second for ever.
-std::string steady_job(std::string_view draws = "100.0", std::string_view more = "") {
+static std::string steady_job(std::string_view draws = "100.0", std::string_view more = "") {
     std::string job =
         plain_with("path = { shape = \"line\", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }",
                    "path = { shape = \"circle\", radius_mm = 10.0 }");
@@ -25,14 +23,12 @@ std::string steady_job(std::string_view draws = "100.0", std::string_view more =
 }
 
 /// The keys and messages of the errors of a valid job for its engine.
-Texts errors_of(const Case& c) {
+static Texts errors_of(const Case& c) {
     Texts errors;
     for (const Remark& remark : check(c))
         if (remark.severity == Severity::error) errors.push_back(remark.key + " " + remark.message);
     return errors;
 }
-
-} // namespace
 
 TEST_CASE("the frames of the periodic regime cover the least common period", "[config][regime]") {
     const Case c = only_case(steady_job());

@@ -6,13 +6,9 @@ namespace test_vibrometer_reader {
 using namespace shearwake;
 using namespace shearwake::test;
 
-namespace {
-
-VibrometerOptions read(const std::string& keys) {
+static VibrometerOptions read(const std::string& keys) {
     return only_case(plain_and("[vibrometer]\n" + keys + "\n")).vibrometer.value();
 }
-
-} // namespace
 
 TEST_CASE("the points of a scan follow from its shape", "[config][vibrometer]") {
     const auto line = read("line_mm = [[-10, 0], [10, 0]]\nspacing_mm = 5").points_m;

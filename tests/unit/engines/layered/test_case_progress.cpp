@@ -10,8 +10,6 @@ namespace test_case_progress {
 using namespace shearwake;
 using Stage = layered::CaseProgress::Stage;
 
-namespace {
-
 /// Keeps the shares that it receives.
 class Listener : public test::NoCheckpoints {
 public:
@@ -19,8 +17,6 @@ public:
 
     std::vector<double> shares;
 };
-
-} // namespace
 
 TEST_CASE("the share of a layered case is its complete work over its total work", "[layered]") {
     Listener listener;

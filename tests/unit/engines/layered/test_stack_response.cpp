@@ -15,18 +15,16 @@ namespace test_stack_response {
 using namespace shearwake;
 using Complex = std::complex<double>;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
-Complex response(const Medium& medium, Complex omega, double k, double depth_m = 0.0) {
+static Complex response(const Medium& medium, Complex omega, double k, double depth_m = 0.0) {
     Complex h;
     layered::StackResponse(medium, omega, std::span(&depth_m, 1)).evaluate(k, std::span(&h, 1));
     return h;
 }
 
 /// Wavenumbers from 1 to 6000 1/m with a spacing below the width of any resonance of these stacks.
-std::vector<double> wavenumbers() {
+static std::vector<double> wavenumbers() {
     std::vector<double> k;
     for (double value = 1.0; value <= 6000.0; value *= 1.02)
         k.push_back(value);
@@ -36,7 +34,8 @@ std::vector<double> wavenumbers() {
 /// Direct reference solution: all four exponentials of every layer (docs/explanation/
 /// engine-layered.md) in one dense system. Accurate for moderate k h if k is not much larger than
 /// omega / c_s.
-Complex dense_response(const Medium& medium, Complex omega_rad_s, double k_rad_m, double depth_m) {
+static Complex dense_response(const Medium& medium, Complex omega_rad_s, double k_rad_m,
+                              double depth_m) {
     // C and A become parallel for k >> omega / c_s, which needs additional digits.
     using Real = long double;
     using Wide = std::complex<Real>;
@@ -112,7 +111,7 @@ Complex dense_response(const Medium& medium, Complex omega_rad_s, double k_rad_m
     return Complex(w);
 }
 
-Medium three_layer_skin() {
+static Medium three_layer_skin() {
     const auto layer = [](double thickness_m, double mu_Pa) {
         return Layer{.thickness_m = thickness_m,
                      .density_kg_m3 = 1000.0,
@@ -122,8 +121,6 @@ Medium three_layer_skin() {
     };
     return {{layer(0.1e-3, 1.33e6), layer(2e-3, 13.3e3), layer(18e-3, 5e3)}, Base::rigid};
 }
-
-} // namespace
 
 TEST_CASE("response of a half-space equals the closed form", "[layered]") {
     const double c_p = GENERATE(8.0, 50.0, 1500.0);

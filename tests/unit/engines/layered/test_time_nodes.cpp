@@ -15,26 +15,25 @@ namespace test_time_nodes {
 using namespace shearwake;
 using Complex = std::complex<double>;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
 /// The error of a load's spectrum at a fraction of the highest frequency, relative to the impulse.
 /// The interpolation weights its error with the inverse cube of the frequency, as the response to a
 /// jump decays; it is 5e-4 at the beginning of the roll-off (observed: 2e-4). Samples without nodes
 /// are in error by half a step, 8e-3 of the period in these tests.
-double allowed(double of_highest) {
+static double allowed(double of_highest) {
     return 3e-6 + 5e-4 * std::pow(of_highest / 0.8, 3);
 }
 
 /// Integral of e^{a t} over [from, to].
-Complex integral(Complex a, double from, double to) {
+static Complex integral(Complex a, double from, double to) {
     return (std::exp(a * to) - std::exp(a * from)) / a;
 }
 
 /// The spectrum of a load e^{-i k x(t)} at one frequency, from the nodes, and the length of the
 /// step.
-Complex by_nodes(const Case& c, const layered::TimeTransform& time, double k, std::ptrdiff_t m) {
+static Complex by_nodes(const Case& c, const layered::TimeTransform& time, double k,
+                        std::ptrdiff_t m) {
     const layered::TimeNodes nodes(c, time);
     std::vector<Complex> samples(static_cast<std::size_t>(time.samples));
     const auto value = [&](std::size_t i) {
@@ -58,8 +57,6 @@ Complex by_nodes(const Case& c, const layered::TimeTransform& time, double k, st
         2.0 * pi * static_cast<double>(m) / (static_cast<double>(time.samples) * time.step_s);
     return time.step_s * sum * std::polar(1.0, -omega * time.first_s);
 }
-
-} // namespace
 
 TEST_CASE("a line that is drawn again and again has its exact harmonics", "[layered][time_nodes]") {
     const double speed = 7.0, length = 20e-3, period_s = length / speed;

@@ -8,10 +8,8 @@ namespace test_check {
 
 using namespace shearwake;
 
-namespace {
-
 /// A case without a remark: a path of 28 mm at 7 m/s through 96 x 67.5 mm in 4 ms.
-Case good_case() {
+static Case good_case() {
     Case c;
     c.scene.medium.layers = {Layer{.name = "tissue",
                                    .thickness_m = 0.02,
@@ -31,12 +29,12 @@ Case good_case() {
     return c;
 }
 
-Travel& travel(Case& c) {
+static Travel& travel(Case& c) {
     return std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
 }
 
 /// The one remark of a case.
-Remark only_remark(const Case& c) {
+static Remark only_remark(const Case& c) {
     const auto remarks = check(c);
     for (const Remark& remark : remarks)
         UNSCOPED_INFO(remark.key << ": " << remark.message);
@@ -44,11 +42,9 @@ Remark only_remark(const Case& c) {
     return remarks[0];
 }
 
-bool has(const std::string& text, std::string_view part) {
+static bool has(const std::string& text, std::string_view part) {
     return text.find(part) != std::string::npos;
 }
-
-} // namespace
 
 TEST_CASE("a valid case has no remarks", "[check]") {
     CHECK(check(good_case()).empty());

@@ -9,10 +9,8 @@ namespace test_check_variation {
 
 using namespace shearwake;
 
-namespace {
-
 /// A ball of 4 mm in 96 x 67.5 mm: nothing to remark.
-Case good_case() {
+static Case good_case() {
     Case c;
     c.scene.medium.layers = {
         {.name = "tissue", .thickness_m = 0.02, .density_kg_m3 = 1e3, .c_p_m_s = 50, .c_s_m_s = 5}};
@@ -24,14 +22,14 @@ Case good_case() {
 }
 
 /// What is said of bodies and maps, by the engine and by the check.
-std::vector<Remark> remarks_on(const Case& c) {
+static std::vector<Remark> remarks_on(const Case& c) {
     std::vector<Remark> remarks = engines::make_engine(c.solver)->limits(c);
     for (const Remark& remark : check_variation(c))
         remarks.push_back(remark);
     return remarks;
 }
 
-Remark only_remark(const Case& c) {
+static Remark only_remark(const Case& c) {
     const auto remarks = remarks_on(c);
     for (const Remark& remark : remarks)
         UNSCOPED_INFO(remark.key << ": " << remark.message);
@@ -39,21 +37,19 @@ Remark only_remark(const Case& c) {
     return remarks[0];
 }
 
-bool has(const std::string& text, std::string_view part) {
+static bool has(const std::string& text, std::string_view part) {
     INFO(text);
     return text.find(part) != std::string::npos;
 }
 
 /// A map over `half_x_m` about the origin and the whole of y and z.
-std::shared_ptr<const MaterialMap> map_over(double half_x_m, double middle_m = 0.0) {
+static std::shared_ptr<const MaterialMap> map_over(double half_x_m, double middle_m = 0.0) {
     MaterialMap map{.counts = {3, 1, 1},
                     .origin_m = {middle_m - 2.0 / 3.0 * half_x_m, 0, 0},
                     .spacing_m = {2.0 / 3.0 * half_x_m, 0, 0},
                     .c_s_m_s = {5, 6, 7}};
     return std::make_shared<const MaterialMap>(map);
 }
-
-} // namespace
 
 TEST_CASE("a body well inside has no remark", "[check_variation]") {
     CHECK(remarks_on(good_case()).empty());

@@ -10,10 +10,8 @@ namespace test_plausibility {
 
 using namespace shearwake;
 
-namespace {
-
 /// A focus at rest on 96 x 96 mm for 14 ms, with a body and a scan.
-Case good_case() {
+static Case good_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.scene.load.modulation.trajectory.parts = {Hold{}};
     c.scene.load.peak_Pa = 100.0;
@@ -29,7 +27,7 @@ Case good_case() {
     return c;
 }
 
-bool is_remarked(const Case& c, const char* key, std::string_view part) {
+static bool is_remarked(const Case& c, const char* key, std::string_view part) {
     const auto remarks = check_plausibility(c);
     for (const Remark& remark : remarks)
         UNSCOPED_INFO(remark.key << ": " << remark.message);
@@ -38,8 +36,6 @@ bool is_remarked(const Case& c, const char* key, std::string_view part) {
                remark.message.find(part) != std::string::npos;
     });
 }
-
-} // namespace
 
 TEST_CASE("values of bodies, regions, scans and envelopes in other units give a warning",
           "[check]") {

@@ -12,9 +12,7 @@ namespace test_lump_markers {
 
 using namespace shearwake;
 
-namespace {
-
-Medium tissue_medium() {
+static Medium tissue_medium() {
     Medium medium;
     medium.layers = {{.name = "tissue",
                       .thickness_m = 0.02,
@@ -25,7 +23,7 @@ Medium tissue_medium() {
 }
 
 /// A box, an ellipsoid and a cylinder that are turned by the same angles.
-std::vector<Body> turned_bodies() {
+static std::vector<Body> turned_bodies() {
     const Orientation turn{35.0, -50.0, 20.0}, without_roll{35.0, -50.0, 0.0};
     Body body{.name = "bone", .centre_m = {1.3e-3, -0.7e-3, 9e-3}, .density_kg_m3 = 1900.0};
     std::vector<Body> bodies;
@@ -42,8 +40,6 @@ std::vector<Body> turned_bodies() {
 }
 
 const Domain small_domain{.nx = 64, .ny = 48, .spacing_m = 1e-3};
-
-} // namespace
 
 TEST_CASE("mass and inertia of rigid bodies are those of their shapes", "[lump_markers]") {
     const Medium medium = tissue_medium();

@@ -10,10 +10,8 @@ namespace test_rigid_choice {
 
 using namespace shearwake;
 
-namespace {
-
 /// A bone of 6 mm diameter along y, 2e5 times stiffer than the tissue around it.
-Case bone_case() {
+static Case bone_case() {
     Case c;
     c.scene.medium.layers = {{.name = "tissue",
                               .thickness_m = 0.02,
@@ -31,11 +29,9 @@ Case bone_case() {
     return c;
 }
 
-bool is_rigid(const Case& c) {
+static bool is_rigid(const Case& c) {
     return spectral::rigid_plan(c).c.scene.medium.bodies[0].rigid;
 }
-
-} // namespace
 
 TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]") {
     Case c = bone_case();

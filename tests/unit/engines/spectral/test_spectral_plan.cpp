@@ -13,13 +13,11 @@ namespace test_spectral_plan {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double step_s = 50e-6;
 
 /// A body with `contrast` times the shear stiffness, or none for 1, under a 3 mm focus: 48 x 36
 /// points, two elements.
-Case body_case(double contrast) {
+static Case body_case(double contrast) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 8e-3;
@@ -36,20 +34,20 @@ Case body_case(double contrast) {
     return c;
 }
 
-spectral::DepthMesh mesh_of(const Case& c) {
+static spectral::DepthMesh mesh_of(const Case& c) {
     return spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver));
 }
 
-spectral::SpectralPlan plan_of(const Case& c) {
+static spectral::SpectralPlan plan_of(const Case& c) {
     return spectral::SpectralPlan(c, mesh_of(c), {.step_s = step_s});
 }
 
 /// Without the program.
-double planned_B(const Case& c, int ranks = 1) {
+static double planned_B(const Case& c, int ranks = 1) {
     return plan_of(c).resources(ranks).memory_per_rank_B() - engines::program_B;
 }
 
-spectral::VariationPlan variation_of(const Case& c, int ranks = 1) {
+static spectral::VariationPlan variation_of(const Case& c, int ranks = 1) {
     return plan_of(c).variation(plan_of(c).sampled_variation(), ranks);
 }
 
@@ -58,7 +56,7 @@ struct Found {
 };
 
 /// What a stepper does in some steps.
-Found found(const Case& c) {
+static Found found(const Case& c) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
     spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
@@ -66,8 +64,6 @@ Found found(const Case& c) {
         stepper.advance();
     return {stepper.statistics().iterations > 0, stepper.box().has_value()};
 }
-
-} // namespace
 
 TEST_CASE("iterations and the box are planned where the stepper uses them", "[spectral]") {
     Case c = body_case(GENERATE(1.0, 4.0, 100.0));

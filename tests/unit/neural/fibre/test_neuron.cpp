@@ -12,15 +12,13 @@ using namespace shearwake;
 using namespace shearwake::neural;
 using shearwake::neural::Line;
 
-namespace {
-
 /// PC neuron 1: saturation 4.9, time constant 4.6 samples, cutoff 370 Hz.
-EightNeurons pacinian() {
+static EightNeurons pacinian() {
     const std::vector<Afferent> one = {{{}, AfferentClass::PC, 1}};
     return side_by_side(one);
 }
 
-Line sine(double frequency_Hz, std::size_t samples) {
+static Line sine(double frequency_Hz, std::size_t samples) {
     Line line;
     for (std::size_t k = 0; k < samples; ++k)
         line.push_back(block_of(std::sin(2.0 * std::numbers::pi * frequency_Hz *
@@ -28,14 +26,12 @@ Line sine(double frequency_Hz, std::size_t samples) {
     return line;
 }
 
-double largest_of_last(const Line& line, std::size_t count) {
+static double largest_of_last(const Line& line, std::size_t count) {
     double largest = 0.0;
     for (std::size_t k = line.size() - count; k < line.size(); ++k)
         largest = std::max(largest, std::abs(line[k][0]));
     return largest;
 }
-
-} // namespace
 
 TEST_CASE("low-pass filter preserves constants and halves the power at 10 low_pass Hz",
           "[neural]") {

@@ -12,8 +12,6 @@ using namespace shearwake;
 using namespace shearwake::neural;
 using shearwake::neural::Box;
 
-namespace {
-
 /// Areas, centres and bounding boxes of the regions of the hand in Saal et al. (PNAS 2017).
 struct Published {
     double area_mm2;
@@ -37,8 +35,6 @@ const std::map<std::string, Published> published = {
     {"D5d", {270.1, {65.62, 103.85}, {{53.5, 93.7}, {78.7, 112.0}}}},
     {"palm", {10111.7, {126.4, 9.7}, {{64.5, -48.9}, {192.3, 70.5}}}},
 };
-
-} // namespace
 
 TEST_CASE("each region of the hand has the published area and position", "[hand]") {
     const Hand hand = make_hand();

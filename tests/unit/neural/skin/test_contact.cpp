@@ -10,16 +10,13 @@ namespace test_contact {
 using namespace shearwake;
 using namespace shearwake::neural;
 
-namespace {
-
-PinStimulus pressed(std::vector<Vec2> at_mm, std::vector<double> indentation_mm, double radius_mm) {
+static PinStimulus pressed(std::vector<Vec2> at_mm, std::vector<double> indentation_mm,
+                           double radius_mm) {
     PinStimulus s{.at_mm = std::move(at_mm), .radius_mm = radius_mm};
     s.indentation_mm = Lines(indentation_mm.size(), 1);
     s.indentation_mm.values = std::move(indentation_mm);
     return s;
 }
-
-} // namespace
 
 TEST_CASE("load of a single pin is 2 a E s / (1 - nu^2)", "[neural]") {
     // 1 mm indentation: 2 * 0.05 / 0.84 N, up to rounding.

@@ -10,11 +10,9 @@ namespace test_resample {
 
 using namespace shearwake::neural;
 
-namespace {
-
 constexpr double rounding = 1e-12; // of a transform of a few thousand points
 
-std::vector<double> wave(std::size_t samples, double periods, double phase) {
+static std::vector<double> wave(std::size_t samples, double periods, double phase) {
     std::vector<double> line(samples);
     for (std::size_t k = 0; k < samples; ++k)
         line[k] = std::cos(2.0 * std::numbers::pi * periods * static_cast<double>(k) /
@@ -23,20 +21,18 @@ std::vector<double> wave(std::size_t samples, double periods, double phase) {
     return line;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+static double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
     double largest = 0.0;
     for (std::size_t k = 0; k < b.size(); ++k)
         largest = std::max(largest, std::abs(a.at(k) - b[k]));
     return largest;
 }
 
-std::vector<double> resampled(const std::vector<double>& line, std::size_t to) {
+static std::vector<double> resampled(const std::vector<double>& line, std::size_t to) {
     std::vector<double> out(to);
     FourierResampler(line.size(), to)(line, out);
     return out;
 }
-
-} // namespace
 
 TEST_CASE("resampling is exact for complete periods below both Nyquist frequencies", "[neural]") {
     const std::size_t from = GENERATE(1000u, 999u, 4000u), to = GENERATE(500u, 501u, 1000u, 1250u);

@@ -12,17 +12,13 @@ namespace test_skin_paths {
 using namespace shearwake;
 using namespace shearwake::neural;
 
-namespace {
-
 /// A horseshoe: two fingers of 10 mm width and 50 mm length, 10 mm apart, on a bar of 10 mm.
 const Polygon horseshoe = {{0, 0},   {30, 0},  {30, 60}, {20, 60},
                            {20, 10}, {10, 10}, {10, 60}, {0, 60}};
 
-double way_mm(const Polygon& outline, Vec2 from, Vec2 to) {
+static double way_mm(const Polygon& outline, Vec2 from, Vec2 to) {
     return paths_within(outline, {from})(to).at(0);
 }
-
-} // namespace
 
 TEST_CASE("path without an obstacle is straight", "[hand]") {
     CHECK(way_mm(horseshoe, {2, 2}, {8, 50}) == norm(Vec2{6, 48}));

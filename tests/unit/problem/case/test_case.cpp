@@ -7,9 +7,7 @@ namespace test_case {
 
 using namespace shearwake;
 
-namespace {
-
-Case some_case() {
+static Case some_case() {
     Case c;
     c.scene.medium.layers = {Layer{.name = "tissue",
                                    .thickness_m = 0.02,
@@ -27,14 +25,12 @@ Case some_case() {
     return c;
 }
 
-bool is_good(std::ptrdiff_t n) {
+static bool is_good(std::ptrdiff_t n) {
     for (const std::ptrdiff_t prime : {2, 3, 5, 7})
         while (n % prime == 0)
             n /= prime;
     return n == 1;
 }
-
-} // namespace
 
 TEST_CASE("a grid length is the smallest even product of small primes", "[case]") {
     for (std::ptrdiff_t n = 1; n < 600; ++n) {

@@ -13,8 +13,6 @@ namespace test_described_members {
 
 using namespace shearwake;
 
-namespace {
-
 /// The members of an aggregate of N.
 template <std::size_t N>
 auto members(auto& s) {
@@ -104,8 +102,6 @@ void check_members(T object = Example<T>::make()) {
                    members<N>(object));
     CHECK(all_are_met);
 }
-
-} // namespace
 
 TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, LayeredOptions>();

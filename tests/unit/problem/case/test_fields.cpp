@@ -12,9 +12,7 @@ namespace test_fields {
 
 using namespace shearwake;
 
-namespace {
-
-std::string name_of(const Field& field) {
+static std::string name_of(const Field& field) {
     return std::string(field.key) + "/" + field.text;
 }
 
@@ -172,15 +170,15 @@ public:
     std::set<std::string> all;
 };
 
-Layer layer(const ShearLoss& loss) {
+static Layer layer(const ShearLoss& loss) {
     return {"tissue", 0.02, 1000.0, 1500.0, 5.0, loss};
 }
 
-Travel travel(const Curve& path, const Motion& motion) {
+static Travel travel(const Curve& path, const Motion& motion) {
     return {.path = path, .motion = motion};
 }
 
-std::vector<Vec2> spiral(int points) {
+static std::vector<Vec2> spiral(int points) {
     std::vector<Vec2> all;
     for (int n = 0; n < points; ++n)
         all.push_back({1e-3 * n * std::cos(n), 1e-3 * n * std::sin(n)});
@@ -188,7 +186,7 @@ std::vector<Vec2> spiral(int points) {
 }
 
 /// Between them, these hold every alternative.
-std::vector<Case> samples() {
+static std::vector<Case> samples() {
     Case first;
     first.scene.medium = {
         .layers = {layer(Lossless{}), layer(KelvinVoigt{1.0}),
@@ -251,8 +249,6 @@ std::vector<Case> samples() {
     fourth.scene.load.footprint = lens;
     return {first, second, third, fourth};
 }
-
-} // namespace
 
 TEST_CASE("every field of every option struct decides the id of a case", "[fields][case]") {
     std::set<std::string> changed;

@@ -12,16 +12,14 @@ namespace test_array_field {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 
 /// 16 x 16 pistons at 20 cm, the pattern kept up to 41 mm from the focus.
-ArrayFootprint board(double distance_m = 0.2) {
+static ArrayFootprint board(double distance_m = 0.2) {
     return {.distance_m = distance_m, .reach_m = 0.041};
 }
 
-Load load_of(const Footprint& footprint, const Trajectory& trajectory) {
+static Load load_of(const Footprint& footprint, const Trajectory& trajectory) {
     Load load;
     load.peak_Pa = 1.0;
     load.footprint = footprint;
@@ -29,13 +27,13 @@ Load load_of(const Footprint& footprint, const Trajectory& trajectory) {
     return load;
 }
 
-Trajectory at(Vec2 place_m) {
+static Trajectory at(Vec2 place_m) {
     return {{Hold{place_m}}};
 }
 
 /// |p|^2 at `there` of pistons focused at `focus`, relative to a focus straight below, summed
 /// piston by piston.
-double slow_twin(const ArrayFootprint& array, Vec2 focus, Vec2 there) {
+static double slow_twin(const ArrayFootprint& array, Vec2 focus, Vec2 there) {
     Complex p = 0.0;
     double peak = 0.0;
     for (int row = 0; row < array.rows; ++row)
@@ -49,12 +47,10 @@ double slow_twin(const ArrayFootprint& array, Vec2 focus, Vec2 there) {
     return std::norm(p) / (peak * peak);
 }
 
-double first_force_N(const Load& load) {
+static double first_force_N(const Load& load) {
     const double zero = 0.0;
     return forces_N(load, {&zero, 1}).front();
 }
-
-} // namespace
 
 TEST_CASE("the focus of a 16 x 16 array is as wide as it is known to be", "[array]") {
     // Design figures to a tenth of a millimetre.

@@ -10,11 +10,9 @@ namespace test_breaks {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double cell_s = 50e-6;
 
-Load moving(Mover mover, Envelope envelope = {}) {
+static Load moving(Mover mover, Envelope envelope = {}) {
     Load load;
     load.peak_Pa = 1.0;
     load.footprint = GaussianFootprint{4e-3};
@@ -23,14 +21,12 @@ Load moving(Mover mover, Envelope envelope = {}) {
     return load;
 }
 
-std::vector<double> times_s(const Load& load, double until_s) {
+static std::vector<double> times_s(const Load& load, double until_s) {
     std::vector<double> times;
     for (const Break& each : breaks_of(load, 0.0, until_s, cell_s))
         times.push_back(each.time_s);
     return times;
 }
-
-} // namespace
 
 TEST_CASE("breaks are found where a load jumps", "[load][breaks]") {
     // Pass after pass of a line of 20 mm at 7 m/s.

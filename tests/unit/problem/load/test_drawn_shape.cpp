@@ -9,13 +9,9 @@ namespace test_drawn_shape {
 
 using namespace shearwake;
 
-namespace {
-
-Travel along(Curve path) {
+static Travel along(Curve path) {
     return {.path = std::move(path), .motion = ConstantSpeed{1.0}, .at_end = AtEnd::repeat};
 }
-
-} // namespace
 
 TEST_CASE("a small pattern draws the path of its centre", "[drawn_shape]") {
     const Modulation modulation{.kind = "STP",

@@ -11,13 +11,11 @@ namespace test_hologram {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 
 /// The problem of Di Leonardo et al. (Optics Express 15, 1913, 2007): 10 x 10 traps on a square
 /// lattice in the focal plane of a lens behind a square modulator.
-Transfers optical_traps(int pixels) {
+static Transfers optical_traps(int pixels) {
     constexpr int traps = 10;
     Transfers transfers;
     transfers.sources = static_cast<std::size_t>(pixels * pixels);
@@ -33,7 +31,7 @@ Transfers optical_traps(int pixels) {
 struct Quality {
     double efficiency = 0.0, uniformity = 0.0, sum = 0.0;
 };
-Quality quality(const Transfers& transfers, const std::vector<Complex>& drives) {
+static Quality quality(const Transfers& transfers, const std::vector<Complex>& drives) {
     Quality quality;
     double least = 1e300, most = 0.0;
     for (const Complex& p : pressures_at_foci(transfers, drives)) {
@@ -47,15 +45,13 @@ Quality quality(const Transfers& transfers, const std::vector<Complex>& drives) 
     return quality;
 }
 
-ArrayFootprint board(Hologram hologram) {
+static ArrayFootprint board(Hologram hologram) {
     ArrayFootprint array;
     array.distance_m = 0.2;
     array.reach_m = 0.041;
     array.hologram = hologram;
     return array;
 }
-
-} // namespace
 
 TEST_CASE("weighted Gerchberg-Saxton reaches the published uniformity", "[hologram]") {
     const Transfers traps = optical_traps(128);

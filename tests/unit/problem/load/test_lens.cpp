@@ -13,13 +13,11 @@ namespace test_lens {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// 100 mm wide, 120 mm above the skin, with two foci.
-LensFootprint two_foci() {
+static LensFootprint two_foci() {
     LensFootprint lens;
     lens.aperture_m = 0.1;
     lens.distance_m = 0.12;
@@ -34,14 +32,14 @@ LensFootprint two_foci() {
 }
 
 /// Coordinate of a pixel.
-double pixel_at_m(const LensFootprint& lens, std::ptrdiff_t pixels, std::ptrdiff_t i) {
+static double pixel_at_m(const LensFootprint& lens, std::ptrdiff_t pixels, std::ptrdiff_t i) {
     return (static_cast<double>(i) - 0.5 * static_cast<double>(pixels - 1)) * lens.pixel_m;
 }
 
 /// The Rayleigh-Sommerfeld integral of the first kind over the squares of the pixels: the
 /// derivative of the Green's function by the midpoint rule with n x n and 2n x 2n points per pixel,
 /// extrapolated to an error of the order h^4.
-Complex rayleigh(const LensFootprint& lens, const LensDesign& design, Vec2 at) {
+static Complex rayleigh(const LensFootprint& lens, const LensDesign& design, Vec2 at) {
     const Complex k(two_pi / wavelength_m(lens),
                     lens.absorption_dB_m / (20.0 * std::numbers::log10e));
     const auto with = [&](int parts) {
@@ -69,14 +67,12 @@ Complex rayleigh(const LensFootprint& lens, const LensDesign& design, Vec2 at) {
     return (4.0 * with(2 * parts) - with(parts)) / 3.0;
 }
 
-double energy_of(const std::vector<Complex>& field) {
+static double energy_of(const std::vector<Complex>& field) {
     double sum = 0.0;
     for (const Complex& p : field)
         sum += std::norm(p);
     return sum;
 }
-
-} // namespace
 
 TEST_CASE("the field of a lens is the Rayleigh integral over its square pixels", "[lens]") {
     LensFootprint lens = two_foci();

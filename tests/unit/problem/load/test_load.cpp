@@ -9,9 +9,7 @@ namespace test_load {
 
 using namespace shearwake;
 
-namespace {
-
-Load plain_load() {
+static Load plain_load() {
     Load load;
     load.peak_Pa = 100.0;
     load.footprint = GaussianFootprint{0.003};
@@ -19,8 +17,6 @@ Load plain_load() {
         Travel{{{-0.049, 0.0}, {0.049, 0.0}}, ConstantSpeed{7.0}, AtEnd::off}};
     return load;
 }
-
-} // namespace
 
 TEST_CASE("a Gaussian footprint has half its pressure at half its width", "[load]") {
     const Footprint g = GaussianFootprint{0.003};

@@ -9,11 +9,9 @@ namespace test_modulation {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-Trajectory travel(Motion motion, AtEnd at_end = AtEnd::off) {
+static Trajectory travel(Motion motion, AtEnd at_end = AtEnd::off) {
     return {{Travel{{{-0.049, 0.01}, {0.049, 0.01}}, motion, at_end}}};
 }
 
@@ -33,8 +31,6 @@ double integral(F f, double a, double b, int n) {
     }
     return sum * half;
 }
-
-} // namespace
 
 TEST_CASE("a focus that holds stays where it is", "[modulation]") {
     const Trajectory t{{Hold{{0.001, -0.002}}}};

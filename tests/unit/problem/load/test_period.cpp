@@ -11,9 +11,7 @@ namespace test_period {
 using namespace shearwake;
 using Catch::Contains;
 
-namespace {
-
-Load load_of(std::vector<Mover> parts, std::vector<Gain> gains = {}) {
+static Load load_of(std::vector<Mover> parts, std::vector<Gain> gains = {}) {
     Load load;
     load.footprint = GaussianFootprint{3e-3};
     load.modulation.trajectory = {std::move(parts)};
@@ -21,20 +19,18 @@ Load load_of(std::vector<Mover> parts, std::vector<Gain> gains = {}) {
     return load;
 }
 
-Travel circle(double draws_per_s, AtEnd at_end = AtEnd::repeat) {
+static Travel circle(double draws_per_s, AtEnd at_end = AtEnd::repeat) {
     const double length_m = 2.0 * std::numbers::pi * 1e-2;
     return {Arc{{}, 1e-2, 0.0, 2.0 * std::numbers::pi}, ConstantSpeed{length_m * draws_per_s},
             at_end};
 }
 
-double period_ms(const Load& load) {
+static double period_ms(const Load& load) {
     const LoadPeriod period = least_period(load, 1.0);
     INFO(period.reason);
     REQUIRE(period.reason.empty());
     return 1e3 * period.period_s;
 }
-
-} // namespace
 
 TEST_CASE("the period of a load is the least common one of its parts", "[period]") {
     // There and back is one pass.

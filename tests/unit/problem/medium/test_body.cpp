@@ -11,8 +11,6 @@ namespace test_body {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
 /// Cells of 1 mm, 1 mm and 0.7 mm around (and a little beside) the origin.
@@ -27,7 +25,7 @@ struct Grid {
     }
 };
 
-double summed_volume_m3(const Body& body, const Grid& grid) {
+static double summed_volume_m3(const Body& body, const Grid& grid) {
     double sum = 0.0;
     for (int i = 0; i < grid.nx; ++i)
         for (int j = 0; j < grid.ny; ++j)
@@ -36,20 +34,18 @@ double summed_volume_m3(const Body& body, const Grid& grid) {
     return sum * grid.size_m.x * grid.size_m.y * grid.size_m.z;
 }
 
-Body cylinder(double length_m, double azimuth_deg, double edge_m = 0.0) {
+static Body cylinder(double length_m, double azimuth_deg, double edge_m = 0.0) {
     return {.shape = Cylinder{.radius_m = 3e-3, .length_m = length_m, .azimuth_deg = azimuth_deg},
             .centre_m = {0.2e-3, -0.3e-3, 0.1e-3},
             .edge_m = edge_m};
 }
 
 /// The same body seen in a mirror at x = 0.
-Body mirrored(Body body) {
+static Body mirrored(Body body) {
     body.centre_m.x = -body.centre_m.x;
     if (auto* c = std::get_if<Cylinder>(&body.shape)) c->azimuth_deg = -c->azimuth_deg;
     return body;
 }
-
-} // namespace
 
 TEST_CASE("the shares of all cells add up to the body's volume", "[body]") {
     const Grid grid;

@@ -11,13 +11,11 @@ namespace test_body_orientation {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 constexpr Vec3 centre_m{0.2e-3, -0.3e-3, 0.1e-3};
 constexpr Vec3 cell_m{1e-3, 1e-3, 0.7e-3};
 
-double dot(Vec3 a, Vec3 b) {
+static double dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
@@ -30,14 +28,14 @@ void each_cell(const Use& use) {
                 use(Vec3{(i + 0.5) * cell_m.x, (j + 0.5) * cell_m.y, (k + 0.5) * cell_m.z});
 }
 
-double summed_volume_m3(const Body& body) {
+static double summed_volume_m3(const Body& body) {
     double sum = 0.0;
     each_cell([&](Vec3 at) { sum += volume_fraction(body, at, cell_m); });
     return sum * cell_m.x * cell_m.y * cell_m.z;
 }
 
 /// The largest difference of the fractions of any cell.
-double difference(const Body& a, const Body& b) {
+static double difference(const Body& a, const Body& b) {
     double worst = 0.0;
     each_cell([&](Vec3 at) {
         worst = std::max(worst,
@@ -46,11 +44,9 @@ double difference(const Body& a, const Body& b) {
     return worst;
 }
 
-Body body_of(decltype(Body::shape) shape, double edge_m = 0.0) {
+static Body body_of(decltype(Body::shape) shape, double edge_m = 0.0) {
     return {.shape = shape, .centre_m = centre_m, .edge_m = edge_m};
 }
-
-} // namespace
 
 TEST_CASE("an orientation is a rotation", "[body]") {
     const double azimuth_deg = GENERATE(0.0, 33.0, -90.0, 200.0);

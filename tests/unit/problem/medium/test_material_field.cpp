@@ -9,9 +9,7 @@ namespace test_material_field {
 
 using namespace shearwake;
 
-namespace {
-
-Medium two_layers() {
+static Medium two_layers() {
     return {.layers = {{.name = "skin",
                         .thickness_m = 2e-3,
                         .density_kg_m3 = 1100.0,
@@ -28,7 +26,7 @@ Medium two_layers() {
 constexpr Vec3 cell_m{1e-3, 1e-3, 1e-3};
 
 /// 4 x 3 x 5 points; c_s is linear in x, y and z, and nothing else is given.
-MaterialMap linear_map() {
+static MaterialMap linear_map() {
     MaterialMap map{
         .counts = {4, 3, 5}, .origin_m = {-3e-3, -1e-3, 2e-3}, .spacing_m = {2e-3, 1e-3, 0.5e-3}};
     for (std::ptrdiff_t i = 0; i < 4; ++i)
@@ -41,11 +39,9 @@ MaterialMap linear_map() {
     return map;
 }
 
-double linear_c_s_m_s(Vec3 p) {
+static double linear_c_s_m_s(Vec3 p) {
     return 5.0 + 300.0 * p.x - 500.0 * p.y + 100.0 * p.z;
 }
-
-} // namespace
 
 TEST_CASE("the material of a layer follows from its speeds", "[material_field]") {
     const Medium medium = two_layers();

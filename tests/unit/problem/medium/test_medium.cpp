@@ -9,9 +9,7 @@ namespace test_medium {
 
 using namespace shearwake;
 
-namespace {
-
-Medium two_layers(Base base = Base::rigid) {
+static Medium two_layers(Base base = Base::rigid) {
     return {.layers = {{.thickness_m = 2e-3, .c_p_m_s = 60.0, .c_s_m_s = 6.0},
                        {.thickness_m = 8e-3, .c_p_m_s = 50.0, .c_s_m_s = 2.0}},
             .base = base};
@@ -19,7 +17,7 @@ Medium two_layers(Base base = Base::rigid) {
 
 /// 11 x 1 x 11 points from -10 to 10 mm along x, the same all along y, 0 to 10 mm deep: c_s rises
 /// with both, from 5 m/s by 1 m/s a point.
-std::shared_ptr<const MaterialMap> rising_map() {
+static std::shared_ptr<const MaterialMap> rising_map() {
     MaterialMap map{
         .counts = {11, 1, 11}, .origin_m = {-10e-3, 0, 0}, .spacing_m = {2e-3, 0, 1e-3}};
     for (int i = 0; i < 11; ++i)
@@ -28,8 +26,6 @@ std::shared_ptr<const MaterialMap> rising_map() {
     map.content_hash = hash_of(map);
     return std::make_shared<const MaterialMap>(map);
 }
-
-} // namespace
 
 TEST_CASE("the bulk modulus is positive above 2 / sqrt 3", "[bulk_modulus]") {
     CHECK(least_speed_ratio == Approx(2.0 / std::sqrt(3.0)).epsilon(1e-15));

@@ -13,8 +13,6 @@ namespace test_rates {
 using namespace shearwake;
 namespace fs = std::filesystem;
 
-namespace {
-
 /// A cache of its own.
 class Cache {
 public:
@@ -27,8 +25,6 @@ public:
 private:
     test::TemporaryFolder folder_;
 };
-
-} // namespace
 
 TEST_CASE("a machine has one rate per engine, the geometric mean of a run and the former rate",
           "[rates]") {

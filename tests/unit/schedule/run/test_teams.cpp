@@ -11,8 +11,6 @@ namespace test_teams {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double plenty_B = 1e12;
 
 struct Cases {
@@ -25,11 +23,11 @@ struct Cases {
     }
 };
 
-double memory_B(const Case& c, int ranks) {
+static double memory_B(const Case& c, int ranks) {
     return pipeline::plan_case(c, ranks, *engines::make_engine(c.solver)).needs.memory_per_rank_B();
 }
 
-Cases alike(int count) {
+static Cases alike(int count) {
     Cases cases;
     const Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     for (int i = 0; i < count; ++i)
@@ -37,12 +35,10 @@ Cases alike(int count) {
     return cases;
 }
 
-schedule::TeamLayout laid_out(const Cases& cases, int ranks, int wanted, double memory_B) {
+static schedule::TeamLayout laid_out(const Cases& cases, int ranks, int wanted, double memory_B) {
     cost::CaseCosts costs({}, 0.0);
     return schedule::choose_teams(cases.pointers(), ranks, wanted, memory_B, costs);
 }
-
-} // namespace
 
 TEST_CASE("many small cases run in parallel, and a single case gets all ranks", "[teams]") {
     const schedule::TeamLayout many = laid_out(alike(400), 4, 0, plenty_B);

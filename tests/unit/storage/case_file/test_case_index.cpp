@@ -14,10 +14,8 @@ namespace test_case_index {
 
 using namespace shearwake;
 
-namespace {
-
-storage::CaseDigest write_case(const std::filesystem::path& folder, const std::string& id,
-                               double value) {
+static storage::CaseDigest write_case(const std::filesystem::path& folder, const std::string& id,
+                                      double value) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     const std::vector<VariableGroup> groups = {
         {"",
@@ -31,8 +29,6 @@ storage::CaseDigest write_case(const std::filesystem::path& folder, const std::s
     storage::CaseFileWriter(folder / "cases" / (id + ".h5"), alone, {}).commit(groups, attributes);
     return storage::digest_of(groups, attributes);
 }
-
-} // namespace
 
 TEST_CASE("an index gives the content of the case files without opening them again", "[index]") {
     const test::TemporaryFolder folder;

@@ -22,9 +22,7 @@ namespace test_file_checksum {
 using namespace shearwake;
 using namespace shearwake::storage;
 
-namespace {
-
-CaseDigest write_case(const std::filesystem::path& path) {
+static CaseDigest write_case(const std::filesystem::path& path) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     CaseFileWriter writer(path, alone, {Domain{4, 4, 1e-3, 0.0}, {0.1, 0.2}, {0.0}});
     const std::vector<double> field(16, 1.0);
@@ -40,11 +38,11 @@ CaseDigest write_case(const std::filesystem::path& path) {
     return digest_of(groups, attributes);
 }
 
-void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
+static void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
-bool is_accepted(const std::filesystem::path& path) {
+static bool is_accepted(const std::filesystem::path& path) {
     try {
         read_case_summary(path);
         return true;
@@ -52,8 +50,6 @@ bool is_accepted(const std::filesystem::path& path) {
         return false;
     }
 }
-
-} // namespace
 
 TEST_CASE("flipped bits of a case file are detected", "[checksum]") {
     const test::TemporaryFolder folder;

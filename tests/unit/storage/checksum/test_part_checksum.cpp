@@ -12,18 +12,14 @@ namespace test_part_checksum {
 using namespace shearwake;
 using namespace shearwake::storage;
 
-namespace {
-
-void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
+static void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
-std::string with_flip(std::string bytes, std::size_t at) {
+static std::string with_flip(std::string bytes, std::size_t at) {
     bytes[at] = static_cast<char>(bytes[at] ^ 4);
     return bytes;
 }
-
-} // namespace
 
 TEST_CASE("an unfinished file is compared with its state at the checkpoint", "[checksum]") {
     const test::TemporaryFolder folder;

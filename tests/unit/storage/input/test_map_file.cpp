@@ -18,8 +18,6 @@ namespace test_map_file {
 
 using namespace shearwake;
 
-namespace {
-
 using Values = std::vector<double>;
 
 /// A dataset on its way into a file.
@@ -29,14 +27,14 @@ struct Dataset {
 };
 using Datasets = std::map<std::string, Dataset>;
 
-void write(const std::filesystem::path& path, const Datasets& datasets) {
+static void write(const std::filesystem::path& path, const Datasets& datasets) {
     const h5::Id file = h5::open_file(path, h5::Access::create);
     for (const auto& [name, dataset] : datasets)
         h5::write_all(h5::create_dataset(file.raw(), name, dataset.shape), dataset.values);
 }
 
 /// 2 x 3 x 2 points.
-Datasets good() {
+static Datasets good() {
     return {{"x_m", {{2}, {-1e-3, 1e-3}}},
             {"y_m", {{3}, {-2e-3, 0.0, 2e-3}}},
             {"z_m", {{2}, {1e-3, 4e-3}}},
@@ -45,7 +43,7 @@ Datasets good() {
 }
 
 /// The error that the reader reports for a file; empty if the file is valid.
-std::string complaint(const std::filesystem::path& path) {
+static std::string complaint(const std::filesystem::path& path) {
     try {
         storage::read_map_file(path);
     } catch (const UsageError& error) {
@@ -54,26 +52,26 @@ std::string complaint(const std::filesystem::path& path) {
     return "";
 }
 
-std::string complaint(const Datasets& datasets) {
+static std::string complaint(const Datasets& datasets) {
     const test::TemporaryFolder folder;
     write(folder / "map.h5", datasets);
     return complaint(folder / "map.h5");
 }
 
-Datasets with(const std::string& name, Dataset dataset) {
+static Datasets with(const std::string& name, Dataset dataset) {
     Datasets changed = good();
     changed[name] = std::move(dataset);
     return changed;
 }
 
-bool has(const std::string& text, std::string_view part) {
+static bool has(const std::string& text, std::string_view part) {
     INFO(text);
     return text.find(part) != std::string::npos;
 }
 
 /// A file of one dataset of any type and layout, without values.
-void write_raw(const std::filesystem::path& path, const std::string& name, hid_t type,
-               const std::vector<hsize_t>& shape) {
+static void write_raw(const std::filesystem::path& path, const std::string& name, hid_t type,
+                      const std::vector<hsize_t>& shape) {
     write(path, {});
     const h5::Id file = h5::open_file(path, h5::Access::read_write);
     const h5::Id space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
@@ -90,8 +88,6 @@ void write_raw(const std::filesystem::path& path, const std::string& name, hid_t
         h5::write_all(h5::create_dataset(file.raw(), axis, std::vector<hsize_t>{1}), Values{0.0});
     }
 }
-
-} // namespace
 
 TEST_CASE("a map is read as it was written", "[map_file]") {
     const test::TemporaryFolder folder;

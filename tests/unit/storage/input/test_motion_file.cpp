@@ -15,14 +15,10 @@ namespace test_motion_file {
 
 using namespace shearwake;
 
-namespace {
-
-void write(const h5::Id& parent, const std::string& name, std::vector<hsize_t> shape,
-           const std::vector<double>& values) {
+static void write(const h5::Id& parent, const std::string& name, std::vector<hsize_t> shape,
+                  const std::vector<double>& values) {
     h5::write_all(h5::create_dataset(parent.raw(), name, shape), values);
 }
-
-} // namespace
 
 TEST_CASE("a motion is read from CSV in its units", "[motion]") {
     const PointMotion motion = storage::motion_of_csv("# two points\n"

@@ -12,9 +12,7 @@ namespace test_plan_and_journal {
 
 using namespace shearwake;
 
-namespace {
-
-Plan small_plan() {
+static Plan small_plan() {
     const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     Plan plan{.name = "a", .title = "\"quoted\" \xc3\xbc", .swept_keys = {"load.peak_Pa", "kind"}};
     plan.table = {.x = "load.peak_Pa", .series = {"kind"}};
@@ -23,8 +21,6 @@ Plan small_plan() {
     plan.cases.push_back({"02", c, {}, true, ""});
     return plan;
 }
-
-} // namespace
 
 TEST_CASE("a plan reads back as it was written", "[plan]") {
     const test::TemporaryFolder folder;

@@ -13,8 +13,6 @@ using namespace shearwake;
 using namespace shearwake::test;
 using converge::Refinement;
 
-namespace {
-
 const std::string sweep = R"([sweep]
 "load.modulation.am_frequency_Hz" = [400, 500, 600, 800]
 [table]
@@ -22,15 +20,13 @@ x = "load.modulation.am_frequency_Hz"
 reference = { kind = "STM" }
 )";
 
-Plan plan_of(const std::string& more) {
+static Plan plan_of(const std::string& more) {
     return config::read_job(plain_and(more), "job.toml").plan;
 }
 
-Case case_of(const std::string& solver) {
+static Case case_of(const std::string& solver) {
     return only_case(plain_and("[solver]\n" + solver));
 }
-
-} // namespace
 
 TEST_CASE("refined cases differ in one numerical parameter", "[converge]") {
     const Case c = case_of("engine = \"spectral\"\n");

@@ -15,10 +15,8 @@ using namespace shearwake;
 using namespace shearwake::optimise;
 using namespace shearwake::test;
 
-namespace {
-
 /// A circle in the steady state.
-Case circle(const std::string& measure = "") {
+static Case circle(const std::string& measure = "") {
     return only_case(R"(
 schema = 1
 [job]
@@ -43,8 +41,6 @@ output_interval_us = 250.0
 engine = "layered"
 )" + measure);
 }
-
-} // namespace
 
 TEST_CASE("a uniformity is required of a focus that moves along a path", "[optimise]") {
     Case c = circle();

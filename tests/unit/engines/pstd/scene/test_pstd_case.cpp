@@ -14,9 +14,7 @@ namespace test_pstd_case {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
-Case small_case() {
+static Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.domain = {40, 32, 1e-3, 0.0};
     c.time = {20, 50e-6};
@@ -24,7 +22,7 @@ Case small_case() {
     return c;
 }
 
-std::vector<double> values_of(pstd::Source& source, std::ptrdiff_t sample) {
+static std::vector<double> values_of(pstd::Source& source, std::ptrdiff_t sample) {
     std::vector<std::size_t> which(source.nodes.size());
     std::iota(which.begin(), which.end(), 0);
     std::vector<double> values(which.size(), 7.0);
@@ -32,13 +30,11 @@ std::vector<double> values_of(pstd::Source& source, std::ptrdiff_t sample) {
     return values;
 }
 
-bool any_has(const std::vector<std::string>& texts, const std::string& part) {
+static bool any_has(const std::vector<std::string>& texts, const std::string& part) {
     return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) {
         return text.find(part) != std::string::npos;
     });
 }
-
-} // namespace
 
 TEST_CASE("largest step satisfies the stability bound with equality", "[pstd]") {
     const double d_m = 1e-3, k2 = 3.0 * std::pow(std::numbers::pi / d_m, 2);

@@ -8,11 +8,7 @@ namespace test_pstd_material {
 using namespace shearwake;
 using namespace shearwake::pstd;
 
-namespace {
-
 const pstd::Grid grid{{4, 4, 4}, {1e-3, 1e-3, 1e-3}, 1e-6};
-
-} // namespace
 
 TEST_CASE("shear points between nodes have the harmonic mean of four nodes", "[pstd]") {
     const auto value = [](pstd::Node n) { return 1.0 + static_cast<double>(n[0] + 2 * n[2]); };

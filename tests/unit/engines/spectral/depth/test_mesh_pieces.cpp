@@ -10,9 +10,7 @@ namespace test_mesh_pieces {
 
 using namespace shearwake;
 
-namespace {
-
-Case two_layers() {
+static Case two_layers() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers.assign(2, c.scene.medium.layers[0]);
@@ -21,14 +19,14 @@ Case two_layers() {
     return c;
 }
 
-Body box(double top_m, double bottom_m) {
+static Body box(double top_m, double bottom_m) {
     return {.name = "box",
             .shape = Box{{5e-3, 5e-3, bottom_m - top_m}},
             .centre_m = {0.0, 0.0, 0.5 * (top_m + bottom_m)},
             .c_s_m_s = 10.0};
 }
 
-std::vector<double> ends_m(const Case& c) {
+static std::vector<double> ends_m(const Case& c) {
     std::vector<double> ends = {0.0};
     for (const spectral::MeshPiece& piece : spectral::mesh_pieces(c, 12e-3, 0.05e-3, 8, 6e3)) {
         CHECK(piece.top_m == ends.back());
@@ -36,8 +34,6 @@ std::vector<double> ends_m(const Case& c) {
     }
     return ends;
 }
-
-} // namespace
 
 TEST_CASE("layers are divided at the tops and bottoms of sharp bodies", "[spectral]") {
     Case c = two_layers();

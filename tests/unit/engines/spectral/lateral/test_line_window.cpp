@@ -11,17 +11,15 @@ namespace test_line_window {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 
 /// Pseudo-random numbers in [-1, 1].
-Complex noise(std::ptrdiff_t i, std::ptrdiff_t plane) {
+static Complex noise(std::ptrdiff_t i, std::ptrdiff_t plane) {
     const auto x = static_cast<double>(i), y = static_cast<double>(plane);
     return {std::sin(12.9898 * x + 78.233 * y + 1.0), std::cos(3.1 * x + 5.7 * x * y)};
 }
 
-Complex turn(std::ptrdiff_t nx, std::ptrdiff_t k, std::ptrdiff_t x) {
+static Complex turn(std::ptrdiff_t nx, std::ptrdiff_t k, std::ptrdiff_t x) {
     return std::polar(1.0, 2.0 * std::numbers::pi * static_cast<double>(k * x) /
                                static_cast<double>(nx));
 }
@@ -77,8 +75,6 @@ private:
     std::ptrdiff_t nx_;
     double* line_;
 };
-
-} // namespace
 
 TEST_CASE("transforms of a window equal the Fourier sum without the Nyquist mode") {
     // Odd and even numbers of points, windows within one block and with several groups of

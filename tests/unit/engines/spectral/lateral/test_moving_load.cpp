@@ -11,21 +11,19 @@ namespace test_moving_load {
 
 using namespace shearwake;
 
-namespace {
-
 using Complex = std::complex<double>;
 
 constexpr double step_s = 30e-6;
 
 /// The load at the first kx, without footprint and area.
-Complex load_at(const Case& c, double kx, double t_s) {
+static Complex load_at(const Case& c, double kx, double t_s) {
     return strength(c.scene.load, t_s) *
            std::polar(1.0, -kx * (focus_m(c.scene.load, t_s).x - c.domain.x_m(0)));
 }
 
 /// Its average around step n, with weights that fall linearly to zero within a step: by the
 /// midpoint rule, in error by 1e-5 at a jump.
-Complex average(const Case& c, double kx, std::ptrdiff_t n) {
+static Complex average(const Case& c, double kx, std::ptrdiff_t n) {
     constexpr int points = 40'000;
     Complex sum = 0.0;
     for (int i = 0; i < points; ++i) {
@@ -34,8 +32,6 @@ Complex average(const Case& c, double kx, std::ptrdiff_t n) {
     }
     return 2.0 / points * sum;
 }
-
-} // namespace
 
 TEST_CASE("the load of a step is its average around it, also where the load jumps", "[spectral]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{5.0});

@@ -8,9 +8,7 @@ namespace test_time_step {
 
 using namespace shearwake;
 
-namespace {
-
-Case some_case() {
+static Case some_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     c.scene.medium = {{test::tissue(1500.0, 0.5)}, Base::rigid};
     c.scene.medium.layers[0].thickness_m = 12e-3;
@@ -18,11 +16,9 @@ Case some_case() {
     return c;
 }
 
-double step_s(const Case& c, double accuracy = 1e-3) {
+static double step_s(const Case& c, double accuracy = 1e-3) {
     return spectral::choose_time_step(c, SpectralOptions{.accuracy = accuracy}).step_s;
 }
-
-} // namespace
 
 TEST_CASE("uses the specified time step, shortened to divide the output interval", "[spectral]") {
     const spectral::TimeStep exact =

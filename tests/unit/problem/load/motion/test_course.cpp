@@ -10,20 +10,16 @@ namespace test_course {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 
 /// A square of 20 mm, anticlockwise from its lower right corner.
-Polyline square() {
+static Polyline square() {
     return regular_polygon({}, 0.01 * std::sqrt(2.0), 4, -0.25 * pi);
 }
 
-bool are_near(Vec2 a, Vec2 b) {
+static bool are_near(Vec2 a, Vec2 b) {
     return norm(a - b) <= 1e-12 * 0.1; // roundings of numbers below 0.1
 }
-
-} // namespace
 
 TEST_CASE("a repeated circle follows the closed form", "[course]") {
     Travel travel{Arc{{}, 0.015, 0.0, 2.0 * pi}, {}, AtEnd::repeat};

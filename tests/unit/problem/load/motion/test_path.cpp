@@ -9,17 +9,13 @@ namespace test_path {
 
 using namespace shearwake;
 
-namespace {
-
 constexpr double pi = std::numbers::pi;
 /// Closed forms and these differ by a few roundings of numbers below 0.1.
 constexpr double rounding_m = 1e-12 * 0.1;
 
-bool are_near(Vec2 a, Vec2 b, double margin = rounding_m) {
+static bool are_near(Vec2 a, Vec2 b, double margin = rounding_m) {
     return norm(a - b) <= margin;
 }
-
-} // namespace
 
 TEST_CASE("an arc is run along by its angle", "[path]") {
     const double sign = GENERATE(1.0, -1.0);
