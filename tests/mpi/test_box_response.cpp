@@ -32,8 +32,7 @@ static Start start_of(Case c, std::ptrdiff_t frames, const Comm& team) {
 TEST_CASE("iterations on a box yield the field of iterations on planes", "[mpi]") {
     Case c = test::small_tissue();
     c.domain = {48, 32, 1e-3, 0.0};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-3e-3, 1e-3},
-                                                                          {10e-3, 3e-3}};
+    test::travel_of(c).path = {{-3e-3, 1e-3}, {10e-3, 3e-3}};
     SpectralOptions options;
     options.time_step_s = 50e-6;
     options.residual = 1e-11;

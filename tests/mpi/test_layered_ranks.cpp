@@ -18,7 +18,7 @@ static Case small_case() {
     c.scene.medium.layers.insert(c.scene.medium.layers.begin(), film);
     c.domain = {70, 54, 0.75e-3, 3e-3}; // divisible by 2 only
     c.time = {60, 50e-6};
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
+    auto& travel = test::travel_of(c);
     std::get<Line>(travel.path.shape).from_m = {-15e-3, -2e-3};
     c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
     c.measure.at_s = 3e-3;
@@ -85,9 +85,7 @@ static double worst_frame(const Case& c, const Comm& world) {
 TEST_CASE("frames of engine layered are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
     const bool oblique = GENERATE(false, true); // the general code path of the load's transform
-    if (oblique)
-        std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
-            .to_m = {150e-3, 40e-3};
+    if (oblique) std::get<Line>(test::travel_of(c).path.shape).to_m = {150e-3, 40e-3};
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
 }
 

@@ -24,8 +24,7 @@ static Case small_case(PstdEdges edges) {
     c.scene.medium.bodies = {lump};
     c.domain = {20, 14, 1.5e-3, 0.0};
     c.scene.load.footprint = GaussianFootprint{6e-3};
-    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
-        .from_m = {-8e-3, 1e-3};
+    std::get<Line>(test::travel_of(c).path.shape).from_m = {-8e-3, 1e-3};
     c.time = {4, 250e-6};
     c.measure.at_s = 1e-3;
     c.measure.depths_m = {0.0, 2e-3};

@@ -10,26 +10,14 @@ namespace test_receptor_stress {
 
 using namespace shearwake;
 
-static Case small_case(double contrast) {
-    Case c = test::thin_layer(contrast);
+static Case recorded(Case c) {
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     return c;
 }
 
 TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]") {
-    Case c = small_case(GENERATE(1.0, 16.0));
-    SECTION("with or without an elastic body") {}
-    SECTION("above a rigid lump across the periodic edge") {
-        c.scene.medium.bodies.push_back(
-            test::rigid_across_the_edge(Ellipsoid{{3e-3, 2.5e-3, 0.7e-3}}));
-    }
-    SECTION("above a rigid cylinder across the domain") {
-        const double azimuth_deg = GENERATE(0.0, 90.0);
-        c = small_case(1.0); // without the elastic body
-        c.scene.medium.bodies.push_back(
-            test::rigid_across_the_edge(Cylinder{.radius_m = 1.2e-3, .azimuth_deg = azimuth_deg}));
-    }
+    const Case c = recorded(GENERATE(from_range(test::cases_with_bodies())));
     const Comm world = Comm::world();
     test::StressStore together;
     engines::make_engine(c.solver)->run(c, world, together);
@@ -46,7 +34,7 @@ TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]"
 }
 
 TEST_CASE("receptor stress is unchanged when a run stops and resumes", "[mpi][neural]") {
-    const Case c = small_case(2.0);
+    const Case c = recorded(test::thin_layer(2.0));
     const Comm world = Comm::world();
     test::StopAt checkpoints(GENERATE(3, 4, 5)); // every second step ends at a frame
     const std::vector<Vec2> places = {{1e-3, 2e-3}, {-4e-3, 0.0}, {0.5, 0.0}};

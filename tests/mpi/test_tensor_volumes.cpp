@@ -10,15 +10,14 @@ namespace test_tensor_volumes {
 
 using namespace shearwake;
 
-static Case small_case(double contrast) {
-    Case c = test::thin_layer(contrast);
+static Case recorded(Case c) {
     c.record.volumes_s = {c.time.frame_s(1), c.time.frame_s(3)};
     c.record.volume_fields = {VolumeField::u, VolumeField::strain, VolumeField::stress};
     return c;
 }
 
 TEST_CASE("volumes are unchanged when a run stops at or near a snapshot", "[mpi]") {
-    const Case c = small_case(2.0);
+    const Case c = recorded(test::thin_layer(2.0));
     const Comm world = Comm::world();
     test::StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at steps 4 and 8
     test::VolumeStore through, stopped;
@@ -36,18 +35,7 @@ TEST_CASE("volumes are unchanged when a run stops at or near a snapshot", "[mpi]
 }
 
 TEST_CASE("strain and stress volumes are identical on any number of ranks", "[mpi]") {
-    Case c = small_case(GENERATE(1.0, 16.0));
-    SECTION("with or without an elastic body") {}
-    SECTION("around a rigid lump across the periodic edge") {
-        c.scene.medium.bodies.push_back(
-            test::rigid_across_the_edge(Ellipsoid{{3e-3, 2.5e-3, 0.7e-3}}));
-    }
-    SECTION("around a rigid cylinder across the domain") {
-        const double azimuth_deg = GENERATE(0.0, 90.0);
-        c = small_case(1.0); // without the elastic body
-        c.scene.medium.bodies.push_back(
-            test::rigid_across_the_edge(Cylinder{.radius_m = 1.2e-3, .azimuth_deg = azimuth_deg}));
-    }
+    const Case c = recorded(GENERATE(from_range(test::cases_with_bodies())));
     const Comm world = Comm::world();
     test::VolumeStore together;
     engines::make_engine(c.solver)->run(c, world, together);

@@ -58,6 +58,25 @@ inline Case moving_focus(const Medium& medium, const Motion& motion) {
     return c;
 }
 
+/// The path and motion of moving_focus().
+inline Travel& travel_of(Case& c) {
+    return std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
+}
+
+/// A 3 mm focus at 7 m/s from (`from_m`, 0) to (`to_m`, 0) over layers of tissue of these
+/// thicknesses on a rigid base.
+inline Case focus_over_rigid_base(double viscosity_Pa_s, const std::vector<double>& thicknesses_m,
+                                  double from_m, double to_m = 200e-3) {
+    Medium medium{{}, Base::rigid};
+    for (const double thickness_m : thicknesses_m) {
+        medium.layers.push_back(tissue(1500.0, viscosity_Pa_s));
+        medium.layers.back().thickness_m = thickness_m;
+    }
+    Case c = moving_focus(medium, ConstantSpeed{7.0});
+    travel_of(c).path = {{from_m, 0.0}, {to_m, 0.0}};
+    return c;
+}
+
 /// Base of observers that store one part of a run.
 class IgnoringObserver : public engines::Observer {
 public:
@@ -104,9 +123,8 @@ protected:
 /// All frames of a case, or what another store keeps, computed on this rank alone.
 template <class Store = FrameStore>
 Store frames_of(const Case& c) {
-    const Comm alone = Comm::world().split(Comm::world().rank());
     Store store;
-    engines::make_engine(c.solver)->run(c, alone, store);
+    engines::make_engine(c.solver)->run(c, alone(), store);
     return store;
 }
 

@@ -33,18 +33,15 @@ public:
         const auto points = [&](double width) {
             return std::max(4L, 2 * std::lround(0.5 * width * spacings_per_radius));
         };
-        case_ = small_tissue();
-        Layer layer = tissue(1500.0, 0.0);
-        layer.thickness_m = span.depth * body_radius_m;
-        body.centre_m = spacing_m * offset + Vec3{0.0, 0.0, 0.5 * span.depth * body_radius_m};
-        centre_m_ = body.centre_m;
-        case_.scene.medium = {{layer}, Base::rigid};
-        case_.scene.medium.bodies = {std::move(body)};
-        case_.domain = {points(span.x), points(span.y), spacing_m, 0.0};
         SpectralOptions options{.time_step_s = 1e-3};
         options.method = SpectralMethod::iterative;
         options.contrast_cap = options.rigid_above = 1e9;
-        case_.solver = options;
+        body.centre_m = spacing_m * offset;
+        case_ = solid_around(std::move(body), span.depth,
+                             {points(span.x), points(span.y), spacing_m, 0.0}, options);
+        Vec3& centre_m = case_.scene.medium.bodies[0].centre_m;
+        centre_m.z += spacing_m * offset.z;
+        centre_m_ = centre_m;
         mesh_ = spectral::choose_mesh(case_, options, 1e-3);
         slabs_.emplace(case_.domain.nx, case_.domain.ny, alone_);
         vectors_.emplace(case_.domain, slabs_->share());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/spectral/depth/vertical_operator.hpp"
+#include "support/spectral_cases.hpp"
 
 #include <cmath>
 
@@ -12,6 +13,17 @@ namespace shearwake::test {
 constexpr double body_radius_m = 3e-3, solid_kg_m3 = 1000.0, solid_mu_Pa = 25e3;
 /// Ratio of lambda to mu of a practically incompressible solid.
 constexpr double incompressible = 1e5;
+
+/// A body in the middle of lossless tissue of this depth in radii.
+inline Case solid_around(Body body, double depth, const Domain& domain,
+                         const SpectralOptions& options) {
+    Case c = focus_over_rigid_base(0.0, {depth * body_radius_m}, 0.0);
+    body.centre_m.z = 0.5 * depth * body_radius_m;
+    c.scene.medium.bodies = {std::move(body)};
+    c.domain = domain;
+    c.solver = options;
+    return c;
+}
 
 /// M s^2 + K for kappa = s radius/c_s, as the implicit operator of a step of 1 s with the weights
 /// .26 and 1/12.

@@ -14,6 +14,11 @@
 
 namespace shearwake::test {
 
+/// This rank alone.
+inline Comm alone() {
+    return Comm::world().split(Comm::world().rank());
+}
+
 /// Calls f(team of one rank) on the root, while the other ranks sleep. Tests run more ranks than
 /// the machine has cores: the same computation on every rank would take longer by the number of
 /// ranks per core. Collective; rethrows on the root what f throws.

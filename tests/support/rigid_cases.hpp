@@ -15,13 +15,9 @@ enum class Along { x, y };
 /// A 3 mm focus at 7 m/s over 12 mm of tissue, across a bone of 3 mm radius
 /// that is parallel to x or y. It is switched off after 2 ms.
 inline Case bone_case(Along axis, double viscosity_Pa_s) {
-    Case c = moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = tissue(1500.0, viscosity_Pa_s);
-    layer.thickness_m = 12e-3;
-    c.scene.medium = {{layer}, Base::rigid};
+    Case c = focus_over_rigid_base(viscosity_Pa_s, {12e-3}, 0.0);
     const bool x = axis == Along::x;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        x ? Curve({2e-3, -7e-3}, {1e-3, 7e-3}) : Curve({-7e-3, 2e-3}, {7e-3, 1e-3});
+    travel_of(c).path = x ? Curve({2e-3, -7e-3}, {1e-3, 7e-3}) : Curve({-7e-3, 2e-3}, {7e-3, 1e-3});
     c.scene.medium.bodies = {{.name = "bone",
                               .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = x ? 0.0 : 90.0},
                               .centre_m = x ? Vec3{0.0, 1.3e-3, 6e-3} : Vec3{1.3e-3, 0.0, 6e-3},
@@ -64,15 +60,22 @@ inline Body rigid_slab(const Case& c) {
 /// Advances a case on this rank alone and calls f(stepper) after each step.
 template <class F>
 void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    const Comm rank = alone();
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, rank);
     const auto& options = std::get<SpectralOptions>(c.solver);
     spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
-                              *options.time_step_s, alone);
+                              *options.time_step_s, rank);
     while (stepper.step() < steps) {
         stepper.advance();
         f(stepper);
     }
+}
+
+/// All steps of a case.
+template <class F>
+void step_through(const Case& c, const F& f) {
+    step_through(
+        c, std::lround(c.time.duration_s() / *std::get<SpectralOptions>(c.solver).time_step_s), f);
 }
 
 /// Checks, in every `stride`-th step after the end of the load, that the energy of a lossless case
@@ -93,16 +96,16 @@ inline void check_conserved_energy(const Case& c, double step_s, long stride) {
     CHECK(after == Approx(work).epsilon(1e-8)); // the forces on the bodies do no work
 }
 
-/// Largest difference of a field and the mirror image, in the plane x = 0, of another one.
+/// Largest difference of a field and the mirror image, in the plane x = 0 or y = 0, of another one.
 inline double asymmetry(const Domain& domain, const std::vector<double>& frame,
-                        const std::vector<double>& mirrored) {
+                        const std::vector<double>& mirrored, Along axis = Along::x) {
+    const std::ptrdiff_t nx = domain.nx, ny = domain.ny;
     double worst = 0.0;
-    for (std::ptrdiff_t i = 1; i < domain.nx; ++i)
-        for (std::ptrdiff_t j = 0; j < domain.ny; ++j) {
-            const auto at = [&](std::ptrdiff_t x) {
-                return static_cast<std::size_t>(x * domain.ny + j);
-            };
-            worst = std::max(worst, std::abs(frame[at(i)] - mirrored[at(domain.nx - i)]));
+    for (std::ptrdiff_t i = axis == Along::x ? 1 : 0; i < nx; ++i)
+        for (std::ptrdiff_t j = axis == Along::y ? 1 : 0; j < ny; ++j) {
+            const std::ptrdiff_t image = axis == Along::x ? (nx - i) * ny + j : i * ny + ny - j;
+            worst = worse(worst, std::abs(frame[static_cast<std::size_t>(i * ny + j)] -
+                                          mirrored[static_cast<std::size_t>(image)]));
         }
     return worst;
 }

@@ -32,19 +32,13 @@ public:
                   double lambda_per_mu = incompressible) {
         const double spacing_m = body_radius_m / spacings_per_radius;
         const auto nx = 2 * std::lround(0.5 * width * spacings_per_radius);
-        case_ = small_tissue();
-        Layer layer = tissue(1500.0, 0.0);
-        layer.thickness_m = width * body_radius_m;
-        case_.scene.medium = {{layer}, Base::rigid};
-        case_.scene.medium.bodies = {
-            {.name = "cylinder",
-             .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = 90.0},
-             .centre_m = {0.2 * spacing_m, 0.0, 0.5 * width * body_radius_m},
-             .rigid = true}};
-        case_.domain = {nx, 4, spacing_m, 0.0};
         const SpectralOptions options{.time_step_s = 1e-3,
                                       .longest_element_m = 2.0 * body_radius_m};
-        case_.solver = options;
+        case_ = solid_around({.name = "cylinder",
+                              .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = 90.0},
+                              .centre_m = {0.2 * spacing_m, 0.0, 0.0},
+                              .rigid = true},
+                             width, {nx, 4, spacing_m, 0.0}, options);
         slabs_.emplace(nx, 4, alone_);
         vectors_.emplace(case_.domain, slabs_->share());
         mesh_ = spectral::choose_mesh(case_, options, 1e-3);

@@ -25,20 +25,14 @@ public:
                 double lambda_per_mu = incompressible) {
         const double spacing_m = body_radius_m / spacings_per_radius;
         const auto n = 2 * std::lround(0.5 * width * spacings_per_radius);
-        case_ = small_tissue();
-        Layer layer = tissue(1500.0, 0.0);
-        layer.thickness_m = width * body_radius_m;
-        case_.scene.medium = {{layer}, Base::rigid};
-        case_.scene.medium.bodies = {
-            {.name = "sphere",
-             .shape = Ellipsoid{{body_radius_m, body_radius_m, body_radius_m}},
-             .centre_m = {0.2 * spacing_m, 0.3 * spacing_m, 0.5 * width * body_radius_m},
-             .rigid = true,
-             .fixed = true}};
-        case_.domain = {n, n, spacing_m, 0.0};
         const SpectralOptions options{.time_step_s = 1e-3,
                                       .longest_element_m = 2.0 * body_radius_m};
-        case_.solver = options;
+        case_ = solid_around({.name = "sphere",
+                              .shape = Ellipsoid{{body_radius_m, body_radius_m, body_radius_m}},
+                              .centre_m = {0.2 * spacing_m, 0.3 * spacing_m, 0.0},
+                              .rigid = true,
+                              .fixed = true},
+                             width, {n, n, spacing_m, 0.0}, options);
         const Comm alone = Comm::world().split(Comm::world().rank());
         slabs_.emplace(n, n, alone);
         vectors_.emplace(case_.domain, slabs_->share());

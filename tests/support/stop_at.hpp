@@ -39,4 +39,12 @@ private:
     MemoryState state_;
 };
 
+/// Stores the reported shares; nothing is saved.
+class Shares : public NoCheckpoints {
+public:
+    void progressed(double share) override { all.push_back(share); }
+
+    std::vector<double> all;
+};
+
 } // namespace shearwake::test

@@ -20,12 +20,9 @@ static double relative_l2(const std::vector<double>& a, const std::vector<double
 
 /// The focus of an array that moves along a slanted line, over 12 mm of tissue.
 static Case moving_array(double update_rate_Hz) {
-    Layer layer = tissue(1500.0);
-    layer.thickness_m = 12e-3;
-    Case c = moving_focus({{layer}, Base::rigid}, ConstantSpeed{7.0});
+    Case c = focus_over_rigid_base(1.0, {12e-3}, 0.0);
     c.scene.load.footprint = ArrayFootprint{.update_rate_Hz = update_rate_Hz, .reach_m = 0.03};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, -4e-3},
-                                                                          {80e-3, 30e-3}};
+    travel_of(c).path = {{-9e-3, -4e-3}, {80e-3, 30e-3}};
     c.domain = {48, 40, 3e-3, 0.0};
     c.time = {32, 125e-6};
     c.measure.at_s = c.time.duration_s();

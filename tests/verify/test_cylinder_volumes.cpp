@@ -24,9 +24,7 @@ static Case stress_case(Along axis) {
 }
 
 static test::VolumeStore stresses(const Case& c) {
-    test::VolumeStore all;
-    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), all);
-    return all;
+    return test::frames_of<test::VolumeStore>(c);
 }
 
 struct Difference {
@@ -78,7 +76,7 @@ TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify
     Case moved = c;
     constexpr std::ptrdiff_t points = 7;
     const double path_length_m = points * c.domain.spacing_m;
-    std::get<Travel>(moved.scene.load.modulation.trajectory.parts[0]).path =
+    test::travel_of(moved).path =
         Curve({-7e-3, 2e-3 + path_length_m}, {7e-3, 1e-3 + path_length_m});
     const std::ptrdiff_t ny = c.domain.ny;
     for (const Difference& d : differences(

@@ -152,7 +152,7 @@ TEST_CASE("response to a steady load below the Rayleigh speed equals the closed 
     Case c = test::moving_focus(test::half_space(poisson_solid()), ConstantSpeed{v});
     c.domain = {320, 320, 0.75e-3, 0.0};
     c.time = {280, 50e-6};
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
+    auto& travel = test::travel_of(c);
     std::get<Line>(travel.path.shape).from_m = {
         -42e-3, 0.0}; // at 14 ms the focus is at the grid point at 0
     const auto frames = test::frames_of(c);

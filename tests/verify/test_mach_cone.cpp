@@ -11,7 +11,7 @@ TEST_CASE("wake of a fast focus has the Mach angle of the Rayleigh wave", "[veri
     // Lossless; sin theta = c_R / v with the Rayleigh speed c_R of the same medium.
     const double speed = GENERATE(7.0, 8.0, 10.0);
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.0)), ConstantSpeed{speed});
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
+    auto& travel = test::travel_of(c);
     std::get<Line>(travel.path.shape).from_m = {-70e-3, 0.0};
     c.domain = {320, 216, 0.75e-3, 0.0};
     c.time = {280, 50e-6};

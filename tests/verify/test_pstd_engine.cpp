@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/cases.hpp"
+#include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -28,19 +28,6 @@ static Case resting_focus(const SolverOptions& solver, double fwhm_m, double spa
     c.measure.at_s = 4e-3;
     c.solver = solver;
     return c;
-}
-
-/// Relative L2 difference of all frames.
-static double apart(const test::FrameStore& a, const test::FrameStore& b, std::ptrdiff_t frames) {
-    double difference = 0.0, sum = 0.0;
-    for (std::ptrdiff_t n = 0; n < frames; ++n) {
-        const auto &of_a = a.at(n), &of_b = b.at(n);
-        for (std::size_t i = 0; i < of_a.size(); ++i) {
-            difference += std::pow(of_a[i] - of_b[i], 2);
-            sum += of_b[i] * of_b[i];
-        }
-    }
-    return std::sqrt(difference / sum);
 }
 
 using Complex = std::complex<double>;
@@ -111,20 +98,17 @@ static double centre_error(const PstdOptions& options, const Response& response)
     const Case c = resting_focus(options, 9e-3, 1.5e-3);
     const auto stepped = test::frames_of(c);
     const std::vector<double> exact = centre_of(c, response);
-    double difference = 0.0, sum = 0.0;
-    for (std::size_t f = 0; f < exact.size(); ++f) {
-        const double u = stepped.at(static_cast<std::ptrdiff_t>(
-            f))[static_cast<std::size_t>(c.domain.nx / 2 * c.domain.ny + c.domain.ny / 2)];
-        difference += std::pow(u - exact[f], 2);
-        sum += exact[f] * exact[f];
-    }
-    return std::sqrt(difference / sum);
+    std::vector<double> centre;
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+        centre.push_back(stepped.at(
+            n)[static_cast<std::size_t>(c.domain.nx / 2 * c.domain.ny + c.domain.ny / 2)]);
+    return test::relative_l2(centre, exact);
 }
 
 static double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
     const auto exact = test::frames_of(resting_focus(LayeredOptions{}, fwhm_m, spacing_m));
     const auto stepped = test::frames_of(resting_focus(options, fwhm_m, spacing_m));
-    return apart(stepped, exact, 16);
+    return test::relative_l2(stepped, exact, 16);
 }
 
 /// Relative L2 difference of the effect of a sphere, of 4 mm at a depth of 12 mm, on the surface at
@@ -153,13 +137,7 @@ static double effect_apart(double contrast, double per_radius) {
     };
     PstdOptions pstd;
     pstd.depth_m = 18e-3;
-    const auto found = effect(pstd), expected = effect(SpectralOptions{.time_step_s = 25e-6});
-    double difference = 0.0, sum = 0.0;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        difference += std::pow(found[i] - expected[i], 2);
-        sum += expected[i] * expected[i];
-    }
-    return std::sqrt(difference / sum);
+    return test::relative_l2(effect(pstd), effect(SpectralOptions{.time_step_s = 25e-6}));
 }
 
 TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pstd]") {
@@ -231,7 +209,8 @@ TEST_CASE("engine pstd with an internal fluid agrees with engine spectral with t
     };
     const auto without = surface(PstdOptions{}, {}), fluid = surface(PstdOptions{}, 0.0);
     const auto soft = surface(SpectralOptions{.time_step_s = 50e-6}, 0.2);
-    const double changed = apart(fluid, without, 16), off = apart(fluid, soft, 16);
+    const double changed = test::relative_l2(fluid, without, 16),
+                 off = test::relative_l2(fluid, soft, 16);
     INFO("the sheet changes the surface field by " << changed << ", the engines differ by " << off);
     CHECK(changed > 0.1);
     // Observed: 1.8 %, of which 0.7 % also occur without a sheet. Its faces end between nodes for

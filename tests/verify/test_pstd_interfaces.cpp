@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Normal incidence of waves on interfaces in engine "pstd".
+#include "support/on_root.hpp"
 #include "support/pstd_line.hpp"
 #include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
@@ -11,6 +12,7 @@ namespace test_pstd_interfaces {
 
 using namespace shearwake;
 using namespace shearwake::pstd;
+using test::alone;
 
 constexpr double d_m = 1e-3, dt_s = 1e-5;
 const pstd::NodeMaterial soft{1000.0, 20.0, 5.0}, stiff{1500.0, 30.0, 9.0}, fluid{900.0, 18.0, 0.0};
@@ -53,10 +55,6 @@ static void start_bell(pstd::Setup& setup, const Wave& wave, const pstd::NodeMat
         }
         setup.sources.push_back(test::sampled_source(source, values));
     }
-}
-
-static Comm alone() {
-    return Comm::world().split(Comm::world().rank());
 }
 
 /// The value of largest magnitude between two nodes.

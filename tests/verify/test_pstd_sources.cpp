@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Verifies the waves emitted by the sources of engine "pstd".
+#include "support/on_root.hpp"
 #include "support/pstd_line.hpp"
 #include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
@@ -11,13 +12,10 @@ namespace test_pstd_sources {
 
 using namespace shearwake;
 using namespace shearwake::pstd;
+using test::alone;
 
 constexpr double dx_m = 1e-3, dz_m = 0.8e-3, dt_s = 4e-6;
 const pstd::NodeMaterial solid{1000.0, 20.0, 5.0};
-
-static Comm alone() {
-    return Comm::world().split(Comm::world().rank());
-}
 
 /// A plane source in the middle of a line and the expected wave `away` nodes further.
 struct Plane {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "support/on_root.hpp"
 #include "support/pstd_recording.hpp"
 #include "support/pstd_sources.hpp"
 #include "support/worst.hpp"
@@ -12,6 +13,7 @@ namespace test_pstd_waves {
 
 using namespace shearwake;
 using namespace shearwake::pstd;
+using test::alone;
 
 constexpr double pi = std::numbers::pi;
 constexpr double density_kg_m3 = 1000.0, c_p_m_s = 20.0, c_s_m_s = 5.0, dz_m = 1e-3;
@@ -58,10 +60,6 @@ static std::complex<double> mode_of(const std::vector<double>& values, double k_
     for (std::size_t i = 0; i < values.size(); ++i)
         sum += values[i] * std::polar(1.0, -k_rad_m * dz_m * static_cast<double>(i));
     return sum;
-}
-
-static Comm alone() {
-    return Comm::world().split(Comm::world().rank());
 }
 
 /// u = cos(k z - w t): the velocity at dt/2 and the stress -rho c cos at 0 are added in step 1.

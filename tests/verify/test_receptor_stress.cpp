@@ -25,8 +25,7 @@ static Case skin_case() {
     skin.c_s_m_s = 9.0;
     skin.loss = KelvinVoigt{1.0};
     c.scene.medium.layers.insert(c.scene.medium.layers.begin(), skin);
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                          {200e-3, 0.0}};
+    test::travel_of(c).path = {{-9e-3, 0.0}, {200e-3, 0.0}};
     c.scene.load.modulation.envelope = {{RampGain{.duration_s = 2e-3}}};
     c.domain = {36, 24, 1e-3, 0.0};
     c.afferents = AfferentOptions{};
@@ -122,8 +121,7 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
     c.record.volumes_s = {c.time.frame_s(9)};
     c.record.volume_fields = {VolumeField::stress};
     c = with_step(c, 50e-6);
-    test::VolumeStore volumes;
-    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), volumes);
+    const auto volumes = test::frames_of<test::VolumeStore>(c);
     const test::StressStore found = test::stresses_of(c);
     constexpr std::size_t zz = 2;
     for (std::size_t depth = 0; depth < receptors; ++depth) {

@@ -97,8 +97,7 @@ TEST_CASE("mirror image of rigid lumps yields the mirror image of the field", "[
         bodies[0].shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 30.0};
     }
     const auto frame = last_frame(c);
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
+    test::travel_of(c).path = Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
     for (Body& mirrored : bodies) {
         mirrored.centre_m.x *= -1.0;
         if (auto* cylinder = std::get_if<Cylinder>(&mirrored.shape)) cylinder->azimuth_deg *= -1.0;
@@ -113,8 +112,7 @@ TEST_CASE("a rigid lump across the periodic edge is the same body elsewhere", "[
     const std::ptrdiff_t shift_x = c.domain.nx / 2 - 1, shift_y = c.domain.ny / 2 - 2;
     const Vec2 by{static_cast<double>(shift_x) * c.domain.spacing_m,
                   static_cast<double>(shift_y) * c.domain.spacing_m};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({-7e-3 + by.x, 2e-3 + by.y}, {7e-3 + by.x, 1e-3 + by.y});
+    test::travel_of(c).path = Curve({-7e-3 + by.x, 2e-3 + by.y}, {7e-3 + by.x, 1e-3 + by.y});
     Vec3& centre = c.scene.medium.bodies[0].centre_m;
     centre = centre + Vec3{by.x, by.y, 0.0};
     const auto moved = last_frame(c);

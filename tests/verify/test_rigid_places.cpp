@@ -86,8 +86,7 @@ TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]
     c.record.volumes_s = {c.time.frame_s(15)};
     c.record.volume_fields = {VolumeField::u, VolumeField::strain};
     c.measure.at_s = c.time.duration_s();
-    test::VolumeStore store;
-    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
+    const auto store = test::frames_of<test::VolumeStore>(c);
     spectral::RigidMotion motion{};
     step_through(c, std::lround(1.6e-3 / 50e-6),
                  [&](const spectral::Stepper& stepper) { motion = stepper.bodies().motions()[0]; });

@@ -109,12 +109,7 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[long][verify]") 
     // is stiff up to a part of a spacing beyond its face. This error is of first order, and three
     // halves of the finer minus half of the coarser result do not contain it.
     const auto effect = [](std::ptrdiff_t times, const Body& bar) {
-        Case c = test::moving_focus({}, ConstantSpeed{7.0});
-        Layer layer = test::tissue(1500.0, 0.5);
-        layer.thickness_m = 9e-3;
-        c.scene.medium = {{layer}, Base::rigid};
-        std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-            Curve({-5e-3, 0.0}, {7e-3, 0.0});
+        Case c = test::focus_over_rigid_base(0.5, {9e-3}, -5e-3, 7e-3);
         c.domain = {24 * times, 4, 0.9e-3 / static_cast<double>(times), 0.0};
         c.time = {6, 100e-6};
         c.measure = {.at_s = 6e-4, .settled_after_s = 1e-4, .focal_radius_m = 1e-3};

@@ -31,7 +31,7 @@ static double difference(const std::vector<double>& a, const std::vector<double>
 TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     // Frames resolve 40 kHz, so that there is no aliasing; spectra of the complete run.
     Case averaged = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    auto& travel = std::get<Travel>(averaged.scene.load.modulation.trajectory.parts[0]);
+    auto& travel = test::travel_of(averaged);
     std::get<Line>(travel.path.shape).from_m = {-21e-3, 0.0};
     averaged.domain = {96, 64, 0.75e-3, 0.0};
     averaged.time = {1000, 5e-6};

@@ -12,11 +12,7 @@ using namespace shearwake;
 using test::with_step;
 
 static Case required_case() {
-    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{7.0});
-    c.scene.medium.base = Base::rigid;
-    c.scene.medium.layers[0].thickness_m = 12e-3;
-    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
-        .from_m = {-14e-3, 0.0};
+    Case c = test::focus_over_rigid_base(0.5, {12e-3}, -14e-3, 300e-3);
     c.domain = {128, 96, 0.75e-3, 0.0};
     c.time = {40, 100e-6};
     c.measure.at_s = 4e-3;
@@ -28,22 +24,11 @@ static Case required_case() {
 /// Relative L2 differences of the fields at 4 ms, at the surface and at depth.
 static std::pair<double, double> difference(const Case& c, const Case& exact) {
     const auto a = test::frames_of(c), b = test::frames_of(exact);
-    double result[2];
-    for (std::size_t depth = 0; depth < 2; ++depth) {
-        double above = 0.0, below = 0.0;
-        for (std::size_t i = 0; i < a.at(39, depth).size(); ++i) {
-            above += std::pow(a.at(39, depth)[i] - b.at(39, depth)[i], 2);
-            below += std::pow(b.at(39, depth)[i], 2);
-        }
-        result[depth] = std::sqrt(above / below);
-    }
-    return {result[0], result[1]};
+    return {test::relative_l2(a.at(39), b.at(39)), test::relative_l2(a.at(39, 1), b.at(39, 1))};
 }
 
 static Case exact_of(Case c) {
-    LayeredOptions options;
-    options.time_step_s = 12.5e-6;
-    c.solver = options;
+    c.solver = LayeredOptions{.time_step_s = 12.5e-6};
     return c;
 }
 
@@ -81,8 +66,7 @@ TEST_CASE("engine spectral converges to layered with second order in the step", 
 
 TEST_CASE("switching off the load between two steps preserves the order", "[verify]") {
     Case c = required_case();
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
-    travel.path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
+    test::travel_of(c).path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
     Case exact = c;
     exact.solver = LayeredOptions{.time_step_s = 3.125e-6};
     const double at_25 = difference(with_step(c, 25e-6), exact).first;
@@ -97,14 +81,9 @@ TEST_CASE("engine spectral is stable at any step and for layers of any contrast"
     c.scene.medium.layers.insert(c.scene.medium.layers.begin(), c.scene.medium.layers[0]);
     c.scene.medium.layers[0].thickness_m = 0.5e-3;
     c.scene.medium.layers[0].c_s_m_s = 50.0; // 100 times stiffer
-    const auto frames = test::frames_of(with_step(c, 100e-6));
-    const auto exact = test::frames_of(exact_of(c));
-    double largest = 0.0, reference = 0.0;
-    for (const double u : frames.at(39))
-        largest = std::max(largest, std::abs(u));
-    for (const double u : exact.at(39))
-        reference = std::max(reference, std::abs(u));
-    CHECK(largest < 2.0 * reference); // an unstable mode would be larger by orders of magnitude
+    const double reference = test::largest(test::last_frame(exact_of(c)));
+    // An unstable mode would be larger by orders of magnitude.
+    CHECK(test::largest(test::last_frame(with_step(c, 100e-6))) < 2.0 * reference);
 }
 
 TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundred", "[verify]") {
@@ -130,10 +109,10 @@ TEST_CASE("engine spectral reproduces the table of layered for the medium of the
     Case c = required_case();
     c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
     c.measure.depths_m = {0.0};
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const Case spectral = with_step(c, 25e-6), layered = exact_of(c);
-    const auto a = test::columns_of(spectral, *engines::make_engine(spectral.solver), alone);
-    const auto b = test::columns_of(layered, *engines::make_engine(layered.solver), alone);
+    const auto columns = [](const Case& of) {
+        return test::columns_of(of, *engines::make_engine(of.solver), test::alone());
+    };
+    const auto a = columns(with_step(c, 25e-6)), b = columns(exact_of(c));
     for (const char* name : {"eta_period_1", "ipr_abs_period_mm2", "participation_period_mm2",
                              "focal_rms_um", "peak_um"}) {
         CAPTURE(name);
@@ -145,9 +124,7 @@ TEST_CASE("a volume snapshot is continuous with the surface and free of divergen
     Case c = with_step(required_case(), 25e-6);
     c.record.volumes_s = {c.time.frame_s(29)};
     c.record.volume_fields = {VolumeField::u};
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    test::VolumeStore store;
-    engines::make_engine(c.solver)->run(c, alone, store);
+    const auto store = test::frames_of<test::VolumeStore>(c);
     CHECK(store.at(0, 0, 2, 0) ==
           store.FrameStore::at(29)); // the same transform of the same numbers
     CHECK(store.z_m().front() == 0.0);

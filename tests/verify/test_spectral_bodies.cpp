@@ -1,44 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Engine "spectral" with lateral variation: compared with the exact engine for a body that fills a
 // layer, with itself at shorter steps, and with respect to its symmetries.
-#include "support/spectral_cases.hpp"
+#include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace test_spectral_bodies {
 
 using namespace shearwake;
-using test::largest;
 using test::last_frame;
 using test::relative_l2;
 using test::with_step;
 
 /// A 3 mm focus at 7 m/s from x = -9 mm over 9 mm of tissue in three equal layers of 3 mm.
 static Case tissue_case() {
-    Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = test::tissue(1500.0, 0.5);
-    layer.thickness_m = 3e-3;
-    c.scene.medium = {{layer, layer, layer}, Base::rigid};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                          {200e-3, 0.0}};
+    Case c = test::focus_over_rigid_base(0.5, {3e-3, 3e-3, 3e-3}, -9e-3);
     c.domain = {54, 48, 1e-3, 0.0};
     c.time = {30, 100e-6};
     c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
     return c;
-}
-
-static Case one_solve(Case c) {
-    SpectralOptions options;
-    options.method = SpectralMethod::one_solve;
-    c.solver = options;
-    return c;
-}
-
-static Body ellipsoid(double contrast) {
-    return {.name = "body",
-            .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
-            .centre_m = {2e-3, 3e-3, 4e-3},
-            .c_s_m_s = 5.0 * std::sqrt(contrast)};
 }
 
 /// A body that fills the second layer.
@@ -50,45 +30,30 @@ static Body slab(double contrast) {
 }
 
 TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
-    Case body = tissue_case(), layers = tissue_case();
+    Case body = with_step(tissue_case(), 12.5e-6), layers = tissue_case();
+    body.scene.medium.bodies = {slab(1.0)};
+    Body& sheet = body.scene.medium.bodies[0];
+    Layer& layer = layers.scene.medium.layers[1];
     SECTION("four times stiffer, one solve per step") {
-        body = with_step(one_solve(body), 12.5e-6);
-        body.scene.medium.bodies = {slab(4.0)};
-        layers.scene.medium.layers[1].c_s_m_s = 10.0;
+        std::get<SpectralOptions>(body.solver).method = SpectralMethod::one_solve;
+        sheet.c_s_m_s = layer.c_s_m_s = 10.0;
     }
     SECTION("sixteen times stiffer") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(16.0)};
-        layers.scene.medium.layers[1].c_s_m_s = 20.0;
+        sheet.c_s_m_s = layer.c_s_m_s = 20.0;
     }
     SECTION("softer") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(0.25)};
-        layers.scene.medium.layers[1].c_s_m_s = 2.5;
+        sheet.c_s_m_s = layer.c_s_m_s = 2.5;
     }
     SECTION("denser") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(1.0)};
-        body.scene.medium.bodies[0].density_kg_m3 = 1500.0;
-        layers.scene.medium.layers[1].density_kg_m3 = 1500.0;
+        sheet.density_kg_m3 = layer.density_kg_m3 = 1500.0;
     }
-    SECTION("more viscous") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(1.0)};
-        body.scene.medium.bodies[0].viscosity_Pa_s = 1.5;
-        layers.scene.medium.layers[1].loss = KelvinVoigt{1.5};
-    }
-    SECTION("less viscous") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(1.0)};
-        body.scene.medium.bodies[0].viscosity_Pa_s = 0.3;
-        layers.scene.medium.layers[1].loss = KelvinVoigt{0.3};
+    SECTION("more or less viscous") {
+        const double viscosity_Pa_s = GENERATE(1.5, 0.3);
+        sheet.viscosity_Pa_s = viscosity_Pa_s;
+        layer.loss = KelvinVoigt{viscosity_Pa_s};
     }
     SECTION("slower in compression") {
-        body = with_step(body, 12.5e-6);
-        body.scene.medium.bodies = {slab(1.0)};
-        body.scene.medium.bodies[0].c_p_m_s = 900.0;
-        layers.scene.medium.layers[1].c_p_m_s = 900.0;
+        sheet.c_p_m_s = layer.c_p_m_s = 900.0;
     }
     layers.solver = LayeredOptions{};
     const double difference = relative_l2(last_frame(body), last_frame(layers));
@@ -101,14 +66,9 @@ TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
     c.scene.medium.layers = {c.scene.medium.layers[0]};
     c.scene.medium.layers[0].thickness_m = 9e-3;
     c.domain.nx = 40, c.domain.ny = 36;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({-9e-3, 0.0}, {200e-3, 0.0});
     SECTION("a box that fills the plane between two depths is equivalent to a layer") {
         Case layers = c;
-        layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
-        layers.scene.medium.layers[0].thickness_m = 2.3e-3;
-        layers.scene.medium.layers[1].thickness_m = 3.1e-3;
-        layers.scene.medium.layers[2].thickness_m = 3.6e-3;
+        test::divide_layer(layers, {2.3e-3, 3.1e-3, 3.6e-3});
         layers.scene.medium.layers[1].c_s_m_s = 20.0;
         layers.solver = LayeredOptions{};
         c.scene.medium.bodies = {{.name = "slab",
@@ -148,10 +108,7 @@ TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify
     const double spacings = 5.0;
     c.domain = {80, 80, radius_m / spacings, 0.0};
     c.time = {16, 1e-3};
-    SpectralOptions options;
-    options.rigid_above = 1e9;
-    options.accuracy = 1e-3;
-    c.solver = options;
+    c.solver = SpectralOptions{.rigid_above = 1e9, .accuracy = 1e-3};
     const auto field = [&](double contrast) {
         c.scene.medium.bodies = {{.name = "sphere",
                                   .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
@@ -183,7 +140,7 @@ TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify
 TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[long][verify]") {
     Case c = tissue_case();
     c.time.frames = 15;
-    Body bone = ellipsoid(1.0);
+    Body bone = test::ellipsoid(1.0);
     bone.density_kg_m3 = 1900.0;
     bone.c_p_m_s = 3517.0;
     bone.c_s_m_s = 1619.0;
@@ -203,22 +160,13 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
 
 TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {
     Case c = with_step(tissue_case(), 50e-6);
-    auto& path = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path;
-    path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
-    c.scene.medium.bodies = {ellipsoid(16.0)};
+    test::travel_of(c).path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
+    c.scene.medium.bodies = {test::ellipsoid(16.0)};
     const auto frame = last_frame(c);
-    path = {{-9e-3, -2e-3}, {100e-3, -20e-3}};
+    test::travel_of(c).path = {{-9e-3, -2e-3}, {100e-3, -20e-3}};
     c.scene.medium.bodies[0].centre_m.y = -3e-3;
-    const auto mirrored = last_frame(c);
-    double worst = 0.0;
-    for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
-        for (std::ptrdiff_t j = 1; j < c.domain.ny; ++j) { // y_j = -y_(ny - j)
-            const auto at = [&](std::ptrdiff_t y) {
-                return static_cast<std::size_t>(i * c.domain.ny + y);
-            };
-            worst = std::max(worst, std::abs(frame[at(j)] - mirrored[at(c.domain.ny - j)]));
-        }
-    CHECK(worst < 1e-10 * largest(frame)); // required; sums in a different order
+    const double worst = test::asymmetry(c.domain, frame, last_frame(c), test::Along::y);
+    CHECK(worst < 1e-10 * test::largest(frame)); // required; sums in a different order
 }
 
 TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[verify]") {
@@ -226,7 +174,7 @@ TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[
     // versa.
     Case c = with_step(tissue_case(), 50e-6);
     std::get<SpectralOptions>(c.solver).residual = 1e-8;
-    c.scene.medium.bodies = {ellipsoid(16.0)};
+    c.scene.medium.bodies = {test::ellipsoid(16.0)};
     CHECK(test::reciprocity_error(c, {{{-10e-3, 1e-3}, {9e-3, 6e-3}}}) < 1e-6); // required
 }
 

@@ -17,8 +17,7 @@ static Case column_case() {
     c.scene.medium.layers[0].thickness_m = 9e-3;
     c.scene.load.footprint = GaussianFootprint{6e-3};
     c.scene.load.modulation.envelope = {{RampGain{1e-3}}};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
-                                                                          {200e-3, 0.0}};
+    test::travel_of(c).path = {{-7e-3, 0.0}, {200e-3, 0.0}};
     c.time.frames = 20;
     c.scene.medium.bodies = {{.name = "column",
                               .shape = Cylinder{.radius_m = 8e-3, .axis = CylinderAxis::vertical},
@@ -30,10 +29,7 @@ static Case column_case() {
 
 static SpectralOptions one_solve(double step_s) {
     // Without iterations, so that the differences do not contain their residual.
-    SpectralOptions options;
-    options.method = SpectralMethod::one_solve;
-    options.time_step_s = step_s;
-    return options;
+    return {.time_step_s = step_s, .method = SpectralMethod::one_solve};
 }
 
 TEST_CASE("error decreases faster than any power of the element degree", "[verify]") {

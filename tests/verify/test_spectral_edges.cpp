@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The absorbing margin of engine "spectral": the energy that it returns, and its stability.
-#include "engines/spectral/stepping/stepper.hpp"
-#include "engines/spectral/stepping/time_step.hpp"
-#include "support/cases.hpp"
 #include "support/memory_state.hpp"
+#include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace test_spectral_edges {
 
 using namespace shearwake;
+using test::step_through;
 
 constexpr double spacing_m = 1e-3;
 // From the paths below, waves of 5 m/s need more than 14 ms to return to the middle 44 x 32 mm.
@@ -18,11 +17,7 @@ constexpr std::ptrdiff_t wide_x = 120, wide_y = 90;
 /// A 3 mm focus that scans along 7 mm at 7 m/s: a pulse of 1 ms. The layer is so thick that
 /// reflections of its base arrive after the end of the run.
 static Case pulse(std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
-    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.1)), ConstantSpeed{7.0});
-    c.scene.medium.base = Base::rigid;
-    c.scene.medium.layers[0].thickness_m = 32e-3;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-3.5e-3, 0.0},
-                                                                          {3.5e-3, 0.0}};
+    Case c = test::focus_over_rigid_base(0.1, {32e-3}, -3.5e-3, 3.5e-3);
     c.domain = {nx, ny, spacing_m, sponge_m};
     c.time = {140, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
@@ -53,21 +48,6 @@ static double returned(const Case& c, const test::FrameStore& reference) {
         back = std::max(back, difference);
     }
     return back;
-}
-
-/// Advances a case on this rank alone and calls f(stepper) after each step.
-template <class F>
-void step_through(const Case& c, const F& f) {
-    const double step_s = *std::get<SpectralOptions>(c.solver).time_step_s;
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver)),
-                              slabs, step_s, alone);
-    const auto steps = std::lround(c.time.duration_s() / step_s);
-    while (stepper.step() < steps) {
-        stepper.advance();
-        f(stepper);
-    }
 }
 
 static Case lossless_with_body() {
@@ -111,9 +91,8 @@ TEST_CASE("field of a moving focus with a sponge equals that of a wide domain fo
     const auto scan = [](std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
         Case c = pulse(nx, ny, sponge_m);
         c.scene.medium.layers[0].thickness_m = 12e-3;
-        auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
-        travel.path = {{-20e-3, 0.0}, {300e-3, 0.0}};
-        travel.motion = ConstantSpeed{3.0}; // slower than the shear wave, which overtakes it
+        // Slower than the shear wave, which overtakes it.
+        test::travel_of(c) = {{{-20e-3, 0.0}, {300e-3, 0.0}}, ConstantSpeed{3.0}};
         return c;
     };
     const Case c = scan(76, 64, 16e-3);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The discrete energy of engine "spectral" is conserved without load and losses, and never exceeds
 // the work of the load.
-#include "engines/spectral/stepping/stepper.hpp"
-#include "engines/spectral/stepping/time_step.hpp"
-#include "support/cases.hpp"
+#include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,41 +9,17 @@
 namespace test_spectral_energy {
 
 using namespace shearwake;
+using test::ellipsoid;
+using test::step_through;
 
 /// Lossless, 9 mm in three layers, a 3 mm focus at 7 m/s that is switched off after 2 of 12 ms.
 static Case lossless_case() {
-    Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = test::tissue(1500.0, 0.0);
-    layer.thickness_m = 3e-3;
-    c.scene.medium = {{layer, layer, layer}, Base::rigid};
+    Case c = test::focus_over_rigid_base(0.0, {3e-3, 3e-3, 3e-3}, -7e-3, 7e-3);
     c.scene.medium.layers[1].c_s_m_s = 8.0;
     c.scene.medium.layers[1].density_kg_m3 = 1100.0;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0},
-                                                                          {7e-3, 0.0}};
     c.domain = {32, 24, 1.25e-3, 0.0};
     c.time = {120, 100e-6};
     return c;
-}
-
-static Body ellipsoid(double contrast) {
-    return {.name = "body",
-            .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
-            .centre_m = {2e-3, 3e-3, 4e-3},
-            .c_s_m_s = 5.0 * std::sqrt(contrast)};
-}
-
-/// Advances a case on this rank alone and calls f(stepper) after each step.
-template <class F>
-void step_through(const Case& c, double step_s, const F& f) {
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver)),
-                              slabs, step_s, alone);
-    const auto steps = std::lround(c.time.duration_s() / step_s);
-    while (stepper.step() < steps) {
-        stepper.advance();
-        f(stepper);
-    }
 }
 
 TEST_CASE("energy of a lossless medium is conserved after the load has ended", "[long][verify]") {
@@ -63,7 +37,7 @@ TEST_CASE("energy of a lossless medium is conserved after the load has ended", "
     }
     c.solver = options;
     double after = 0.0, worst = 0.0, work = 0.0;
-    step_through(c, 50e-6, [&](spectral::Stepper& stepper) {
+    step_through(c, [&](spectral::Stepper& stepper) {
         if (stepper.step() < 42) return; // the correction of the load extends one step beyond 2 ms
         const spectral::EnergyBalance balance = stepper.energy();
         if (stepper.step() == 42) after = balance.energy_J, work = balance.work_J;
@@ -82,7 +56,7 @@ TEST_CASE("viscosity reduces the energy at every step", "[verify]") {
     c.scene.medium.bodies[0].viscosity_Pa_s = 2.0;
     c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-10};
     double last = 0.0, first = 0.0, most_gain = 0.0;
-    step_through(c, 50e-6, [&](spectral::Stepper& stepper) {
+    step_through(c, [&](spectral::Stepper& stepper) {
         const spectral::EnergyBalance balance = stepper.energy();
         CHECK(balance.energy_J <= balance.work_J * (1.0 + 1e-8)); // up to the residual
         if (stepper.step() == 42) first = balance.energy_J;
@@ -109,7 +83,7 @@ TEST_CASE("a lossless medium is stable at any step", "[verify]") {
     c.solver = SpectralOptions{.time_step_s = step_s};
     CAPTURE(step_s, c_s_m_s);
     double largest = 0.0; // kinetic and elastic energy relative to the work
-    CHECK_NOTHROW(step_through(c, step_s, [&](spectral::Stepper& stepper) {
+    CHECK_NOTHROW(step_through(c, [&](spectral::Stepper& stepper) {
         const spectral::EnergyBalance balance = stepper.energy(); // throws if the field diverges
         largest = std::max(largest, balance.energy_J / balance.work_J);
     }));
@@ -141,12 +115,10 @@ TEST_CASE("a medium of any compressibility is stable at any step", "[verify]") {
     const double step_s = GENERATE(from_range(compressible_steps_s()));
     CAPTURE(c_p_m_s, step_s);
     double largest = 0.0; // energy relative to the work
-    CHECK_NOTHROW(
-        step_through(compressible_case(c_p_m_s, step_s), step_s, [&](spectral::Stepper& stepper) {
-            const spectral::EnergyBalance balance =
-                stepper.energy(); // throws if the field diverges
-            largest = std::max(largest, balance.energy_J / balance.work_J);
-        }));
+    CHECK_NOTHROW(step_through(compressible_case(c_p_m_s, step_s), [&](spectral::Stepper& stepper) {
+        const spectral::EnergyBalance balance = stepper.energy(); // throws if the field diverges
+        largest = std::max(largest, balance.energy_J / balance.work_J);
+    }));
     CHECK(largest == Approx(1.0).epsilon(1e-8)); // no other source of energy
 }
 
@@ -173,7 +145,7 @@ TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
     c.domain = {12, 8, 2e-3, 0.0};
     c.time.frames = 12;               // the load ends after 10
     double largest = 0.0, last = 0.0; // energy relative to the work
-    CHECK_NOTHROW(step_through(c, step_s, [&](spectral::Stepper& stepper) {
+    CHECK_NOTHROW(step_through(c, [&](spectral::Stepper& stepper) {
         if (stepper.step() % 4 != 0) return;
         const spectral::EnergyBalance balance = stepper.energy(); // throws if the field diverges
         last = balance.energy_J / balance.work_J;
@@ -192,7 +164,7 @@ TEST_CASE("energy of a compressible layer with a stiff viscous body never increa
     c.scene.medium.bodies[0].viscosity_Pa_s = viscosity_Pa_s;
     c.time.frames = 15;
     double last = 0.0, most_gain = 0.0;
-    CHECK_NOTHROW(step_through(c, step_s, [&](spectral::Stepper& stepper) {
+    CHECK_NOTHROW(step_through(c, [&](spectral::Stepper& stepper) {
         if (stepper.step() < 81) return; // the correction of the load extends one step beyond 2 ms
         const spectral::EnergyBalance balance = stepper.energy();
         CHECK(balance.energy_J <= balance.work_J);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The absorbing bottom of engine "spectral" compared with the exact half-space of engine "layered".
-#include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
-#include "support/cases.hpp"
-#include "support/worst.hpp"
+#include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -14,8 +12,7 @@ using namespace shearwake;
 /// A 3 mm focus at 5 m/s for 14 ms over 96 x 72 mm.
 static Case scan() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{5.0});
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
-    std::get<Line>(travel.path.shape).from_m = {-29e-3, 0.0};
+    std::get<Line>(test::travel_of(c).path.shape).from_m = {-29e-3, 0.0};
     c.domain = {96, 72, 1e-3, 0.0};
     c.time = {140, 100e-6};
     c.measure.depths_m = {0.0, 4e-3};
@@ -26,13 +23,7 @@ static Case scan() {
 /// Relative L2 difference of the last frames at one of the depths.
 static double difference(const Case& c, const test::FrameStore& a, const test::FrameStore& b,
                          std::size_t depth) {
-    const auto &x = a.at(c.time.frames - 1, depth), &y = b.at(c.time.frames - 1, depth);
-    double above = 0.0, below = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        above += std::pow(x[i] - y[i], 2);
-        below += y[i] * y[i];
-    }
-    return std::sqrt(above / below);
+    return test::relative_l2(a.at(c.time.frames - 1, depth), b.at(c.time.frames - 1, depth));
 }
 
 TEST_CASE("an absorber reproduces a half-space", "[verify]") {
@@ -57,24 +48,19 @@ TEST_CASE("an absorber reproduces a half-space", "[verify]") {
 TEST_CASE("an absorber and a sponge never add energy", "[verify]") {
     Case c = scan();
     c.scene.medium.layers[0].loss = Lossless{};
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
-    travel.path = {{-3.5e-3, 0.0}, {3.5e-3, 0.0}}; // switched off after 1.4 ms
+    test::travel_of(c).path = {{-3.5e-3, 0.0}, {3.5e-3, 0.0}}; // switched off after 1.4 ms
     const double step_s = GENERATE(50e-6, 200e-6);
     c.domain = {48, 36, 1e-3, 8e-3};
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver)),
-                              slabs, step_s, alone);
+    c.solver = SpectralOptions{.time_step_s = step_s};
     double first = 0.0, last = 0.0, most_gain = 0.0;
-    while (static_cast<double>(stepper.step()) * step_s < c.time.duration_s()) {
-        stepper.advance();
-        if (static_cast<double>(stepper.step()) * step_s < 1.9e-3) continue;
+    test::step_through(c, [&](spectral::Stepper& stepper) {
+        if (static_cast<double>(stepper.step()) * step_s < 1.9e-3) return;
         const spectral::EnergyBalance balance = stepper.energy();
         if (last > 0.0) most_gain = std::max(most_gain, balance.energy_J / last - 1.0);
         if (first == 0.0) first = balance.energy_J;
         last = balance.energy_J;
         CHECK(last < balance.work_J);
-    }
+    });
     CAPTURE(step_s, first, last);
     CHECK(most_gain < 1e-12); // rounding
     CHECK(last < 0.1 * first);
@@ -92,19 +78,6 @@ static double worst_trace(const Case& c, const test::FrameStore& a, const test::
         }
     }
     return difference / largest;
-}
-
-/// Relative L2 difference of all frames at the surface.
-static double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
-    double above = 0.0, below = 0.0;
-    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-        const auto &x = a.at(n), &y = b.at(n);
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            above += std::pow(x[i] - y[i], 2);
-            below += y[i] * y[i];
-        }
-    }
-    return std::sqrt(above / below);
 }
 
 /// A focus of 4 mm at rest on a half-space with c_p = ratio c_s. Its force is modulated and starts
@@ -159,7 +132,7 @@ TEST_CASE("the estimated error of an absorber is within a factor of two of its e
     const auto frames = test::frames_of(c);
     options.absorbing_depth_m = 0.4; // returns nothing that is visible here
     c.solver = options;
-    const double error = relative_l2(c, frames, test::frames_of(c));
+    const double error = test::relative_l2(frames, test::frames_of(c), c.time.frames);
     CAPTURE(ratio, frequency_Hz, depth_m, estimated, error);
     CHECK(estimated < 2.0 * error);
     CHECK(estimated > 0.5 * error);
@@ -205,7 +178,7 @@ TEST_CASE("the stated error of the surface field is within a factor of two", "[v
     const double step_s = spectral::choose_time_step(c, options).step_s;
     const spectral::ProbedErrors stated = spectral::probed_errors(c, options, step_s);
     const auto frames = test::frames_of(c), reference = test::frames_of(exact);
-    const double norm = relative_l2(c, frames, reference),
+    const double norm = test::relative_l2(frames, reference, c.time.frames),
                  worst = worst_trace(c, frames, reference, 0);
     CAPTURE(kind, ratio, step_s, stated.norm, norm, stated.maximum, worst);
     CHECK(stated.norm < 2.0 * norm);

@@ -9,37 +9,21 @@ namespace test_spectral_map {
 using namespace shearwake;
 
 static Case tissue_case() {
-    Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = test::tissue(1500.0, 0.5);
-    layer.thickness_m = 9e-3;
-    c.scene.medium = {{layer}, Base::rigid};
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({-9e-3, 0.0}, {200e-3, 0.0});
+    Case c = test::focus_over_rigid_base(0.5, {9e-3}, -9e-3);
     c.domain = {40, 36, 1e-3, 0.0};
     c.time = {30, 100e-6};
     c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
     return c;
 }
 
-/// 16 times the stiffness of the tissue from 3.0 to 6.2 mm.
-static std::shared_ptr<MaterialMap> stiff_map() {
-    auto map = std::make_shared<MaterialMap>();
-    map->counts = {1, 1, 16};
-    map->origin_m = {0.0, 0.0, 3.1e-3};
-    map->spacing_m = {0.0, 0.0, 0.2e-3};
-    map->c_s_m_s.assign(16, 20.0);
-    map->content_hash = hash_of(*map);
-    return map;
-}
-
 TEST_CASE("a map that fills the plane between two depths is equivalent to a layer", "[verify]") {
     Case c = tissue_case(), layers = c;
-    c.scene.medium.map = stiff_map();
-    layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
-    layers.scene.medium.layers[0].thickness_m = 3e-3;
-    layers.scene.medium.layers[1].thickness_m = 3.2e-3;
+    const auto map = test::sheet_map();
+    map->c_s_m_s.assign(16, 20.0); // 16 times the stiffness
+    map->content_hash = hash_of(*map);
+    c.scene.medium.map = map;
+    test::divide_layer(layers, {3e-3, 3.2e-3, 2.8e-3});
     layers.scene.medium.layers[1].c_s_m_s = 20.0;
-    layers.scene.medium.layers[2].thickness_m = 2.8e-3;
     layers.solver = LayeredOptions{};
     const double difference =
         test::relative_l2(test::last_frame(test::with_step(c, 12.5e-6)), test::last_frame(layers));

@@ -52,8 +52,7 @@ static Case tissue(double viscosity_Pa_s) {
     Case c = test::small_tissue(viscosity_Pa_s);
     c.domain.nx = 20;
     c.domain.ny = 16;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9.5e-3, 0.0},
-                                                                          {9.5e-3, 0.0}};
+    test::travel_of(c).path = {{-9.5e-3, 0.0}, {9.5e-3, 0.0}};
     return c;
 }
 
@@ -132,9 +131,7 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     c.time.frames = 20;
     const double c_p_m_s = GENERATE(500.0, 3500.0);
     c.scene.medium.bodies = {with(&Body::c_p_m_s, c_p_m_s)};
-    SpectralOptions options;
-    options.residual = 1e-6;
-    c.solver = options;
+    c.solver = SpectralOptions{.residual = 1e-6};
     const double pressure_Pa = 2.0 * std::acos(-1.0) * std::pow(3e-3, 2) / (8.0 * std::log(2.0)) /
                                (c.domain.extent_x_m() * c.domain.extent_y_m());
     const auto compression_m = [&](double thickness_m, double speed_m_s) {
@@ -151,9 +148,7 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     // A body that fills 3 mm of the plane corresponds to layers in series.
     c.scene.medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
     c.scene.medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
-    c.scene.medium.layers.assign(3, c.scene.medium.layers[0]);
-    c.scene.medium.layers[0].thickness_m = c.scene.medium.layers[2].thickness_m = 2e-3;
-    c.scene.medium.layers[1].thickness_m = 3e-3;
+    test::divide_layer(c, {2e-3, 3e-3, 2e-3});
     const double row = compression_m(4e-3, 1500.0) + compression_m(3e-3, c_p_m_s);
     // Inertia during the ramp; otherwise static.
     CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005));

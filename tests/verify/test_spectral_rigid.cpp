@@ -107,8 +107,7 @@ TEST_CASE("a rigid body along x is equivalent to one along y", "[verify]") {
 TEST_CASE("mirror image of a rigid body yields the mirror image of the field", "[verify]") {
     Case c = bone_case(Along::y, 0.5);
     const auto frame = last_frame(c);
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
+    test::travel_of(c).path = Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
     c.scene.medium.bodies[0].centre_m.x *= -1.0;
     const auto mirrored = last_frame(c);
     CHECK(test::asymmetry(c.domain, frame, mirrored) < 1e-10 * test::largest(frame)); // required
@@ -119,7 +118,7 @@ TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[
     const auto frame = last_frame(c);
     const std::ptrdiff_t shift = c.domain.nx / 2 - 1; // the body then crosses the edge
     const double by_m = static_cast<double>(shift) * c.domain.spacing_m;
-    auto& path = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path;
+    auto& path = test::travel_of(c).path;
     path = Curve({-7e-3 + by_m, 2e-3}, {7e-3 + by_m, 1e-3});
     c.scene.medium.bodies[0].centre_m.x += by_m;
     const auto moved = last_frame(c);

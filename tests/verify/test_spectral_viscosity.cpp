@@ -11,10 +11,7 @@ using namespace shearwake;
 /// A focus of 4 mm at rest over 10 mm of tissue, modulated at a frequency, without or with a sphere
 /// of 4 mm radius.
 static Case pressed(double frequency_Hz, double depth = 1.0) {
-    Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = test::tissue(1500.0, 0.5);
-    layer.thickness_m = 10e-3;
-    c.scene.medium = {{layer}, Base::rigid};
+    Case c = test::focus_over_rigid_base(0.5, {10e-3}, 0.0);
     c.scene.load.footprint = GaussianFootprint{4e-3};
     c.scene.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
     c.scene.load.modulation.envelope = {{SineGain{frequency_Hz, depth}}};
@@ -61,17 +58,11 @@ TEST_CASE("a modulation of depth 0 is a constant force at any frequency", "[veri
 TEST_CASE("a map of a lower viscosity is equivalent to a layer", "[verify]") {
     Case c = pressed(150.0), layers = c;
     c = test::with_step(c, 25e-6);
-    auto map = std::make_shared<MaterialMap>(); // .6 times the viscosity from 3.0 to 6.2 mm
-    map->counts = {1, 1, 16};
-    map->origin_m = {0.0, 0.0, 3.1e-3};
-    map->spacing_m = {0.0, 0.0, 0.2e-3};
+    const auto map = test::sheet_map();
     map->viscosity_Pa_s.assign(16, 0.3);
     map->content_hash = hash_of(*map);
-    layers.scene.medium.layers.assign(3, layers.scene.medium.layers[0]);
-    layers.scene.medium.layers[0].thickness_m = 3e-3;
-    layers.scene.medium.layers[1].thickness_m = 3.2e-3;
+    test::divide_layer(layers, {3e-3, 3.2e-3, 3.8e-3});
     layers.scene.medium.layers[1].loss = KelvinVoigt{0.3};
-    layers.scene.medium.layers[2].thickness_m = 3.8e-3;
     layers.solver = LayeredOptions{.time_step_s = 25e-6};
     const auto without = test::last_frame(c), exact = test::last_frame(layers);
     c.scene.medium.map = map;

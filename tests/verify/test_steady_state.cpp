@@ -146,8 +146,7 @@ TEST_CASE("the work per period is that of the load on the computed field", "[ste
     c.scene.load.modulation.trajectory = {{Hold{{2e-3, 1e-3}}}};
     c.scene.load.modulation.envelope = {
         {SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}};
-    Recorded frames;
-    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), frames);
+    const auto frames = test::frames_of<Recorded>(c);
     const Load& load = c.scene.load;
     std::vector<double> w, e;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {

@@ -2,7 +2,7 @@
 // Strain and stress volumes of engine "spectral".
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "problem/load/modulation.hpp"
-#include "support/cases.hpp"
+#include "support/spectral_cases.hpp"
 #include "support/volume_store.hpp"
 
 #include <catch2/catch.hpp>
@@ -13,11 +13,7 @@ using namespace shearwake;
 
 /// A 3 mm focus of 1 Pa at 7 m/s over 8 mm of tissue, with one element of 8 mm or two of 4 mm.
 static Case tissue_case() {
-    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.scene.medium.base = Base::rigid;
-    c.scene.medium.layers[0].thickness_m = 8e-3;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
-                                                                          {200e-3, 0.0}};
+    Case c = test::focus_over_rigid_base(1.0, {8e-3}, -9e-3);
     c.domain = {54, 48, 0.75e-3, 0.0};
     c.time = {20, 100e-6};
     c.measure = {.at_s = 2e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -27,21 +23,8 @@ static Case tissue_case() {
     return c;
 }
 
-static Body bone(double contrast) {
-    return {.name = "bone",
-            .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
-            .centre_m = {2e-3, 3e-3, 4e-3},
-            .c_s_m_s = 5.0 * std::sqrt(contrast)};
-}
-
 constexpr std::size_t stress = 0, u = 1, strain = 2; // in the order of the case
 enum { xx, yy, zz, yz, xz, xy };
-
-static test::VolumeStore volumes_of(const Case& c) {
-    test::VolumeStore store;
-    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
-    return store;
-}
 
 TEST_CASE("stress at the surface equals the load", "[verify]") {
     Case c = tissue_case();
@@ -50,15 +33,15 @@ TEST_CASE("stress at the surface equals the load", "[verify]") {
         c.scene.medium.layers[0].c_p_m_s = 50.0;
     }
     SECTION("above a body") {
-        c.scene.medium.bodies = {bone(2.0)};
+        c.scene.medium.bodies = {test::ellipsoid(2.0)};
         // No element at the surface is cut.
         std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3;
     }
     SECTION("above a stiff body, by iterations") {
-        c.scene.medium.bodies = {bone(100.0)};
+        c.scene.medium.bodies = {test::ellipsoid(100.0)};
         std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3;
     }
-    const test::VolumeStore store = volumes_of(c);
+    const auto store = test::frames_of<test::VolumeStore>(c);
     for (std::size_t snapshot = 0; snapshot < 2; ++snapshot) {
         const Vec2 focus =
             position(c.scene.load.modulation.trajectory, c.record.volumes_s[snapshot]);
@@ -95,10 +78,10 @@ TEST_CASE("strain equals the gradient of the displacement", "[verify]") {
     }
     SECTION("with a body") {
         // At its sharp face the field varies from cell to cell: observed 3 %.
-        c.scene.medium.bodies = {bone(4.0)};
+        c.scene.medium.bodies = {test::ellipsoid(4.0)};
         tolerance = 0.06;
     }
-    const test::VolumeStore store = volumes_of(c);
+    const auto store = test::frames_of<test::VolumeStore>(c);
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const auto at = [&](std::size_t field, std::size_t component, std::size_t level,
                         std::ptrdiff_t i, std::ptrdiff_t j) {

@@ -30,8 +30,7 @@ static Case scan_case(const Scan& s) {
     }
     if (s.am_Hz > 0.0) c.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = s.am_Hz}};
     c.scene.load.footprint = GaussianFootprint{s.fwhm_m};
-    std::get<Line>(std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path.shape)
-        .from_m = {-2e-3 * s.speed_m_s, 0};
+    std::get<Line>(test::travel_of(c).path.shape).from_m = {-2e-3 * s.speed_m_s, 0};
     c.domain = {48, 36, s.fwhm_m / 3.0, 0.0};
     c.time = {10, 400e-6};
     return c;

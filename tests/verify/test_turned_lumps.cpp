@@ -105,8 +105,7 @@ TEST_CASE("mirror image of turned rigid lumps yields the mirror image of the fie
          Cylinder{
              .radius_m = 2.6e-3, .length_m = 7e-3, .azimuth_deg = 30.0, .inclination_deg = 40.0}});
     const auto frame = last_frame(c);
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path =
-        Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
+    test::travel_of(c).path = Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
     for (Body& mirrored : c.scene.medium.bodies) {
         mirrored.centre_m.x *= -1.0;
         std::visit(overloaded{

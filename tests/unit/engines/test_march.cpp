@@ -24,18 +24,10 @@ private:
     std::ptrdiff_t step_;
 };
 
-/// Records the reported shares; nothing is saved.
-class Shares : public test::NoCheckpoints {
-public:
-    void progressed(double share) override { all.push_back(share); }
-
-    std::vector<double> all;
-};
-
 TEST_CASE("the share of complete steps is reported after each step") {
     test::FrameStore observer;
     Counter from_start(0), resumed(3);
-    Shares shares, rest;
+    test::Shares shares, rest;
     CHECK(engines::march(from_start, 4, observer, &shares) == engines::MarchEnd::complete);
     CHECK(shares.all == std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0});
     CHECK(engines::march(resumed, 4, observer, &rest) == engines::MarchEnd::complete);

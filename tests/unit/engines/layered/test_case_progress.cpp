@@ -10,16 +10,8 @@ namespace test_case_progress {
 using namespace shearwake;
 using Stage = layered::CaseProgress::Stage;
 
-/// Keeps the shares that it receives.
-class Listener : public test::NoCheckpoints {
-public:
-    void progressed(double share) override { shares.push_back(share); }
-
-    std::vector<double> shares;
-};
-
 TEST_CASE("the share of a layered case is its complete work over its total work", "[layered]") {
-    Listener listener;
+    test::Shares listener;
     layered::CaseProgress progress(&listener);
     progress.expect(Stage::response, 4.0, 5.0);
     progress.expect(Stage::response, 6.0, 5.0);
@@ -27,15 +19,15 @@ TEST_CASE("the share of a layered case is its complete work over its total work"
     CHECK(progress.work_ns(Stage::response) == 10.0);
     CHECK(progress.work_ns(Stage::samples) == 0.0);
     progress.record_completed(Stage::response);
-    CHECK(listener.shares.back() == Approx(0.01));
+    CHECK(listener.all.back() == Approx(0.01));
     progress.record_completed(Stage::response, 9.0);
-    CHECK(listener.shares.back() == Approx(0.1));
+    CHECK(listener.all.back() == Approx(0.1));
     progress.record_completed(Stage::frames, 50.0);
-    CHECK(listener.shares.back() == Approx(0.55));
+    CHECK(listener.all.back() == Approx(0.55));
     progress.record_completed(Stage::samples); // without expected work
-    CHECK(listener.shares.size() == 3);
+    CHECK(listener.all.size() == 3);
     progress.record_completed(Stage::frames, 50.0);
-    CHECK(listener.shares.back() == Approx(1.0));
+    CHECK(listener.all.back() == Approx(1.0));
 }
 
 } // namespace test_case_progress

@@ -21,8 +21,7 @@ static Case body_case(double contrast) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.scene.medium.base = Base::rigid;
     c.scene.medium.layers[0].thickness_m = 8e-3;
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0},
-                                                                          {200e-3, 0.0}};
+    test::travel_of(c).path = {{-6e-3, 0.0}, {200e-3, 0.0}};
     if (contrast != 1.0)
         c.scene.medium.bodies = {{.name = "body",
                                   .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},

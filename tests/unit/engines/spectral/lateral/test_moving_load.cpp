@@ -36,7 +36,7 @@ static Complex average(const Case& c, double kx, std::ptrdiff_t n) {
 TEST_CASE("the load of a step is its average around it, also where the load jumps", "[spectral]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{5.0});
     c.domain = {32, 24, 1e-3, 0.0};
-    auto& travel = std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]);
+    auto& travel = test::travel_of(c);
     SECTION("a path that ends at a step") {
         travel.path = {{0.0, 0.0}, {10 * 5.0 * step_s, 0.0}};
     }

@@ -40,7 +40,7 @@ TEST_CASE("the choice of a time step ends when its time has passed", "[spectral]
 TEST_CASE("the choice of the time step of a long run does not advance all of its frames",
           "[spectral]") {
     Case c = some_case();
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
+    test::travel_of(c).at_end = AtEnd::back_and_forth;
     c.time.interval_s = 250e-6;
     c.time.frames = 2500;
     const double usual_s = step_s(c, 1e-2);
@@ -55,7 +55,7 @@ TEST_CASE("the choice of the time step of a long run does not advance all of its
 
 TEST_CASE("error of a long run is extrapolated as it grows", "[spectral]") {
     Case c = some_case();
-    std::get<Travel>(c.scene.load.modulation.trajectory.parts[0]).at_end = AtEnd::back_and_forth;
+    test::travel_of(c).at_end = AtEnd::back_and_forth;
     const bool lossy = GENERATE(true, false);
     if (!lossy) c.scene.medium.layers[0].loss = Lossless{};
     const double step_s = lossy ? 250e-6 : 62.5e-6; // the error does not reach its limit
@@ -86,8 +86,7 @@ TEST_CASE("chooses a shorter step for faster or finer motion and for higher accu
         other.scene.load.footprint = GaussianFootprint{1.5e-3};
     }
     SECTION("a faster scan") {
-        std::get<Travel>(other.scene.load.modulation.trajectory.parts[0]).motion =
-            ConstantSpeed{14.0};
+        test::travel_of(other).motion = ConstantSpeed{14.0};
     }
     SECTION("stiffer tissue") {
         other.scene.medium.layers[0].c_s_m_s = 12.0;
