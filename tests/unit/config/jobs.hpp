@@ -110,6 +110,13 @@ inline bool any_contains(const Texts& texts, std::string_view part) {
     });
 }
 
+/// A job has one diagnostic, which contains this text.
+inline void check_only(const Texts& found, std::string_view part) {
+    CAPTURE(found, part);
+    REQUIRE(found.size() == 1);
+    CHECK(any_contains(found, part));
+}
+
 /// The one case of a job.
 inline Case only_case(std::string_view job_text, std::vector<config::Override> overrides = {}) {
     const config::Job job = config::read_job(job_text, "job.toml", overrides);

@@ -130,26 +130,23 @@ base = "rigid"
 
 TEST_CASE("an error in [job] or schema is reported with its location", "[job]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"schema = 1\n", "",
-         "job.toml: error: schema is missing; begin the job with the line schema = 1"},
-        {"schema = 1", "schema = 2",
-         "1:10 schema must be 1, the only version that this program supports, but is 2"},
+        {"schema = 1\n", "", "job.toml: error: schema is missing; begin the job with the line"},
+        {"schema = 1", "schema = 2", "1:10 schema must be 1, the only version that this program"},
         {"name = \"plain\"\n", "", "2:1 job.name is missing"},
         {"[job]\nname = \"plain\"\n", "", "job.toml: error: job is missing"},
         {"name =", "nam =", "3:1 job.nam is unknown; did you mean name?"},
         {"[load]", "[laod]\n[load]", "13:2 laod is unknown; did you mean load?"},
     }));
-    CHECK(diagnostics_of(plain_with(old, by)) ==
-          Texts{diagnostic.starts_with("job") ? diagnostic : error_at(diagnostic)});
+    check_only(diagnostics_of(plain_with(old, by)),
+               diagnostic.starts_with("job") ? diagnostic : error_at(diagnostic));
 }
 
 TEST_CASE("invalid TOML is reported once with its location", "[job]") {
     const Texts found = diagnostics_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
     REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:14:11: error: this is not valid TOML: "));
-    const Texts divided = diagnostics_of("schema = 1\nload = {\n  peak_Pa = 1.0,\n}\n");
-    REQUIRE(divided.size() == 1);
-    CHECK(divided[0].find("write it on one line") != std::string::npos);
+    check_only(diagnostics_of("schema = 1\nload = {\n  peak_Pa = 1.0,\n}\n"),
+               "write it on one line");
 }
 
 TEST_CASE("a duplicate key is reported with its line", "[job]") {

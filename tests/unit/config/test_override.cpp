@@ -128,8 +128,7 @@ TEST_CASE("an error in an override quotes the override", "[config][override]") {
          "medium.body[1].density_kg_m3?"},
         {"flux", "3", "flux is unknown; give keys with their tables, as in load.peak_Pa"},
         {"load.peak_Pa", "[", "\"[\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\""},
-        {"load.peak_Pa", "7\nfoo = 3",
-         "\"7?foo = 3\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\""},
+        {"load.peak_Pa", "7\nfoo = 3", "\"7?foo = 3\" is not a valid TOML value, such as 0.5"},
         {"load.peak_Pa", "much", "load.peak_Pa must be a number, but is a string (\"much\")"},
         {"domain.extent_mm", "60,60", "write lists in brackets: [60,60] instead of 60,60"},
         {"measure.depths_mm", "0,1,2", "write lists in brackets: [0,1,2] instead of 0,1,2"},
@@ -140,7 +139,7 @@ TEST_CASE("an error in an override quotes the override", "[config][override]") {
         {"load.peak_Pa.x", "3", "peak_Pa is a number, not a table"},
         {"medium.layer[2].c_s_m_s", "3", "the list has 1 entries, counted from 1"},
     }));
-    CHECK(diagnostics_of(plain_job, {{key, value}}) == Texts{"-S " + key + ": error: " + message});
+    check_only(diagnostics_of(plain_job, {{key, value}}), "-S " + key + ": error: " + message);
 }
 
 } // namespace test_override

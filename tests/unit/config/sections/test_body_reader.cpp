@@ -95,33 +95,21 @@ TEST_CASE("a body's preset fills in what is not given", "[config][body]") {
 TEST_CASE("an error in a body is reported with its location", "[config][body]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"[1.0, 2.0, 10.0]", "[1.0, 2.0]", "28:1 depth_mm is missing"},
-        {"[1.0, 2.0, 10.0]", "[1.0]",
-         "30:13 center_mm must be [x, y, z], or [x, y] with depth_mm, but has 1 values"},
+        {"[1.0, 2.0, 10.0]", "[1.0]", "30:13 center_mm must be [x, y, z], or [x, y]"},
         {"[1.0, 2.0, 10.0]", "[1.0, 2.0, 10.0]\ndepth_mm = 10",
          "31:12 depth_mm and the z of center_mm = [x, y, z] are both given; remove one of them"},
-        {"c_s_m_s = 9.0", "edge_mm = 1.0",
-         "29:9 shape has the same material as its surroundings; give density_kg_m3, c_p_m_s, "
-         "c_s_m_s, viscosity_Pa_s or a preset"},
-        {"c_s_m_s = 9.0", "c_s_m_s = 1400.0",
-         "32:11 c_s_m_s gives c_p = 1500 and c_s = 1400 m/s in layer \"tissue\": c_p must be above "
-         "1616.58, 1.1547 times c_s, for a positive bulk modulus"},
-        {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nc_p_m_s = 10.0",
-         "33:11 c_p_m_s gives c_p = 10 and c_s = 9 m/s in layer \"tissue\": c_p must be above "
-         "10.3923, 1.1547 times c_s, for a positive bulk modulus"},
-        {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nedge_mm = 6.5",
-         "33:11 edge_mm must not exceed 6, the smallest width of the body, but is 6.5"},
-        {"10.0]", "26.0]",
-         "30:13 center_mm places the body below the rigid base at 20 mm: the body begins at 21 mm"},
-        {"10.0]", "-6.0]",
-         "30:13 center_mm places the body above the surface: z is counted downward from the "
-         "surface, and the body ends at -1 mm"},
+        {"c_s_m_s = 9.0", "edge_mm = 1.0", "29:9 shape has the same material as its"},
+        {"c_s_m_s = 9.0", "c_s_m_s = 1400.0", "32:11 c_s_m_s gives c_p = 1500 and c_s = 1400 m/s"},
+        {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nc_p_m_s = 10.0", "33:11 c_p_m_s gives c_p = 10 and c_s"},
+        {"c_s_m_s = 9.0", "c_s_m_s = 9.0\nedge_mm = 6.5", "33:11 edge_mm must not exceed 6"},
+        {"10.0]", "26.0]", "30:13 center_mm places the body below the rigid base at 20 mm"},
+        {"10.0]", "-6.0]", "30:13 center_mm places the body above the surface: z is counted"},
         {"c_s_m_s = 9.0", "preset = \"bone\"\nc_s_m_s = 9.0",
          "32:10 preset must be \"cortical-bone\", but is \"bone\""},
     }));
     CAPTURE(old, by);
-    const Texts found = diagnostics_of(replaced(job_with(ball), old, by));
-    CHECK(found.size() == 1);
-    CHECK(any_contains(found, error_at(diagnostic, "medium.body[1].")));
+    check_only(diagnostics_of(replaced(job_with(ball), old, by)),
+               error_at(diagnostic, "medium.body[1]."));
 }
 
 TEST_CASE("a body has any orientation", "[config][body]") {
@@ -144,18 +132,14 @@ TEST_CASE("a body has any orientation", "[config][body]") {
 TEST_CASE("a cylinder has one direction, and a length if it is inclined", "[config][body]") {
     const auto [more, said] = GENERATE(table<std::string, std::string>({
         {"", "28:1 axis is missing"},
-        {"axis = \"x\"\nazimuth_deg = 0",
-         "34:15 azimuth_deg and axis are both given; remove one of them from the job"},
+        {"axis = \"x\"\nazimuth_deg = 0", "34:15 azimuth_deg and axis are both given; remove"},
         {"length_mm = 9\ninclination_deg = 20", "28:1 azimuth_deg is missing"},
         {"length_mm = 9\naxis = \"x\"\ninclination_deg = 20",
          "35:19 inclination_deg and axis are both given; give azimuth_deg instead of axis"},
-        {"azimuth_deg = 0\ninclination_deg = 20",
-         "34:19 inclination_deg requires length_mm, since a cylinder without ends must lie "
-         "horizontally or have axis = \"z\""},
+        {"azimuth_deg = 0\ninclination_deg = 20", "34:19 inclination_deg requires length_mm"},
         {"length_mm = 9\nazimuth_deg = 0\nroll_deg = 1", "35:1 roll_deg is unknown"},
     }));
-    CHECK(diagnostics_of(body_of(upright + more + "\n")) ==
-          Texts{error_at(said, "medium.body[1].")});
+    check_only(diagnostics_of(body_of(upright + more + "\n")), error_at(said, "medium.body[1]."));
 }
 
 TEST_CASE("all errors in all bodies are reported at once", "[config][body]") {

@@ -60,65 +60,38 @@ TEST_CASE("a grid has at least the requested extent and a size with fast FFTs", 
 
 TEST_CASE("an error in domain or time is reported with its location", "[config][case]") {
     const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
-        {"extent_mm", "extent_cm",
-         "22:1 domain.extent_cm is unknown; the unit of extent is mm: use extent_mm"},
-        {"= 0.75", "= 0.002",
-         "23:14 domain.spacing_mm results in 48000 points along 96 mm; at most 32768 are "
-         "supported"},
-        {"[96.0, 64.0]", "[1e6, 64.0]",
-         "22:14 domain.extent_mm must be between 1e-09 and 10000, but is 1000000: atoms are 0.1 nm "
-         "apart, and no human is longer than 10 m"},
-        {"= 0.75", "= 0.75\nsponge_mm = 34",
-         "24:13 domain.sponge_mm must leave a measured region between the margins: it must be "
-         "below 33.75 mm, half of the shorter side, but is 34"},
-        {"= 4.0", "= 4.01",
-         "25:15 time.duration_ms must be a whole number of output intervals, but 4.01 ms is 80.2 "
-         "times 50 us"},
-        {"= 50.0", "= 1e-6",
-         "26:22 time.output_interval_us results in 4000000000 frames; at most 1000000 are "
-         "supported"},
+        {"extent_mm", "extent_cm", "22:1 domain.extent_cm is unknown; the unit of extent is mm"},
+        {"= 0.75", "= 0.002", "23:14 domain.spacing_mm results in 48000 points along 96 mm"},
+        {"[96.0, 64.0]", "[1e6, 64.0]", "22:14 domain.extent_mm must be between 1e-09 and 10000"},
+        {"= 0.75", "= 0.75\nsponge_mm = 34", "24:13 domain.sponge_mm must leave a measured"},
+        {"= 4.0", "= 4.01", "25:15 time.duration_ms must be a whole number of output intervals"},
+        {"= 50.0", "= 1e-6", "26:22 time.output_interval_us results in 4000000000 frames"},
     }));
-    CHECK(diagnostics_of(plain_with(old, by)) == Texts{error_at(diagnostic)});
+    check_only(diagnostics_of(plain_with(old, by)), error_at(diagnostic));
 }
 
 TEST_CASE("an error in solver, measure or record is reported with its location", "[config][case]") {
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"[solver.layered]\ntime_step_us = 51", "28:16 solver.layered.time_step_us must not exceed "
                                                 "time.output_interval_us = 50, but is 51"},
-        {"[measure]\nat_ms = 3.99",
-         "28:9 measure.at_ms must be the time of a frame: a multiple of time.output_interval_us = "
-         "50, up to time.duration_ms = 4; 3.99 is not"},
+        {"[measure]\nat_ms = 3.99", "28:9 measure.at_ms must be the time of a frame: a multiple"},
         {"[measure]\nat_ms = 3\nsettled_after_ms = 3",
          "29:20 measure.settled_after_ms must be before measure.at_ms = 3, but is 3"},
         {"[measure]\nfocal_radius_mm = 3\nfocal_radius_fwhm = 1",
-         "28:19 measure.focal_radius_mm and focal_radius_fwhm are both given; remove one of them "
-         "from the job"},
-        {"[measure]\ndepths_mm = [1, 0.5]",
-         "28:13 measure.depths_mm must be in ascending order, but 0.5 follows 1"},
-        {"[measure]\ndepths_mm = [0, 20]",
-         "28:13 measure.depths_mm must lie above the rigid base at 20 mm, but contains 20"},
-        {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
-         "28:13 record.traces_mm must lie inside the domain, within 48 and 33.75 mm of its centre; "
-         "[49, 0] does not"},
-        {"[measure]\nbands_Hz = [[100, 500], [500, 100]]",
-         "28:12 measure.bands_Hz must contain bands [low, high] with 0 <= low < high, but contains "
-         "[500, 100]"},
-        {"[record]\nsnapshots_ms = [2.01]",
-         "28:16 record.snapshots_ms must be the time of a frame: a multiple of "
-         "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
-        {"[record]\nvolumes_ms = [2.01]",
-         "28:14 record.volumes_ms must be the time of a frame: a multiple of "
-         "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
+         "28:19 measure.focal_radius_mm and focal_radius_fwhm are both given; remove one"},
+        {"[measure]\ndepths_mm = [1, 0.5]", "28:13 measure.depths_mm must be in ascending order"},
+        {"[measure]\ndepths_mm = [0, 20]", "28:13 measure.depths_mm must lie above the rigid"},
+        {"[record]\ntraces_mm = [[0, 0], [49, 0]]", "28:13 record.traces_mm must lie inside"},
+        {"[measure]\nbands_Hz = [[100, 500], [500, 100]]", "28:12 measure.bands_Hz must contain"},
+        {"[record]\nsnapshots_ms = [2.01]", "28:16 record.snapshots_ms must be the time"},
+        {"[record]\nvolumes_ms = [2.01]", "28:14 record.volumes_ms must be the time of a frame"},
         {"[record]\nvolumes_ms = [2]\nvolume_fields = [\"v\"]",
-         "29:17 record.volume_fields must contain only \"u\", \"strain\" or \"stress\", but "
-         "contains \"v\""},
+         "29:17 record.volume_fields must contain only \"u\", \"strain\" or \"stress\""},
         {"[record]\nvolumes_ms = [2]\nvolume_fields = []",
          "29:17 record.volume_fields must contain at least one of \"u\", \"strain\" or \"stress\""},
-        {"[record]\nvolume_fields = [\"u\"]",
-         "28:17 record.volume_fields selects what is stored at record.volumes_ms, which is "
-         "missing; add the times, or remove this key"},
+        {"[record]\nvolume_fields = [\"u\"]", "28:17 record.volume_fields selects what is stored"},
     }));
-    CHECK(diagnostics_of(plain_and(more)) == Texts{error_at(diagnostic)});
+    check_only(diagnostics_of(plain_and(more)), error_at(diagnostic));
 }
 
 TEST_CASE("a section that is not a table is rejected", "[config][case]") {
@@ -169,11 +142,9 @@ TEST_CASE("engines in time reject media and loads that they do not compute", "[j
 
 TEST_CASE("an accuracy of the spectral engine is rejected together with a time step",
           "[config][case]") {
-    const Texts found =
-        diagnostics_of(plain_and("[solver]\nspectral = { time_step_us = 25, accuracy = 1e-2 }\n"));
-    REQUIRE(found.size() == 1);
-    CHECK_THAT(found[0],
-               Catch::Contains("error: solver.spectral.accuracy applies only with time_step_us"));
+    check_only(
+        diagnostics_of(plain_and("[solver]\nspectral = { time_step_us = 25, accuracy = 1e-2 }\n")),
+        "error: solver.spectral.accuracy applies only with time_step_us");
 }
 
 TEST_CASE("volumes are stored in order and without duplicates, independent of the order in the job",
@@ -209,8 +180,7 @@ TEST_CASE("the options of the engine pstd are read", "[job]") {
     const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"fluid_c_p_m_s = 40", "solver.pstd.fluid_c_p_m_s applies only with top = \"fluid\""},
         {"load = \"displacement\"", "solver.pstd.displacement_um is missing"},
-        {"displacement_um = 1",
-         "solver.pstd.displacement_um applies only with load = \"displacement\""},
+        {"displacement_um = 1", "solver.pstd.displacement_um applies only with load ="},
         {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "stores; solver.engine ="},
     }));
     Texts found = diagnostics_of(plain_and(chosen + more));

@@ -80,9 +80,7 @@ TEST_CASE("an error in the modulation is reported with its location", "[config][
          "18:58 modulation.path.to_mm equals the start of the path, so the path has no length"},
         {"speed_m_s = 7.0", "speed_m_s = 7.0\nmach = 1.4",
          "20:8 modulation.mach and speed_m_s are both given; remove one of them from the job"},
-        {"speed_m_s = 7.0\n", "",
-         "16:1 modulation.speed_m_s is missing (or mach, the speed divided by c_s of the top "
-         "layer)"},
+        {"speed_m_s = 7.0\n", "", "16:1 modulation.speed_m_s is missing (or mach, the speed"},
         {"speed_m_s = 7.0\n", "draw_frequency_Hz = 70\n",
          "19:21 modulation.draw_frequency_Hz requires a path that repeats: set path.at_end = "
          "\"repeat\" or \"back-and-forth\", or give speed_m_s or mach instead"},

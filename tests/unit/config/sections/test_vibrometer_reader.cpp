@@ -41,12 +41,9 @@ TEST_CASE("an error in a vibrometer is reported", "[config][vibrometer]") {
                            "is required, and only one of them"},
         {"grid_mm = [4, 4]", "vibrometer.spacing_mm is missing"},
         {"grid_mm = [90, 60]\nspacing_mm = 0.01", "vibrometer.spacing_mm results in "},
-        {"line_mm = [[0, 0]]\nspacing_mm = 1",
-         "vibrometer.line_mm must contain two different points, the start and the end"},
-        {"points_mm = [[90, 0]]",
-         "vibrometer.points_mm has a point at [90, 0] mm outside of the domain"},
-        {"points_mm = [[0, 0]]\nlow_pass_Hz = 20000",
-         "vibrometer.low_pass_Hz must be below half of the sampling rate, 10000 Hz"},
+        {"line_mm = [[0, 0]]\nspacing_mm = 1", "vibrometer.line_mm must contain two different"},
+        {"points_mm = [[90, 0]]", "vibrometer.points_mm has a point at [90, 0] mm outside"},
+        {"points_mm = [[0, 0]]\nlow_pass_Hz = 20000", "vibrometer.low_pass_Hz must be below half"},
     }));
     CHECK(
         any_contains(diagnostics_of(plain_and("[vibrometer]\n" + keys + "\n")), "error: " + said));

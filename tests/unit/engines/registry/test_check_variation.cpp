@@ -2,6 +2,7 @@
 #include "engines/engine.hpp"
 #include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
+#include "unit/engines/registry/remarks.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -29,17 +30,12 @@ static std::vector<Remark> remarks_on(const Case& c) {
     return remarks;
 }
 
-static Remark only_remark(const Case& c) {
-    const auto remarks = remarks_on(c);
-    for (const Remark& remark : remarks)
-        UNSCOPED_INFO(remark.key << ": " << remark.message);
-    REQUIRE(remarks.size() == 1);
-    return remarks[0];
+static void warns(const Case& c, std::string_view key, const auto&... texts) {
+    test::check_remark(remarks_on(c), Severity::warning, key, {texts...});
 }
 
-static bool has(const std::string& text, std::string_view part) {
-    INFO(text);
-    return text.find(part) != std::string::npos;
+static void rejects(const Case& c, std::string_view key, const auto&... texts) {
+    test::check_remark(remarks_on(c), Severity::error, key, {texts...});
 }
 
 /// A map over `half_x_m` about the origin and the whole of y and z.
@@ -58,22 +54,18 @@ TEST_CASE("a body well inside has no remark", "[check_variation]") {
 TEST_CASE("the layered engine rejects bodies and maps with their keys", "[check_variation]") {
     Case c = good_case();
     c.solver = LayeredOptions{};
-    CHECK(only_remark(c).severity == Severity::error);
-    CHECK(only_remark(c).key == "medium.body");
-    CHECK(has(only_remark(c).message, "solver.engine = \"spectral\""));
+    rejects(c, "medium.body", "solver.engine = \"spectral\"");
     c.scene.medium.bodies.clear();
     CHECK(remarks_on(c).empty());
     c.scene.medium.map = map_over(1.0);
-    CHECK(only_remark(c).key == "medium.map");
-    CHECK(only_remark(c).severity == Severity::error);
+    rejects(c, "medium.map");
 }
 
 TEST_CASE("only the engine pstd supports a fluid body", "[check_variation]") {
     Case c = good_case();
     c.scene.medium.bodies[0].c_s_m_s = 0.0;
     c.solver = SpectralOptions{};
-    CHECK(only_remark(c).severity == Severity::error);
-    CHECK(only_remark(c).key == "medium.body[1].c_s_m_s");
+    rejects(c, "medium.body[1].c_s_m_s");
     PstdOptions pstd;
     pstd.top = PstdTop::continued; // without the error of a free surface
     c.solver = pstd;
@@ -84,10 +76,8 @@ TEST_CASE("a body that the grid does not resolve is reported with numbers", "[ch
     Case c = good_case();
     c.scene.medium.bodies.push_back(
         {.shape = Cylinder{.radius_m = 0.5e-3, .length_m = 20e-3}, .centre_m = {0, 0, 5e-3}});
-    CHECK(only_remark(c).severity == Severity::warning);
-    CHECK(only_remark(c).key == "medium.body[2].shape");
-    CHECK(has(only_remark(c).message,
-              "1 mm wide along the surface and the spacing is 0.75 mm, which gives 1.3 "));
+    warns(c, "medium.body[2].shape",
+          "1 mm wide along the surface and the spacing is 0.75 mm, which gives 1.3 ");
     c.scene.medium.bodies[1].shape = Box{{10e-3, 10e-3, 0.1e-3}}; // thin in depth only
     CHECK(remarks_on(c).empty());
 }
@@ -101,25 +91,22 @@ TEST_CASE("the error of a body that the grid hardly resolves depends on its stif
     CHECK(remarks_on(c).empty());
     body.c_s_m_s = 5.0 * std::sqrt(400.0);
     body.c_p_m_s = 1500.0;
-    CHECK(only_remark(c).severity == Severity::warning);
-    CHECK(only_remark(c).key == "medium.body[1].shape");
-    CHECK(has(only_remark(c).message,
-              "error by about 6.2 % at a width of 8 spacings and 3 % at 15; use "
-              "domain.spacing_mm = 0.4"));
+    warns(c, "medium.body[1].shape",
+          "error by about 6.2 % at a width of 8 spacings and 3 % at 15; use "
+          "domain.spacing_mm = 0.4");
     body.c_s_m_s = 5.0 * std::sqrt(2000.0);
-    CHECK(
-        has(only_remark(c).message,
-            "it is 8 grid spacings wide along the surface and rigid: the waves that a body "
-            "scatters are then in error by about 8.2 % at a width of 8 spacings and 2.3 % at 12"));
+    warns(c, "",
+          "it is 8 grid spacings wide along the surface and rigid: the waves that a body "
+          "scatters are then in error by about 8.2 % at a width of 8 spacings and 2.3 % at 12");
     body.shape = Ellipsoid{{2.4e-3, 3e-3, 3e-3}}; // 3.2 spacings per radius
-    CHECK(has(only_remark(c).message, "16 % at a width of 6 spacings and 2.3 % at 12"));
+    warns(c, "", "16 % at a width of 6 spacings and 2.3 % at 12");
     body.shape = Cylinder{.radius_m = 3e-3};
     CHECK(remarks_on(c).empty()); // 2.9 %
     body.shape = Ellipsoid{{1.2e-3, 2e-3, 2e-3}};
     body.c_s_m_s = 5.0 * std::sqrt(10.0);
-    CHECK(has(only_remark(c).message,
-              "error by about 7.2 % at a width of 2 spacings and 2.7 % at 4; "
-              "use domain.spacing_mm = 0.6"));
+    warns(c, "",
+          "error by about 7.2 % at a width of 2 spacings and 2.7 % at 4; "
+          "use domain.spacing_mm = 0.6");
 }
 
 TEST_CASE("the engine pstd needs more points across a body than spectral", "[check_variation]") {
@@ -129,25 +116,20 @@ TEST_CASE("the engine pstd needs more points across a body than spectral", "[che
     PstdOptions pstd;
     pstd.top = PstdTop::continued; // without the error of a free surface
     c.solver = pstd;
-    CHECK(only_remark(c).severity == Severity::warning);
-    CHECK(only_remark(c).key == "medium.body[1].shape");
-    CHECK(has(only_remark(c).message, "it is 4 grid spacings wide along the surface"));
-    CHECK(has(only_remark(c).message, "domain.spacing_mm = 0.375"));
+    warns(c, "medium.body[1].shape", "it is 4 grid spacings wide along the surface",
+          "domain.spacing_mm = 0.375");
 }
 
 TEST_CASE("a body that crosses the edge of the domain is reported", "[check_variation]") {
     Case c = good_case();
     SECTION("cut off") {
         c.scene.medium.bodies[0].centre_m.x = -47e-3;
-        CHECK(only_remark(c).severity == Severity::warning);
-        CHECK(only_remark(c).key == "medium.body[1].center_mm");
-        CHECK(has(
-            only_remark(c).message,
-            "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off"));
+        warns(c, "medium.body[1].center_mm",
+              "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off");
         c.scene.medium.bodies[0].name = "bone";
-        CHECK(has(only_remark(c).message, "\"bone\" reaches 49 mm along x"));
+        warns(c, "", "\"bone\" reaches 49 mm along x");
         c.scene.medium.bodies[0].name = "body 1"; // the default
-        CHECK(has(only_remark(c).message, "it reaches 49 mm along x"));
+        warns(c, "", "it reaches 49 mm along x");
     }
     SECTION("a rigid body continues at the opposite edge") {
         c.scene.medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
@@ -165,19 +147,18 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
     SECTION("its smooth edge counts") {
         c.scene.medium.bodies[0].centre_m.x = 45.5e-3;
         c.scene.medium.bodies[0].edge_m = 2e-3;
-        CHECK(has(only_remark(c).message, "it reaches 48.5 mm along x"));
+        warns(c, "", "it reaches 48.5 mm along x");
     }
     SECTION("in the margin") {
         c.domain.sponge_m = 5e-3;
         c.scene.medium.bodies[0].centre_m.y = 30e-3;
-        CHECK(has(only_remark(c).message,
-                  "it reaches 32 mm along y and thus into the margin domain.sponge_mm, 5 mm wide, "
-                  "at the edge of the domain at 33.75 mm"));
+        warns(c, "",
+              "it reaches 32 mm along y and thus into the margin domain.sponge_mm, 5 mm wide, "
+              "at the edge of the domain at 33.75 mm");
     }
     SECTION("outside") {
         c.scene.medium.bodies[0].centre_m.y = 36e-3;
-        CHECK(only_remark(c).severity == Severity::error);
-        CHECK(has(only_remark(c).message, "has no effect: it extends from 34 to 38 mm along y"));
+        rejects(c, "", "has no effect: it extends from 34 to 38 mm along y");
     }
 }
 
@@ -188,8 +169,7 @@ TEST_CASE("an infinite cylinder must match itself at the periodic edges", "[chec
     CHECK(remarks_on(c).empty());
     bone.azimuth_deg = 30.0;
     c.scene.medium.bodies[0].shape = bone;
-    CHECK(only_remark(c).key == "medium.body[1].azimuth_deg");
-    CHECK(has(only_remark(c).message, "at an angle of 30 degrees"));
+    warns(c, "medium.body[1].azimuth_deg", "at an angle of 30 degrees");
     c.scene.medium.bodies[0].shape = Cylinder{.radius_m = 3e-3, .axis = CylinderAxis::vertical};
     CHECK(remarks_on(c).empty());
 }
@@ -199,15 +179,11 @@ TEST_CASE("a map that does not cover the domain is reported", "[check_variation]
     c.scene.medium.map = map_over(48e-3);
     CHECK(remarks_on(c).empty());
     c.scene.medium.map = map_over(30e-3);
-    CHECK(only_remark(c).severity == Severity::warning);
-    CHECK(only_remark(c).key == "medium.map");
-    CHECK(has(only_remark(c).message, "it covers x from -30 to 30, y from"));
+    warns(c, "medium.map", "it covers x from -30 to 30, y from");
     c.scene.medium.map = map_over(30e-3, 90e-3);
-    CHECK(only_remark(c).severity == Severity::error);
-    CHECK(has(only_remark(c).message, "no part of the domain"));
+    rejects(c, "", "no part of the domain");
     c.scene.medium.map = map_over(30.0); // mm
-    CHECK(only_remark(c).severity == Severity::warning);
-    CHECK(has(only_remark(c).message, "are its coordinates in m?"));
+    warns(c, "", "are its coordinates in m?");
 }
 
 } // namespace test_check_variation
