@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 namespace test_summary {
@@ -56,31 +57,33 @@ static measures::TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
 
 static measures::Column find(const std::vector<measures::Column>& columns,
                              const std::string& name) {
-    const auto found =
-        std::find_if(columns.begin(), columns.end(),
-                     [&](const measures::Column& column) { return column.name == name; });
+    const auto found = std::ranges::find(columns, name, &measures::Column::name);
     INFO(name);
     REQUIRE(found != columns.end());
     return *found;
 }
 
-TEST_CASE("the table has every column once, with a unit and a description", "[summary]") {
+TEST_CASE("the table has columns in this order, once, with a unit and a description", "[summary]") {
     const auto columns =
         measures::summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)}, {});
+    std::set<std::string> names;
+    for (const measures::Column& column : columns) {
+        CHECK(names.insert(column.name).second);
+        CHECK_FALSE(column.unit.empty());
+        CHECK_FALSE(column.long_name.empty());
+    }
     std::istringstream expected(
         "eta_at_1 eta_period_1 ipr_at_1 ipr_at_mm2 ipr_period_1 ipr_period_mm2 ipr_abs_at_1 "
         "ipr_abs_at_mm2 ipr_abs_period_1 ipr_abs_period_mm2 participation_at_1 "
         "participation_at_mm2 participation_period_1 participation_period_mm2 peak_um "
         "focal_rms_um impulse_mN_ms peak_frequency_Hz velocity_peak_frequency_Hz rms_40_400_um "
         "rms_5_300_um rms_5_800_um mach_angle_deg mach_angle_theory_deg sharpness_1 periods");
-    std::string name;
-    for (const measures::Column& column : columns) {
-        expected >> name;
-        CHECK(column.name == name);
-        CHECK_FALSE(column.unit.empty());
-        CHECK_FALSE(column.long_name.empty());
+    auto at = columns.begin(); // other measures may stand between these
+    for (std::string name; expected >> name; ++at) {
+        INFO(name);
+        at = std::ranges::find(at, columns.end(), name, &measures::Column::name);
+        REQUIRE(at != columns.end());
     }
-    CHECK_FALSE(expected >> name);
 }
 
 TEST_CASE("the table holds the measures in its units", "[summary]") {
@@ -88,7 +91,11 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     const std::vector<double> even(static_cast<std::size_t>(c.domain.nx * c.domain.ny), 1e-18);
     const auto columns = measures::summarise(c, {growing(0.0, 280)}, {tone_at({}, 300)},
                                              measures::MachFit{.angle_deg = 42.5}, even);
-    const auto value = [&](const std::string& name) { return find(columns, name).value; };
+    const auto value = [&](const std::string& name) {
+        const measures::Column column = find(columns, name);
+        CHECK(column.note.empty());
+        return column.value;
+    };
     // Ratios of products: rounding.
     CHECK(value("eta_at_1") == Approx(0.2).epsilon(1e-12));
     CHECK(value("eta_period_1") == Approx(0.2).epsilon(1e-12));
@@ -118,8 +125,6 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     const double measured_m2 = (192e-3 - 24e-3) * (144e-3 - 24e-3); // inside the sponge
     // The rims of the half discs count by cells: a thousandth of the strip.
     CHECK(value("sharpness_1") == Approx(strip_m2 / measured_m2).epsilon(1e-3));
-    for (const measures::Column& column : columns)
-        CHECK(column.note.empty());
 }
 
 TEST_CASE("a period that does not fit leaves empty cells with the reason", "[summary]") {
@@ -200,7 +205,10 @@ TEST_CASE("further depths add columns that carry the depth", "[summary]") {
     const auto columns = measures::summarise(
         thesis_case(), {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {},
         {});
-    CHECK(columns.size() == 26 + 6);
+    for (const measures::Column& column : columns)
+        if (const auto suffix = column.name.find("_z1.5mm"); suffix != std::string::npos)
+            for (const char* other : {"", "_z4mm"})
+                find(columns, column.name.substr(0, suffix) + other);
     CHECK(find(columns, "peak_um_z1.5mm").value == Approx(0.14));
     CHECK(find(columns, "focal_rms_um_z4mm").value ==
           Approx(0.1 * find(columns, "focal_rms_um").value).epsilon(1e-12));
@@ -259,7 +267,6 @@ TEST_CASE("bands beyond the Nyquist frequency of the frames stay empty", "[summa
 
 TEST_CASE("focal_rms_um leaves out the part of the path outside the measured region", "[summary]") {
     Case c = thesis_case();
-    c.measure.settled_after_s = 4e-3;
     // The focus leaves the region, x < 0, at 7 ms. In frame n, u is n nm in the disc.
     c.measure.region_m = {{-80e-3, -50e-3}, {0.0, -50e-3}, {0.0, 50e-3}, {-80e-3, 50e-3}};
     const measures::Region region = measures::measured_region(c.domain, c.measure);
