@@ -18,8 +18,7 @@ PRINTED = re.compile(r"^print\(.*\) +# (\S.*)$", re.MULTILINE)  # Python that st
 
 
 def interpreter(language):
-    return {"sh": ["sh", "-eu", "-c"], "python": [sys.executable, "-c"],
-            "octave": ["octave-cli", "--quiet", "--eval"]}[language]
+    return {"sh": ["sh", "-eu", "-c"], "python": [sys.executable, "-c"], "octave": ["octave-cli", "--quiet", "--eval"]}[language]
 
 
 class Blocks(ProgramTest):

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The reference pages state what the program prints: the columns of tables and the exit codes."""
-import csv
 import re
 from pathlib import Path
 
 from blocks import DOCS
-from program import ROOT, ProgramTest, changed
+from program import ROOT, ProgramTest, changed, read_csv
 
 AFFERENTS = ('[sweep]\n', '[afferents]\nwhere = "palm"\n\n[sweep]\n')
 
@@ -21,10 +20,8 @@ class Reference(ProgramTest):
 
     def test_every_column_of_a_table_is_listed_with_its_unit(self):
         job = self.write_job(changed(AFFERENTS, ("[measure]\n", "[measure]\nsensation = true\ndepths_mm = [0.0, 1.5]\n")))
-        self.shearwake("run", job, "--quiet")
-        self.shearwake("reduce", self.out)
-        with open(self.out / "tables" / "small.csv", encoding="utf-8") as file:
-            header = next(csv.reader(file))
+        self.reduced(self.out, job=job)
+        header = read_csv(self.out / "tables" / "small.csv")[0]
         page = (DOCS / "reference" / "table-columns.md").read_text(encoding="utf-8")
         identification = re.findall(r"^\| `(\w+)`", page[page.index("## Identification"):], flags=re.MULTILINE)
         patterns = [re.compile(re.sub(r"\\\{\w+\\\}", ".+", re.escape(name)) + r"(_z[\d.]+mm)?") for name in self.columns()]

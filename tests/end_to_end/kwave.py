@@ -46,14 +46,14 @@ def save(path, structures):
 def import_kwave(folder, *words):
     """Calls import-kwave in this process, since its start takes longer than the import of a small file. Returns the exit code and
     the output."""
-    said, before = io.StringIO(), os.getcwd()
+    output, before = io.StringIO(), os.getcwd()
     os.chdir(folder)
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), \
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output), \
                 unittest.mock.patch("sys.argv", ["import-kwave", *words]):
-            return main(), said.getvalue()
+            return main(), output.getvalue()
     except SystemExit as end:
-        return end.code, said.getvalue()
+        return end.code, output.getvalue()
     finally:
         os.chdir(before)
 

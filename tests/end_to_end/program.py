@@ -15,7 +15,7 @@ import time
 import unittest
 from pathlib import Path
 
-from shearwake import program as launcher
+from shearwake import Job, program as launcher
 from shearwake.checksum import with_line
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -91,6 +91,15 @@ def changed(*changes, text=JOB):
         assert old in text, old
         text = text.replace(old, new, 1)
     return text
+
+
+def job_text(name="small", **tables):
+    """The TOML of a job from dictionaries."""
+    return Job({"schema": 1, "job": {"name": name}, **tables}).text
+
+
+def gaussian(fwhm_mm):
+    return {"shape": "gaussian", "fwhm_mm": fwhm_mm}
 
 
 def without_reference(*changes):
@@ -217,20 +226,29 @@ class ProgramTest(Interrupting):
         return path
 
     def shearwake(self, *arguments, ranks=1, expect=0, prefix=()):
-        """Runs a command to its end; `expect` is the exit code (None: any)."""
-        done = subprocess.run([*prefix, *command(*arguments, ranks=ranks)], cwd=self.folder,
-                              env=environment(), stdin=subprocess.DEVNULL, capture_output=True,
-                              encoding="utf-8", errors="replace", timeout=PATIENCE_s, check=False)
-        done.said = done.stdout + done.stderr
+        """Runs a command of the program to its end; `expect` is the exit code (None: any)."""
+        return self.call(*prefix, *command(*arguments, ranks=ranks), expect=expect)
+
+    def call(self, *words, expect=0, variables=None, **options):
+        """Runs a command to its end in the folder of the test, with further variables of the environment."""
+        done = subprocess.run(list(map(str, words)), check=False, **{
+            "cwd": self.folder, "env": {**environment(), **(variables or {})}, "capture_output": True, "encoding": "utf-8",
+            "errors": "replace", "timeout": PATIENCE_s, **({} if "input" in options else {"stdin": subprocess.DEVNULL}), **options})
+        done.output = done.stdout + done.stderr
         if expect is not None:
-            self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
+            self.assertEqual(done.returncode, expect, f"{words}:\n{done.output}")
         return done
 
     def compute(self, text=JOB):
         """Runs a job and writes its table."""
         self.write_job(text)
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.reduced(self.out)
+
+    def reduced(self, out, *options, job="job.toml", ranks=1):
+        """Runs a job and writes its table, whose rows are returned."""
+        self.shearwake("run", job, "--out", out, *options, ranks=ranks)
+        self.shearwake("reduce", out)
+        return table(self.folder / out)
 
     def compute_some(self, text=JOB, count=1, words=(), prefix=()):
         """Runs the first cases of a job and returns the ids of all of them."""
@@ -259,7 +277,7 @@ class ProgramTest(Interrupting):
         self.kill(process)
         process.stdout.close()
 
-    def says(self, text, *words):
+    def contains(self, text, *words):
         for word in words:
             self.assertIn(word, text)
 
@@ -298,11 +316,15 @@ def started(out):
     return [line["id"] for line in journal(out) if line["event"] == "started"]
 
 
+def read_csv(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def table(out):
     """The rows of the CSV table with the sentences of notes, without the column that depends on the machine."""
     path = out / "tables" / f"{plan(out)['name']}.csv"
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_csv(path)
     notes = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))["notes"]
     for row in rows:
         del row["wall_s"]
@@ -341,11 +363,9 @@ def assert_same_table(test, first, second, tolerance=1e-9):
         for a, b in pairs:
             if is_number(a) and is_number(b) and is_literal_ipr(column):
                 roots = float(a) ** 0.5, float(b) ** 0.5
-                test.assertLessEqual(abs(roots[0] - roots[1]), 1e-12 * largest ** 0.5 + 1e-8 * roots[0],
-                                     f"{column}: {a} and {b}")
+                test.assertLessEqual(abs(roots[0] - roots[1]), 1e-12 * largest ** 0.5 + 1e-8 * roots[0], f"{column}: {a} and {b}")
             elif is_number(a) and is_number(b):
                 # Numbers are printed with 9 digits.
-                test.assertLessEqual(abs(float(a) - float(b)), max(tolerance, 1.1e-8) * largest,
-                                     f"{column}: {a} and {b}")
+                test.assertLessEqual(abs(float(a) - float(b)), max(tolerance, 1.1e-8) * largest, f"{column}: {a} and {b}")
             else:
                 test.assertEqual(a, b, column)

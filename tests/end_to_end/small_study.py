@@ -32,12 +32,12 @@ def cell(words):
 
 class FilesTest(ProgramTest):
     def imported(self, name, expect=0):
-        code, said = import_kwave(self.folder, name, "--out", "study")
-        self.assertEqual(code, expect, said)
-        return said
+        code, output = import_kwave(self.folder, name, "--out", "study")
+        self.assertEqual(code, expect, output)
+        return output
 
     def refused(self, name, *words, expect=3):
-        self.says(self.imported(name, expect=expect), *words)
+        self.contains(self.imported(name, expect=expect), *words)
 
     def changed(self, variables=(), **parts):
         """Writes study.mat with changed fields and other variables, without those that are None, and returns the path of the import."""

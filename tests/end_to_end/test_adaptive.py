@@ -2,7 +2,6 @@
 """Adaptive axes, as users run them: refined curves, extrema, crossings, interruptions, equal commands and errors."""
 import bisect
 import contextlib
-import csv
 import json
 import os
 import random
@@ -10,7 +9,7 @@ import signal
 
 import pytest
 
-from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, started, table
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, read_csv, started, table
 
 SPEED, WAVES, FREQUENCY = "load.modulation.speed_m_s", "medium.layer[1].c_s_m_s", "load.modulation.am_frequency_Hz"
 PLAIN = (("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
@@ -23,8 +22,7 @@ CURVE = changed(*PLAIN, (SWEEP, REFINE), ('reference = { kind = "STM" }\n', ""))
 
 
 def adaptive(out):
-    with open(out / "tables" / "small.adaptive.csv", newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return read_csv(out / "tables" / "small.adaptive.csv")
 
 
 def curve(out, key=SPEED, column="eta_period_1"):
@@ -46,12 +44,12 @@ class Adaptive(ProgramTest):
     @pytest.mark.long
     def test_a_refined_curve_stays_within_its_tolerance_of_a_fine_grid(self):
         self.write_job(CURVE)
-        said = self.shearwake("plan", "job.toml").said
-        self.says(said, "9 cases", f"adaptive axis {SPEED}: 9 points in the first round, at most 200",
-                  "the estimates above cover the first round only")
-        said = self.shearwake("run", "job.toml", ranks=2).said
-        self.says(said, "adding", "the estimated error of eta_period_1 between the points is at most",
-                  "next: shearwake reduce")
+        output = self.shearwake("plan", "job.toml").output
+        self.contains(output, "9 cases", f"adaptive axis {SPEED}: 9 points in the first round, at most 200",
+                      "the estimates above cover the first round only")
+        output = self.shearwake("run", "job.toml", ranks=2).output
+        self.contains(output, "adding", "the estimated error of eta_period_1 between the points is at most",
+                      "next: shearwake reduce")
         self.shearwake("reduce", self.out)
         points = curve(self.out)
         self.assertGreater(len(points), 9)
@@ -68,14 +66,14 @@ class Adaptive(ProgramTest):
 
         widest, narrowest = (f(b[0] - a[0] for a, b in zip(points, points[1:])) for f in (max, min))
         self.assertGreaterEqual(widest, 2 * narrowest, "the points are uniform")
-        said = self.shearwake("report", self.out).said
+        output = self.shearwake("report", self.out).output
         page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
         self.assertIn('id="adaptive"', page)
-        self.says(self.shearwake("status", self.out).said, "next: shearwake reduce")
-        self.says(self.shearwake("run", "job.toml").said, "0 computed now")
+        self.contains(self.shearwake("status", self.out).output, "next: shearwake reduce")
+        self.contains(self.shearwake("run", "job.toml").output, "0 computed now")
 
-        more = self.shearwake("run", "job.toml", "-S", "sweep.\"" + SPEED + "\".tolerance=0.001", ranks=2).said
-        self.says(more, "adding", "(tolerance 0.001)")
+        more = self.shearwake("run", "job.toml", "-S", "sweep.\"" + SPEED + "\".tolerance=0.001", ranks=2).output
+        self.contains(more, "adding", "(tolerance 0.001)")
         self.shearwake("reduce", self.out)
         self.assertLess(set(points), set(curve(self.out)))
 
@@ -104,9 +102,9 @@ class Adaptive(ProgramTest):
         expected = plan_ids(self.out)
         removed = self.folder / "other"
         self.shearwake("run", "job.toml", "--quiet", "--out", removed, "--only", ",".join(self.first_ids()))
-        said = self.shearwake("status", removed).said
-        self.says(said, "9 done", "adaptive axes:", "to add", "next: shearwake run")
-        command = next(line for line in said.splitlines() if line.startswith("next: shearwake ")).split()[2:]
+        output = self.shearwake("status", removed).output
+        self.contains(output, "9 done", "adaptive axes:", "to add", "next: shearwake run")
+        command = next(line for line in output.splitlines() if line.startswith("next: shearwake ")).split()[2:]
         self.shearwake(*command)
         self.assertEqual(plan_ids(removed), expected)
 
@@ -124,8 +122,8 @@ class Adaptive(ProgramTest):
         self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
         runs = [self.start("run", "job.toml", "--out", "together") for _ in range(2)]
         for run in runs:
-            said = run.communicate()[0]
-            self.assertEqual(run.returncode, 0, said)
+            output = run.communicate()[0]
+            self.assertEqual(run.returncode, 0, output)
         self.assertEqual(len(started(self.folder / "together")), len(set(started(self.folder / "together"))))
         self.assertEqual(self.tables_of(self.folder / "together"), self.tables_of(self.folder / "whole"))
 
@@ -135,9 +133,9 @@ class Adaptive(ProgramTest):
         self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {search.format('3, 12', 0.6)}\n"
                                                f"'{SPEED}' = {search.format('4, 7', 0.5)}"),
                                ('reference = { kind = "STM" }\n', "")))
-        self.says(self.shearwake("plan", "job.toml").said, "25 cases", "about 9 for one curve", "about 7 for one curve")
-        said = self.shearwake("run", "job.toml", ranks=2).said
-        self.says(said, f"{WAVES}: maximum of eta_period_1 at", f"{SPEED}: maximum of eta_period_1 at")
+        self.contains(self.shearwake("plan", "job.toml").output, "25 cases", "about 9 for one curve", "about 7 for one curve")
+        output = self.shearwake("run", "job.toml", ranks=2).output
+        self.contains(output, f"{WAVES}: maximum of eta_period_1 at", f"{SPEED}: maximum of eta_period_1 at")
         self.shearwake("reduce", self.out)
         rows = adaptive(self.out)
         self.assertEqual(len(rows), 2)
@@ -152,7 +150,7 @@ class Adaptive(ProgramTest):
     def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
         self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
                                                f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))
-        said = self.shearwake("run", "job.toml", ranks=2).said
+        output = self.shearwake("run", "job.toml", ranks=2).output
         self.shearwake("reduce", self.out)
         rows = adaptive(self.out)
         ratios = {f: [(float(row[WAVES]), float(row["eta_period_over_reference_1"]) - 1.0) for row in table(self.out)
@@ -163,7 +161,7 @@ class Adaptive(ProgramTest):
             found = [row for row in rows if row["settings"] == f"{FREQUENCY} = {frequency}"]
             self.assertEqual([(float(r["from"]), float(r["to"])) for r in found], changes)
             if not changes:
-                self.says(said, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
+                self.contains(output, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
             for low, high in changes:
                 self.assertLessEqual(high - low, 0.05 + 1e-9)
         self.assertTrue(rows, "the curves never cross the reference")
@@ -175,11 +173,11 @@ class Adaptive(ProgramTest):
         done = json.loads(self.shearwake("run", "job.toml", "--json").stdout)  # one document for all rounds
         self.assertEqual((done["cases"], done["computed"], done["already_complete"]), (12, 12, 0))
         self.assertTrue(any(limit in sentence for sentence in done["adaptive"]), done["adaptive"])
-        self.says(done["next"], "shearwake reduce")
-        self.says(self.shearwake("run", "job.toml").said, "12 points", limit)
+        self.contains(done["next"], "shearwake reduce")
+        self.contains(self.shearwake("run", "job.toml").output, "12 points", limit)
         self.assertEqual(len(plan(self.out)["cases"]), 12)
-        self.says(self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).said, "another plan")
-        self.says(self.shearwake("run", "job.toml", "-S", f"sweep.\"{SPEED}\"=[3, 7]", expect=2).said, "another plan")
+        self.contains(self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).output, "another plan")
+        self.contains(self.shearwake("run", "job.toml", "-S", f"sweep.\"{SPEED}\"=[3, 7]", expect=2).output, "another plan")
 
     def test_errors_are_reported_before_any_case_is_computed(self):
         for old, new, message in (
@@ -195,17 +193,17 @@ class Adaptive(ProgramTest):
                 ("refine = [3, 7]", 'find = "crossing", in = [3, 7]', "requires a level to cross, or a reference"),
                 ("refine = [3, 7]", 'find = "minimum", in = [3, 1e5]', "a millionth of the interval")):
             self.write_job(changed((old, new), text=CURVE))
-            self.says(self.shearwake("check", "job.toml", expect=3).said, message)
+            self.contains(self.shearwake("check", "job.toml", expect=3).output, message)
         self.write_job(changed((REFINE, "zip = [ { " + REFINE + f", \"{FREQUENCY}\" = [400, 500] }} ]"), text=CURVE))
-        self.says(self.shearwake("check", "job.toml", expect=3).said, "is adaptive")
+        self.contains(self.shearwake("check", "job.toml", expect=3).output, "is adaptive")
         self.assertFalse(self.out.exists())
 
     def test_sliding_windows_have_no_jumps_along_the_frequency(self):
         axis = f"'{FREQUENCY}' = {{ refine = [400, 1000], column = \"eta_period_1\", tolerance = 0.005 }}"
         self.write_job(changed(*PLAIN[:2], (SWEEP, axis), ('reference = { kind = "STM" }\n', "")))
-        self.says(self.shearwake("run", "job.toml").said, "intervals exceed the tolerance because of the limits")
-        said = self.shearwake("run", "job.toml", "-S", "measure.window='sliding'", "--out", "sliding").said
-        self.assertNotIn("exceed the tolerance", said)
+        self.contains(self.shearwake("run", "job.toml").output, "intervals exceed the tolerance because of the limits")
+        output = self.shearwake("run", "job.toml", "-S", "measure.window='sliding'", "--out", "sliding").output
+        self.assertNotIn("exceed the tolerance", output)
         self.assertLess(len(plan(self.folder / "sliding")["cases"]), len(plan(self.out)["cases"]))
 
     @pytest.mark.long
@@ -213,8 +211,7 @@ class Adaptive(ProgramTest):
         self.shearwake("run", ROOT / "jobs" / "adaptive-gain.toml", "--out", "gain", "--quiet", ranks=2)
         self.assertLess(len(plan(self.folder / "gain")["cases"]), 71)  # a grid has 701 and the reference
         self.shearwake("reduce", "gain")
-        with open(self.folder / "gain" / "tables" / "adaptive-gain.adaptive.csv", newline="", encoding="utf-8") as file:
-            row, = csv.DictReader(file)
+        row, = read_csv(self.folder / "gain" / "tables" / "adaptive-gain.adaptive.csv")
         self.assertEqual(row["within_tolerance"], "yes")
         # The grid with a spacing of 1 Hz has its maximum of 1.046408 at 147 Hz.
         self.assertLessEqual(abs(float(row["location"]) - 147.0), 1.0)

@@ -33,8 +33,8 @@ class Bench(ProgramTest):
                     if "rigid" not in m["name"]:
                         self.assertEqual(m["fft_s"] > 0.0, "no body" not in m["name"])
                 self.assertGreater(found["copies_B_per_s"], 0.0)
-        self.says(self.shearwake("bench", "pstd", "--grid", "16x12x10").stdout, "engine pstd, 1 rank, kernels", "s per step",
-                  "16 x 12 x 10 points, lossy, single")
+        self.contains(self.shearwake("bench", "pstd", "--grid", "16x12x10").stdout, "engine pstd, 1 rank, kernels", "s per step",
+                      "16 x 12 x 10 points, lossy, single")
 
     @pytest.mark.long
     def test_layered_is_measured_with_periodic_and_open_edges_and_in_the_periodic_regime(self):
@@ -48,7 +48,7 @@ class Bench(ProgramTest):
         self.assertEqual(found[0]["name"], "36 x 24 x 17 levels, no body")
         for grid in ("32x24", "32x24x9x1", "0x24x9", "many"):
             with self.subTest(grid):
-                self.says(self.shearwake("bench", "spectral", "--grid", grid, expect=2).said, "--grid")
+                self.contains(self.shearwake("bench", "spectral", "--grid", grid, expect=2).output, "--grid")
 
     def test_a_run_records_one_rate_per_engine_with_which_plan_estimates_its_time(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
@@ -56,8 +56,8 @@ class Bench(ProgramTest):
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
             before = self.shearwake("plan", "job.toml")
-            self.assertEqual(before.said.count("time: not known on this machine yet"), 1)
-            self.assertNotIn("core hours", before.said)
+            self.assertEqual(before.output.count("time: not known on this machine yet"), 1)
+            self.assertNotIn("core hours", before.output)
             unknown = self.planned("job.toml")
             self.assertEqual({unknown[name] for name in ("wall_s", "core_hours", "longest_case_s")}, {None})
             self.assertEqual({case["seconds"] for case in unknown["cases"]}, {None})
@@ -70,14 +70,14 @@ class Bench(ProgramTest):
             self.assertEqual(set(json.loads(file.read_text(encoding="utf-8"))["rates"]), {"layered", "pstd", "spectral"})
             known = self.planned("job.toml")
             self.assertGreater(known["wall_s"], sum(case["seconds"] for case in known["cases"]))  # by the start of the program
-            said = self.shearwake("plan", "job.toml").said
-            self.says(said, "core hours", "longest case")
-            self.assertNotIn("not known", said)
+            output = self.shearwake("plan", "job.toml").output
+            self.contains(output, "core hours", "longest case")
+            self.assertNotIn("not known", output)
             on_two = self.planned("job.toml", "-n", 2, "--ranks-per-case", 2)
             for case, other in zip(known["cases"], on_two["cases"], strict=True):
                 self.assertAlmostEqual(case["seconds"], 2 * other["seconds"])
             file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
-            self.assertIn("time: not known on this machine yet", self.shearwake("plan", "job.toml").said)
+            self.assertIn("time: not known on this machine yet", self.shearwake("plan", "job.toml").output)
 
     def test_the_size_of_the_teams_does_not_depend_on_recorded_rates(self):
         self.write_job()
@@ -116,5 +116,5 @@ class Bench(ProgramTest):
 
     def test_a_plan_has_no_more_teams_than_cases(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
-        said = self.shearwake("plan", "job.toml", "-n", 4096).said
-        self.assertRegex(said, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")
+        output = self.shearwake("plan", "job.toml", "-n", 4096).output
+        self.assertRegex(output, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")

@@ -68,13 +68,13 @@ class SavedCase(ProgramTest):
         self.assertEqual(case_files(self.out), [])
 
     def resume(self, ranks=1):
-        said = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).said
-        self.says(said, "2 computed now")
+        output = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).output
+        self.contains(output, "2 computed now")
         self.assertEqual(self.states(), [], "checkpoints of complete cases")
         self.assertEqual(list(self.out.rglob("*.part")), [])
         self.shearwake("reduce", self.out)
         assert_same_table(self, table(self.undisturbed.out), table(self.out))
-        return said
+        return output
 
     def assert_resumed(self, from_step):
         resumed = self.events("resumed")
@@ -128,32 +128,30 @@ class Checkpoint(SavedCase):
         for kind in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
             process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20, faults=checkpoint(2))
             self.signal_and_continue(process, kind)
-            said = process.communicate(timeout=PATIENCE_s)[0]
-            self.assertEqual(process.returncode, 75, said)
-            self.says(said, "stopped early", "the next run resumes from checkpoints: case ", "next: shearwake run job.toml")
+            output = process.communicate(timeout=PATIENCE_s)[0]
+            self.assertEqual(process.returncode, 75, output)
+            self.contains(output, "stopped early", "the next run resumes from checkpoints: case ", "next: shearwake run job.toml")
             self.assertEqual(case_files(self.out), [])
             self.assertEqual(journal(self.out)[-2]["event"], "checkpointed")
         self.assertEqual(len(self.events("resumed")), 2)
-        self.says(self.shearwake("run", "job.toml").said, "resumed from checkpoints: case ")
+        self.contains(self.shearwake("run", "job.toml").output, "resumed from checkpoints: case ")
         self.assertEqual(self.largest_difference(), 0.0)
-        last = self.events("resumed")[-1]["step"]
-        self.assertEqual(last, self.events("checkpointed")[-1]["step"])
+        self.assertEqual(self.events("resumed")[-1]["step"], self.events("checkpointed")[-1]["step"])
 
     def test_checkpoints_are_written_at_intervals_in_seconds(self):
         self.shearwake("run", "job.toml", "--checkpoint-interval", 0.001)
         self.assertEqual({line["id"] for line in self.events("checkpointed")}, set(plan_ids(self.out)))
         self.assertEqual(self.largest_difference(), 0.0)
-        said = self.shearwake("run", "job.toml", "--checkpoint-interval", -1, expect=2).said
-        self.says(said, "--checkpoint-interval")
+        self.contains(self.shearwake("run", "job.toml", "--checkpoint-interval", -1, expect=2).output, "--checkpoint-interval")
 
     def test_a_signal_to_mpirun_writes_the_checkpoints_of_all_teams(self):
         # mpirun forwards SIGUSR1 and, unlike for SIGINT and SIGTERM, does not kill the ranks afterwards.
         process = self.start_and_stop(*SAVING, 1, ranks=2, count=2, faults=checkpoint(2))
         self.signal_and_continue(process, signal.SIGUSR1)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
         self.assertEqual(case_files(self.out), [])
-        self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 remaining")
+        self.contains(self.shearwake("status", self.out).output, "0 running", "0 failed", "2 remaining")
         self.resume(ranks=2)
         self.assertEqual(len(self.events("resumed")), 2)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
@@ -167,25 +165,23 @@ class Checkpoint(SavedCase):
         process = self.start(*SAVING, 1)
         self.wait_for(lambda: len(self.events("started")) == 2, "the second case")
         process.send_signal(signal.SIGTERM)
-        said = process.communicate(timeout=PATIENCE_s)[0]
+        output = process.communicate(timeout=PATIENCE_s)[0]
         # Without a checkpoint a stop waits for the end of the case, which is the last one.
-        self.assertEqual(process.returncode, 0, said)
-        self.says(said, "continues without a checkpoint: it requires", "MB left", "1 computed now")
+        self.assertEqual(process.returncode, 0, output)
+        self.contains(output, "continues without a checkpoint: it requires", "MB left", "1 computed now")
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(self.states(), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
     def test_a_damaged_checkpoint_leaves_the_previous_one(self):
         self.kill_in_the_middle(ranks=1)
-        newest = max((path for path in self.states() if path.suffix == ".h5"),
-                     key=lambda path: h5py.File(path).attrs["sequence"])
+        newest = max((path for path in self.states() if path.suffix == ".h5"), key=lambda path: h5py.File(path).attrs["sequence"])
         with h5py.File(newest) as file:
             newest_step, place = file["scalars"].attrs["step"], file["now"].id.get_offset()
         with open(newest, "r+b") as file:
             file.seek(place + 1000)
             file.write(b"damage")
-        said = self.resume()
-        self.says(said, newest.name, "is damaged (its bytes do not match its checksum)", "not used")
+        self.contains(self.resume(), newest.name, "is damaged (its bytes do not match its checksum)", "not used")
         self.assert_resumed(100)
         self.assertLess(self.events("resumed")[0]["step"], newest_step)
         self.assertEqual(self.largest_difference(), 0.0)
@@ -196,7 +192,7 @@ class Checkpoint(SavedCase):
         os.truncate(first, first.stat().st_size // 2)
         second.write_bytes(b"words " * 1000)
         second.with_name(second.name + ".part.data.0").touch()  # of OMPIO, if the kill falls into a write
-        self.says(self.resume(), first.name, second.name, "does not end in its checksum")
+        self.contains(self.resume(), first.name, second.name, "does not end in its checksum")
         self.assertEqual(self.events("resumed"), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
@@ -209,8 +205,7 @@ class Checkpoint(SavedCase):
                     part.unlink()
                 else:
                     os.truncate(part, 2000)
-                said = self.resume()
-                self.says(said, part.name.partition(".h5.")[0] + ".h5.", ".part ", "starts from scratch")
+                self.contains(self.resume(), part.name.partition(".h5.")[0] + ".h5.", ".part ", "starts from scratch")
                 self.assertEqual(self.events("resumed"), [])
                 self.assertEqual(self.largest_difference(), 0.0)
                 for path in case_files(self.out):
@@ -223,7 +218,7 @@ class Checkpoint(SavedCase):
                 with h5py.File(path, "r+") as file:
                     file.attrs["git_id"] = numpy.bytes_("0123456789ab")
                 seal(path)
-        self.says(self.resume(), "written by another program, 0123456789ab")
+        self.contains(self.resume(), "written by another program, 0123456789ab")
         self.assertEqual(self.events("resumed"), [])
 
     def test_checkpoints_of_a_complete_case_are_removed(self):
@@ -232,12 +227,11 @@ class Checkpoint(SavedCase):
         self.resume()
         for name, content in kept.items():
             (self.out / "checkpoints" / name).write_bytes(content)
-        self.says(self.shearwake("run", "job.toml").said, "2 already complete")
+        self.contains(self.shearwake("run", "job.toml").output, "2 already complete")
         self.assertEqual(self.states(), [])
 
     def test_engine_layered_writes_no_checkpoints(self):
-        self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"')
-                       .replace("volumes_ms = [0.1, 1.5]", ""))
+        self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"') .replace("volumes_ms = [0.1, 1.5]", ""))
         self.shearwake(*SAVING, 1)
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(len(plan_ids(self.out)), 2)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake converge: estimated errors compared with much finer runs, resuming, error columns."""
-import csv
 import fcntl
 import json
 
 import pytest
 
-from program import ROOT, SWEEP, ProgramTest, case_files, changed, started, without_reference
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, read_csv, started, without_reference
 
 from shearwake.studies import converge
 
@@ -32,8 +31,7 @@ COLUMNS = ("eta_period_1", "focal_rms_um", "eta_at_1")
 
 
 def rows(folder, name="small"):
-    with open(folder / "tables" / f"{name}.csv", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return read_csv(folder / "tables" / f"{name}.csv")
 
 
 # Of the earlier implementation in C++.
@@ -78,8 +76,8 @@ class Converge(ProgramTest):
     def test_the_estimates_cover_the_difference_from_a_much_finer_run(self):
         self.write_job(COARSE)
         self.shearwake("run", "job.toml")
-        said = self.shearwake("converge", "job.toml", "--cases", "1", ranks=2).said
-        self.says(said, "half the spacing, 1 mm", "twice the domain", "estimated error")
+        output = self.shearwake("converge", "job.toml", "--cases", "1", ranks=2).output
+        self.contains(output, "half the spacing, 1 mm", "twice the domain", "estimated error")
         [case] = self.studied()
         self.assertTrue(case["complete"])
         self.assertEqual([r["name"] for r in case["refinements"]], ["spacing", "time", "domain"])
@@ -109,8 +107,7 @@ class Converge(ProgramTest):
         fine["all"] = tuple(option for options in fine.values() for option in options)
         found = {}
         for name, options in fine.items():
-            self.shearwake("run", "job.toml", "--out", name, "--quiet", *options)
-            self.shearwake("reduce", name)
+            self.reduced(name, *options)
             [found[name]] = rows(self.folder / name)
         for column in BRACKETED:
             with self.subTest(column=column):
@@ -163,8 +160,7 @@ class Converge(ProgramTest):
                         self.assertLessEqual(entry["error"], 5.0 * error)
 
     def test_richardson_predicts_the_error_of_the_time_step(self):
-        self.write_job(without_reference(SPECTRAL, ("frames = true", ""),
-                                         (SWEEP, SWEEP.replace("400, 500, 1000", "400"))))
+        self.write_job(without_reference(SPECTRAL, ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "400"))))
         self.shearwake("converge", "job.toml", "--quiet")
         [case] = self.studied()
         time = case["refinements"][1]
@@ -189,23 +185,23 @@ class Converge(ProgramTest):
         study = self.out / "converge"
         self.assertEqual(len(case_files(study)), 4)
         self.assertEqual(len(started(study)), 3)  # the unrefined case was copied
-        self.says(self.shearwake("converge", "job.toml", "--cases", "1").said, "0 computed now, 4 already complete")
+        self.contains(self.shearwake("converge", "job.toml", "--cases", "1").output, "0 computed now, 4 already complete")
         case_files(study)[0].unlink()
-        self.says(self.shearwake("converge", "job.toml", "--cases", "1").said, "4 cases: ", "3 already complete")
+        self.contains(self.shearwake("converge", "job.toml", "--cases", "1").output, "4 cases: ", "3 already complete")
         # Another selection adds cases.
         self.shearwake("converge", "job.toml", "--cases", "2", "--quiet")
         self.assertEqual(len(case_files(study)), 8)
         self.assertEqual(len(self.studied()), 2)
         # `run` accepts the folder with its study.
-        self.says(self.shearwake("run", "job.toml").said, "2 already complete")
+        self.contains(self.shearwake("run", "job.toml").output, "2 already complete")
 
     def test_reduce_adds_error_columns_on_request(self):
         self.write_job(COARSE)
         self.shearwake("run", "job.toml", "--quiet")
-        self.says(self.shearwake("reduce", "--errors", self.out, expect=2).said,
-                  "has no estimates of the numerical error: run shearwake converge")
-        said = self.shearwake("converge", "job.toml", "--cases", "1").said
-        self.assertRegex(said, r"columns without an estimate, which are empty, count samples or .*: .*ipr_at_1.*peak_um")
+        self.contains(self.shearwake("reduce", "--errors", self.out, expect=2).output,
+                      "has no estimates of the numerical error: run shearwake converge")
+        output = self.shearwake("converge", "job.toml", "--cases", "1").output
+        self.assertRegex(output, r"columns without an estimate, which are empty, count samples or .*: .*ipr_at_1.*peak_um")
         self.shearwake("reduce", self.out)
         self.assertNotIn("eta_at_1_error", rows(self.out)[0])
         self.shearwake("reduce", "--errors", self.out)
@@ -221,7 +217,7 @@ class Converge(ProgramTest):
         self.assertIn("estimated numerical error of eta_at_1", [c["meaning"] for c in table["columns"]])
         errors = self.out / "converge" / "converge.json"
         errors.write_text(errors.read_text().replace("0.0", "0.1", 1))
-        self.says(self.shearwake("reduce", "--errors", self.out, expect=6).said, "does not match its checksum")
+        self.contains(self.shearwake("reduce", "--errors", self.out, expect=6).output, "does not match its checksum")
 
     def test_a_second_study_in_the_folder_is_rejected(self):
         self.write_job(COARSE)
@@ -229,9 +225,9 @@ class Converge(ProgramTest):
         locks.mkdir(parents=True)
         with open(locks / "study", "w") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            self.says(self.shearwake("converge", "job.toml", "--cases", "1", expect=2).said, "being used by another shearwake converge")
+            self.contains(self.shearwake("converge", "job.toml", "--cases", "1", expect=2).output, "being used by another shearwake converge")
         self.assertEqual([path.name for path in locks.parent.iterdir()], ["locks"])
 
     def test_unknown_cases_are_rejected(self):
         self.write_job(COARSE)
-        self.says(self.shearwake("converge", "job.toml", "--only", "abc", expect=2).said, "--only abc: no such case")
+        self.contains(self.shearwake("converge", "job.toml", "--only", "abc", expect=2).output, "--only abc: no such case")

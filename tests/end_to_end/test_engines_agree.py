@@ -4,38 +4,16 @@ import re
 
 import pytest
 
-from program import ROOT, ProgramTest, is_literal_ipr, is_number, table
+from program import ROOT, ProgramTest, gaussian, is_literal_ipr, is_number, job_text
 
 SWEEP = re.compile(r'"load.modulation.am_frequency_Hz" = \[100.*\]')
 STEPPED = ("-S", 'solver.engine="spectral"', "-S", "solver.spectral.time_step_us=50")
 
-LEVELS = """schema = 1
-[job]
-name = "levels"
-[medium]
-base = "{base}"
-[[medium.layer]]
-{thickness}density_kg_m3 = 1000.0
-c_p_m_s = 50.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 1.0
-[load]
-peak_Pa = 125.0
-footprint = {{ shape = "gaussian", fwhm_mm = 9.0 }}
-modulation = {{ kind = "AM", am_frequency_Hz = 200.0 }}
-[domain]
-extent_mm = [72.0, 72.0]
-spacing_mm = 3.0
-[time]
-duration_ms = 26.0
-output_interval_us = 250.0
-[measure]
-at_ms = 25.0
-settled_after_ms = 10.0
-sensation = true
-[sweep]
-"solver.engine" = {engines}
-"""
+TISSUE = {"density_kg_m3": 1000.0, "c_p_m_s": 50.0, "c_s_m_s": 5.0, "viscosity_Pa_s": 1.0}
+LEVELS = {"load": {"peak_Pa": 125.0, "footprint": gaussian(9.0), "modulation": {"kind": "AM", "am_frequency_Hz": 200.0}},
+          "domain": {"extent_mm": [72.0, 72.0], "spacing_mm": 3.0}, "time": {"duration_ms": 26.0, "output_interval_us": 250.0},
+          "measure": {"at_ms": 25.0, "settled_after_ms": 10.0, "sensation": True}}
+MEDIA = {"half-space": TISSUE, "rigid": {**TISSUE, "thickness_mm": 12.0}}
 
 
 class EnginesAgree(ProgramTest):
@@ -53,10 +31,7 @@ class EnginesAgree(ProgramTest):
         self.write_job(job)
         tables = []
         for name, options in (("layered", ()), ("spectral", STEPPED)):
-            out = self.folder / name
-            self.shearwake("run", "job.toml", "--out", out, *options, ranks=2)
-            self.shearwake("reduce", out)
-            tables.append(table(out))
+            tables.append(self.reduced(name, *options, ranks=2))
         compared = 0
         for exact, stepped in zip(*tables, strict=True):
             for name, text in exact.items():
@@ -86,10 +61,8 @@ class EnginesAgree(ProgramTest):
 
     def largest_difference_dB(self, base, engines):
         """Of felt_peak_dB and felt_path_dB of the engines from the first one."""
-        self.write_job(LEVELS.format(base=base, engines=engines, thickness="" if base == "half-space" else "thickness_mm = 12.0\n"))
-        self.shearwake("run", "job.toml", "--out", base, "--quiet", ranks=2)
-        self.shearwake("reduce", base)
-        exact, *others = table(self.folder / base)
+        self.write_job(job_text(medium={"base": base, "layer": [MEDIA[base]]}, sweep={"solver.engine": engines}, **LEVELS))
+        exact, *others = self.reduced(base, ranks=2)
         return max(abs(float(other[name]) - float(exact[name])) for other in others for name in ("felt_peak_dB", "felt_path_dB"))
 
     @pytest.mark.long

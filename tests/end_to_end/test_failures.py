@@ -25,9 +25,8 @@ class JoinedWorlds(ProgramTest):
     """Runs that a program with MPI has started become ranks of one world."""
 
     def joined(self, *words):
-        done = subprocess.run(["mpirun", *words], cwd=self.folder, env=environment(), capture_output=True, encoding="utf-8", check=False,
-                              stdin=subprocess.DEVNULL)
-        return done.returncode, done.stdout + done.stderr
+        done = self.call("mpirun", *words, expect=None)
+        return done.returncode, done.output
 
     def test_ranks_with_other_arguments_or_folders_end_at_once(self):
         self.write_job()
@@ -36,12 +35,12 @@ class JoinedWorlds(ProgramTest):
         (other / "job.toml").write_text((self.folder / "job.toml").read_text())
         # By the shell: mpirun of Open MPI 5 in Debian 13 crashes if programs are separated by a colon (open-mpi/ompi issue 13303).
         other_rank, run = '[ "$OMPI_COMM_WORLD_RANK" = 1 ]', f"exec {PROGRAM} run job.toml"
-        code, said = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then {run} --out b; else {run} --out a; fi")
-        self.assertEqual(code, 2, said)
-        self.says(said, "have different arguments", "env -u OMPI_COMM_WORLD_SIZE")
-        code, said = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then cd other; fi; {run}")
-        self.assertEqual(code, 2, said)
-        self.says(said, "have different working folders")
+        code, output = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then {run} --out b; else {run} --out a; fi")
+        self.assertEqual(code, 2, output)
+        self.contains(output, "have different arguments", "env -u OMPI_COMM_WORLD_SIZE")
+        code, output = self.joined("-n", "2", "sh", "-c", f"if {other_rank}; then cd other; fi; {run}")
+        self.assertEqual(code, 2, output)
+        self.contains(output, "have different working folders")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
 
     def test_remedy_of_the_message_starts_separate_runs(self):
@@ -49,12 +48,12 @@ class JoinedWorlds(ProgramTest):
         for name, change in (("a", "job.toml"), ("b", "other.toml")):
             (self.folder / change).write_text((self.folder / "job.toml").read_text().replace('name = "', f'name = "{name}'))
         split = "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then j=job; else j=other; fi; exec {} check $j.toml"
-        code, said = self.joined("-n", "2", "sh", "-c", split.format(PROGRAM))
-        self.assertEqual(code, 2, said)
-        remedy = said[said.index("env -u"):said.index(" shearwake ...")]
-        code, said = self.joined("-n", "2", "sh", "-c", split.format(f"{remedy} {PROGRAM}"))
-        self.assertEqual(code, 0, said)
-        self.says(said, "job.toml: ", "other.toml: ")
+        code, output = self.joined("-n", "2", "sh", "-c", split.format(PROGRAM))
+        self.assertEqual(code, 2, output)
+        remedy = output[output.index("env -u"):output.index(" shearwake ...")]
+        code, output = self.joined("-n", "2", "sh", "-c", split.format(f"{remedy} {PROGRAM}"))
+        self.assertEqual(code, 0, output)
+        self.contains(output, "job.toml: ", "other.toml: ")
 
     def test_run_that_a_rank_with_mpi_starts_ends_at_once(self):
         self.write_job()
@@ -68,15 +67,15 @@ class JoinedWorlds(ProgramTest):
             ctypes.CDLL("libmpi.so.40")
         except OSError:
             self.skipTest("the library of Open MPI 4 has another name")
-        code, said = self.joined("-n", "2", sys.executable, "-c", driver, str(PROGRAM), "check", "job.toml")
-        self.assertEqual(code, 0, said)
-        self.assertEqual(said.count("2 a rank of another MPI program has started this run"), 2, said)
+        code, output = self.joined("-n", "2", sys.executable, "-c", driver, str(PROGRAM), "check", "job.toml")
+        self.assertEqual(code, 0, output)
+        self.assertEqual(output.count("2 a rank of another MPI program has started this run"), 2, output)
 
     def test_tasks_of_slurm_without_mpi_are_warned_of(self):
         self.write_job(without_reference())
         with mock.patch.dict(os.environ, {"SLURM_NTASKS": "8"}):
-            self.says(self.shearwake("run", "job.toml").said, "warning: Slurm has 8 tasks, but this run has one rank")
-            self.assertNotIn("Slurm", self.shearwake("check", "job.toml").said)
+            self.contains(self.shearwake("run", "job.toml").output, "warning: Slurm has 8 tasks, but this run has one rank")
+            self.assertNotIn("Slurm", self.shearwake("check", "job.toml").output)
 
     @pytest.mark.long
     def test_a_blocked_rank_ends_after_a_stop_signal(self):
@@ -90,12 +89,12 @@ class JoinedWorlds(ProgramTest):
             os.kill(ranks[0], signal.SIGTERM)
             try:
                 # 15 s, and the longest time between two collective calls before.
-                said = run.communicate(timeout=PATIENCE_s)[1]
+                output = run.communicate(timeout=PATIENCE_s)[1]
             finally:
                 for rank in ranks:
                     with contextlib.suppress(ProcessLookupError):
                         os.kill(rank, signal.SIGKILL)
-        self.says(said, "a rank has been blocked since the stop signal")
+        self.contains(output, "a rank has been blocked since the stop signal")
 
 
 class FailingCase(ProgramTest):
@@ -103,12 +102,12 @@ class FailingCase(ProgramTest):
         self.write_job(OVERFLOWING)
         for ranks in (1, 2):
             out = self.folder / f"on {ranks}"
-            said = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).said
+            output = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).output
             good, bad = plan_ids(out)
-            self.says(said, f"case {bad} failed", "not finite", "1 computed now", "1 failed")
+            self.contains(output, f"case {bad} failed", "not finite", "1 computed now", "1 failed")
             self.assertEqual([path.stem for path in case_files(out)], [good])
-            said = self.shearwake("status", out).said
-            self.says(said, "1 done", "1 failed", f"failed {bad}", "not finite", "--retry-failed")
+            output = self.shearwake("status", out).output
+            self.contains(output, "1 done", "1 failed", f"failed {bad}", "not finite", "--retry-failed")
             self.shearwake("reduce", out)
             self.shearwake("reduce", out, "--complete", expect=4)
             rows = {row["id"]: row for row in table(out)}
@@ -117,8 +116,8 @@ class FailingCase(ProgramTest):
             self.assertIn("not finite", rows[bad]["note"])
             self.assertEqual(rows[bad]["eta_at_1"], "")
 
-            said = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).said
-            self.says(said, "0 computed now", "only retried with --retry-failed")
+            output = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).output
+            self.contains(output, "0 computed now", "only retried with --retry-failed")
             self.assertEqual(started(out).count(bad), 1)
             self.shearwake("run", "job.toml", "--out", out, "--retry-failed", ranks=ranks, expect=4)
             self.assertEqual((started(out).count(bad), started(out).count(good)), (2, 1))
@@ -126,24 +125,23 @@ class FailingCase(ProgramTest):
 
     def test_fail_fast_stops_at_the_first_failure(self):
         self.write_job(OVERFLOWING.replace("[100.0, 1e200]", "[1e200, 1e201, 100.0]"))
-        said = self.shearwake("run", "job.toml", "--fail-fast", expect=4).said
-        self.assertEqual(len(started(self.out)), 1, said)
-        self.says(said, "2 cases were not started: shearwake run job.toml computes them")
+        output = self.shearwake("run", "job.toml", "--fail-fast", expect=4).output
+        self.assertEqual(len(started(self.out)), 1, output)
+        self.contains(output, "2 cases were not started: shearwake run job.toml computes them")
         bad, = (self.out / "failed").iterdir()
-        self.says(bad.read_text(encoding="utf-8"),
-                  f"to retry: shearwake run job.toml --only {bad.stem} --retry-failed\n")
+        self.contains(bad.read_text(encoding="utf-8"), f"to retry: shearwake run job.toml --only {bad.stem} --retry-failed\n")
 
     def test_a_case_larger_than_the_memory_is_rejected_before_it_allocates(self):
         self.write_job(ABSURD)
         limit = ["prlimit", "--as=3000000000"]  # simulates a small machine
-        said = self.shearwake("run", "job.toml", prefix=limit, expect=6).said
-        self.assertRegex(said, r"the largest case needs \d+ MB per rank, and a rank may use \d+ MB.*--force")
+        output = self.shearwake("run", "job.toml", prefix=limit, expect=6).output
+        self.assertRegex(output, r"the largest case needs \d+ MB per rank, and a rank may use \d+ MB.*--force")
         self.assertFalse(self.out.exists(), "a refused job leaves nothing")
-        said = self.shearwake("run", "job.toml", "--force", prefix=limit, expect=4).said
+        output = self.shearwake("run", "job.toml", "--force", prefix=limit, expect=4).output
         good, bad = plan_ids(self.out)
-        self.says(said, f"case {bad} failed", "out of memory", "GB", "domain.spacing_mm")
+        self.contains(output, f"case {bad} failed", "out of memory", "GB", "domain.spacing_mm")
         self.assertEqual([path.stem for path in case_files(self.out)], [good])
-        self.says(self.shearwake("status", self.out).said, "out of memory")
+        self.contains(self.shearwake("status", self.out).output, "out of memory")
 
 
 class Damage(ProgramTest):
@@ -158,33 +156,33 @@ class Damage(ProgramTest):
         self.shearwake("reduce", self.out, expect=4)
         rows = {row["id"]: row for row in table(self.out)}
         self.assertEqual(rows[second.stem]["status"], "damaged")
-        self.says(self.shearwake("run", "job.toml").said, "1 computed now")
+        self.contains(self.shearwake("run", "job.toml").output, "1 computed now")
 
     def test_a_file_that_is_not_hdf5_is_reported(self):
         for content in (b"", b"\x89HDF\r\n\x1a\n", b"words " * 1000):
             case_files(self.out)[0].write_bytes(content)
-            self.says(self.shearwake("status", self.out).said, "3 done")
+            self.contains(self.shearwake("status", self.out).output, "3 done")
             self.shearwake("show", case_files(self.out)[0], expect=6)
             self.shearwake("reduce", self.out, expect=4)
         with h5py.File(case_files(self.out)[0], "w") as file:
             file["something"] = 1.0
-        self.says(self.shearwake("show", case_files(self.out)[0], expect=6).said, "shearwake case")
+        self.contains(self.shearwake("show", case_files(self.out)[0], expect=6).output, "shearwake case")
         self.shearwake("show", self.folder / "nothing.h5", expect=6)
-        said = self.shearwake("show", self.folder, expect=6).said
-        self.says(said, "is a folder")
-        self.assertEqual(len(said.splitlines()), 1, said)
-        self.says(self.shearwake("run", "job.toml").said, "1 computed now", "3 already complete")
+        output = self.shearwake("show", self.folder, expect=6).output
+        self.contains(output, "is a folder")
+        self.assertEqual(len(output.splitlines()), 1, output)
+        self.contains(self.shearwake("run", "job.toml").output, "1 computed now", "3 already complete")
         self.shearwake("reduce", self.out)
         assert_same_table(self, self.before, table(self.out))
 
     def test_folders_that_are_not_output_folders_are_rejected(self):
         for command in ("status", "reduce"):
             for folder, words in (("nowhere", "no such output folder"), (self.folder, "contains no plan.json")):
-                self.says(self.shearwake(command, folder, expect=6).said, words, "run the job first")
+                self.contains(self.shearwake(command, folder, expect=6).output, words, "run the job first")
             (self.out / "plan.json").write_text('{"schema": 1', encoding="utf-8")
-            self.says(self.shearwake(command, self.out, expect=6).said, "is not a plan")
+            self.contains(self.shearwake(command, self.out, expect=6).output, "is not a plan")
             (self.out / "plan.json").write_text("[1, 2]", encoding="utf-8")
-            self.says(self.shearwake(command, self.out, expect=6).said, "is not a plan")
+            self.contains(self.shearwake(command, self.out, expect=6).output, "is not a plan")
 
 
 class ReadOnly(ProgramTest):
@@ -194,8 +192,7 @@ class ReadOnly(ProgramTest):
         if os.geteuid() != 0:
             return []
         prefix = ["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups"]
-        if subprocess.run([*prefix, str(PROGRAM), "--version"], capture_output=True,
-                          check=False).returncode != 0:
+        if subprocess.run([*prefix, str(PROGRAM), "--version"], capture_output=True, check=False).returncode != 0:
             self.skipTest("nobody cannot start the program where it was built")
         return prefix
 
@@ -208,8 +205,8 @@ class ReadOnly(ProgramTest):
         self.write_job()
         nobody = self.as_nobody()
         self.lock(self.folder)
-        said = self.shearwake("run", "job.toml", prefix=nobody, expect=6).said
-        self.says(said, "cannot create the folder", "out", "Permission denied")
+        output = self.shearwake("run", "job.toml", prefix=nobody, expect=6).output
+        self.contains(output, "cannot create the folder", "out", "Permission denied")
 
     def test_a_read_only_output_folder_is_reported(self):
         nobody = self.as_nobody()
@@ -218,15 +215,15 @@ class ReadOnly(ProgramTest):
             for journal in self.out.glob("journal*.jsonl"):
                 os.chmod(journal, 0o444)
             self.lock(folder)
-            said = self.shearwake("run", "job.toml", prefix=nobody, expect=6).said
-            self.says(said, "Permission denied", str(self.out.relative_to(self.folder)))
-            self.assertLess(len(said), 2000, said)
-            self.assertNotIn("internal error", said)
+            output = self.shearwake("run", "job.toml", prefix=nobody, expect=6).output
+            self.contains(output, "Permission denied", str(self.out.relative_to(self.folder)))
+            self.assertLess(len(output), 2000, output)
+            self.assertNotIn("internal error", output)
             os.chmod(folder, 0o777)
             for journal in self.out.glob("journal*.jsonl"):
                 os.chmod(journal, 0o666)
         self.lock(self.out)
-        self.says(self.shearwake("reduce", self.out, prefix=nobody, expect=6).said, "Permission denied")
+        self.contains(self.shearwake("reduce", self.out, prefix=nobody, expect=6).output, "Permission denied")
 
     def test_an_unreadable_output_folder_is_reported(self):
         nobody = self.as_nobody()
@@ -234,9 +231,9 @@ class ReadOnly(ProgramTest):
         os.chmod(self.out, 0o000)
         self.addCleanup(os.chmod, self.out, 0o777)
         for command in (["run", "job.toml"], ["status", self.out], ["reduce", self.out]):
-            said = self.shearwake(*command, prefix=nobody, expect=6).said
-            self.says(said, "Permission denied")
-            self.assertNotIn("internal error", said)
+            output = self.shearwake(*command, prefix=nobody, expect=6).output
+            self.contains(output, "Permission denied")
+            self.assertNotIn("internal error", output)
 
 
 class FullDisk(ProgramTest):
@@ -259,13 +256,13 @@ class FullDisk(ProgramTest):
         disk = self.mount(3)
         out = disk / "small"
         self.write_job()
-        said = self.shearwake("run", "job.toml", "--out", out, expect=6).said
-        self.says(said, "MB", "left", "failed", "because of files or disks")
+        output = self.shearwake("run", "job.toml", "--out", out, expect=6).output
+        self.contains(output, "MB", "left", "failed", "because of files or disks")
         self.assertEqual(list(out.rglob("*.part")), [])
         for path in case_files(out):
             with h5py.File(path) as file:
                 self.assertGreater(file["surface/u_z"][()].size, 0)
-        self.says(self.shearwake("status", out).said, f"{len(case_files(out))} done", "failed")
+        self.contains(self.shearwake("status", out).output, f"{len(case_files(out))} done", "failed")
         self.enlarge(disk)
         self.shearwake("run", "job.toml", "--out", out)
         self.assertEqual(len(case_files(out)), 4)
@@ -285,17 +282,15 @@ class FullDisk(ProgramTest):
                         pass
                 except OSError:
                     pass
-            done = self.shearwake("run", "job.toml", "--out", out, "--retry-failed", ranks=ranks,
-                                  expect=None)
-            self.assertEqual(done.returncode, 6, done.said)
-            self.assertRegex(done.said, "No space left|MB left")
-            self.assertNotIn("internal error", done.said)
+            done = self.shearwake("run", "job.toml", "--out", out, "--retry-failed", ranks=ranks, expect=None)
+            self.assertEqual(done.returncode, 6, done.output)
+            self.assertRegex(done.output, "No space left|MB left")
+            self.assertNotIn("internal error", done.output)
             self.shearwake("reduce", out, expect=6)
             self.assertEqual(len(case_files(out)), 1)
             os.remove(disk / "filler")
-            self.says(self.shearwake("status", out).said, "1 done")
+            self.contains(self.shearwake("status", out).output, "1 done")
         self.enlarge(disk)
-        self.shearwake("run", "job.toml", "--out", out, "--retry-failed")
-        self.shearwake("reduce", out)
+        self.reduced(out, "--retry-failed")
         self.assertEqual({row["status"] for row in table(out)}, {"complete"})
         self.assertEqual(len(plan(out)["cases"]), 4)

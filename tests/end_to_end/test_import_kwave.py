@@ -18,13 +18,13 @@ from shearwake.kwave.record import NAMES
 class ImportTest(ProgramTest):
     def imported(self, structures, *words, expect=0):
         save(self.folder / "study.mat", structures)
-        code, said = import_kwave(self.folder, "study.mat", *words)
-        self.assertEqual(code, expect, said)
-        return said
+        code, output = import_kwave(self.folder, "study.mat", *words)
+        self.assertEqual(code, expect, output)
+        return output
 
-    def run_printed(self, said, *words, ranks=1):
+    def run_printed(self, output, *words, ranks=1):
         """Runs the command that the import has printed, and returns the path of its output."""
-        printed = shlex.split(said.splitlines()[-1].removeprefix("next: shearwake "))
+        printed = shlex.split(output.splitlines()[-1].removeprefix("next: shearwake "))
         self.shearwake(*printed, "--output_precision", "double", *words, ranks=ranks)
         return self.folder / printed[printed.index("-o") + 1]
 
@@ -44,10 +44,10 @@ class Imported(ImportTest):
         for run, ranks in (("a_additive_pml10", 1), ("a_additive_pmloff", 3), ("c_dirichlet_pml10", 2), ("c_dirichlet_pmloff", 1)):
             with self.subTest(run=run):
                 of = reference(run)
-                said = self.imported(structures_of(run, of), "--out", run)
-                self.says(said, "48 x 40 x 32 nodes, 400 steps", "5 sensor nodes",
-                          f"next: shearwake kwave -i {run}.h5 -o {run}-output.h5 --p_raw --u_raw -s 1")
-                self.assertLess(self.worst(self.run_printed(said, ranks=ranks), of), 1e-12)  # rounding errors of 400 steps
+                output = self.imported(structures_of(run, of), "--out", run)
+                self.contains(output, "48 x 40 x 32 nodes, 400 steps", "5 sensor nodes",
+                              f"next: shearwake kwave -i {run}.h5 -o {run}-output.h5 --p_raw --u_raw -s 1")
+                self.assertLess(self.worst(self.run_printed(output, ranks=ranks), of), 1e-12)  # rounding errors of 400 steps
 
     def test_single_precision_agrees_with_kwave(self):
         of = reference("a_additive_pml10")
@@ -124,8 +124,8 @@ class Layout(ImportTest):
         for name, fields in changes.items():
             structures[name] = {field: value for field, value in {**structures.get(name, {}), **fields}.items()
                                 if value is not None}
-        said = self.imported(structures, *options)
-        self.run_printed(said, "--benchmark", "2")
+        output = self.imported(structures, *options)
+        self.run_printed(output, "--benchmark", "2")
         return h5py.File(self.folder / "study.h5", "r")
 
     def test_file_has_64_bits_and_the_attributes_of_kwave(self):
@@ -174,8 +174,7 @@ class Layout(ImportTest):
     def test_initial_pressure_is_applied_in_two_steps(self):
         p0 = numpy.zeros(POINTS)
         p0[10, 11, 12] = 7.0
-        with self.study({"source": {"u_mask": None, "uz": None, "u_mode": None, "p0": p0},
-                         "options": {"Smooth": 0}}) as file:
+        with self.study({"source": {"u_mask": None, "uz": None, "u_mode": None, "p0": p0}, "options": {"Smooth": 0}}) as file:
             numpy.testing.assert_array_equal(nodes_of(file, "s_source_index"), [[10, 11, 12]])
             for field in ("sxx", "syy", "szz"):  # a sixth in each of the three split parts
                 numpy.testing.assert_allclose(file[f"{field}_source_input"][()], [[[-7.0 / 6.0]] * 2], rtol=1e-15)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import-kwave reads the same study from files of MATLAB, Octave, SciPy and h5py, and explains other files."""
 import shutil
-import subprocess
 
 import h5py
 import numpy
@@ -9,7 +8,7 @@ import scipy.io
 import scipy.sparse
 
 from kwave import nodes_of, save
-from program import ROOT, environment
+from program import ROOT
 from small_study import POINTS, FilesTest, cell, study
 
 def as_in_python(value):
@@ -40,7 +39,7 @@ def octave_value(group, name, value):
 
 class Files(FilesTest):
     def assert_reads(self, name):
-        self.says(self.imported(name), "--p_raw --u_raw -s 1")
+        self.contains(self.imported(name), "--p_raw --u_raw -s 1")
         with h5py.File(self.folder / "study.h5") as file:
             self.assertEqual([file[f"N{axis}"][0, 0, 0] for axis in "xyz"], list(POINTS))
             self.assertEqual((file["dt"][0, 0, 0], file["Nt"][0, 0, 0]), (1e-5, 20))
@@ -106,9 +105,8 @@ class Files(FilesTest):
         structures["sensor"]["record"] = cell(["p", "u"])
         scipy.io.savemat(self.folder / "given.mat", structures)
         for form, name in (("-v7", "study.mat"), ("-v6", "study6.mat"), ("-hdf5", "study.hdf")):
-            subprocess.run(["octave-cli", "--quiet", "--eval",
-                            f"load given.mat; options.PMLInside = true; kgrid.t_array = 0:1e-5:19e-5; save {form} {name} "
-                            "kgrid medium source sensor options"], cwd=self.folder, check=True, capture_output=True)
+            self.call("octave-cli", "--quiet", "--eval", "load given.mat; options.PMLInside = true; kgrid.t_array = 0:1e-5:19e-5; "
+                      f"save {form} {name} kgrid medium source sensor options")
             with self.subTest(form=form):
                 self.assert_reads(name)
 
@@ -209,7 +207,7 @@ class Errors(FilesTest):
         self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5")
         with h5py.File(self.folder / "study.h5", "r+") as file:
             file["dt"][...] = 1.15 * limit_s
-        self.says(self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", expect=1).said, "unstable in this medium")
+        self.contains(self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", expect=1).output, "unstable in this medium")
         # With a layer outside there are 13 points along y, whose largest wave number is 12/13 of that of an even number.
         self.changed(kgrid={"Nt": 2000, "dt": 0.995 * limit_s}, options={"PMLInside": False}, **parts)
         self.refused("study.mat", "is unstable: at this spacing and in this medium")
@@ -234,10 +232,9 @@ class Errors(FilesTest):
         self.refused("acoustic.h5", "input file of the acoustic C++ code of k-Wave (it contains c0, rho0, pml_x_size)")
 
     def test_help_describes_the_structures(self):
-        run = subprocess.run([ROOT / "scripts" / "import-kwave", "--help"], env=environment(), capture_output=True,
-                             encoding="utf-8", check=True)
+        run = self.call(ROOT / "scripts" / "import-kwave", "--help")
         self.assertEqual(run.stderr, "")
-        self.says(run.stdout, "kgrid", "sound_speed_shear", "MultiAxialPMLRatio", "exit codes", "--out", "shearwake kwave")
+        self.contains(run.stdout, "kgrid", "sound_speed_shear", "MultiAxialPMLRatio", "exit codes", "--out", "shearwake kwave")
 
     def test_objects_of_matlab_are_explained(self):
         for place, kind, words in (

@@ -23,28 +23,28 @@ class Notes(FilesTest):
         c_s = numpy.full((10, 9, 8), 5.0)
         c_s[:, :, 3:6] = 0.0
         self.saved({"medium": {"sound_speed_shear": c_s}})
-        self.says(self.imported("study.mat"), "180 faces between fluid and solid nodes", "at 90 of them")
+        self.contains(self.imported("study.mat"), "180 faces between fluid and solid nodes", "at 90 of them")
 
     def test_equal_limits_of_the_step_are_stated_once(self):
-        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
-        self.says(said, "us are stable; reduce kgrid.dt")
-        self.assertNotIn("steps above", said)
+        output = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
+        self.contains(output, "us are stable; reduce kgrid.dt")
+        self.assertNotIn("steps above", output)
         density = numpy.full(POINTS, 1000.0)
         density[5:] = 250.0  # the step that is stable for any arrangement is half as long
-        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"density": density}}), expect=3)
-        limits = [float(number) for number in re.search(r"up to (\S+) us are stable and steps above (\S+) us", said).groups()]
+        output = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"density": density}}), expect=3)
+        limits = [float(number) for number in re.search(r"up to (\S+) us are stable and steps above (\S+) us", output).groups()]
         self.assertAlmostEqual(limits[1] / limits[0], 2.0, places=4)
 
     def test_options_may_be_a_cell_array_of_names_and_values(self):
         pairs = cell(["PMLInside", False, "PMLSize", numpy.array([2.0, 3, 1]), "PlotSim", False, "DataCast", "single"])
         for name in ("options", "input_args"):
-            said = self.imported(self.saved({}, **{"options": None, name: pairs}))
-            self.says(said, "PMLSize 2, 3, 1, outside the grid, PMLAlpha 2", "options.PlotSim: ignored, does not change the physics",
-                      "options.DataCast: ignored")
+            output = self.imported(self.saved({}, **{"options": None, name: pairs}))
+            self.contains(output, "PMLSize 2, 3, 1, outside the grid, PMLAlpha 2", "options.PlotSim: ignored, does not change the physics",
+                          "options.DataCast: ignored")
             with h5py.File(self.folder / "study.h5") as file:
                 self.assertEqual([file[f"pml_{axis}_size"][0, 0, 0] for axis in "xyz"], [2, 3, 1])
                 self.assertEqual([file[f"N{axis}"][0, 0, 0] for axis in "xyz"], [14, 15, 10])
-        self.says(said, "note: the variable input_args is read as options")
+        self.contains(output, "note: the variable input_args is read as options")
         save(self.folder / "study.mat", {**{name: value for name, value in study().items() if name != "options"}})
         with h5py.File(self.folder / "study.mat", "r+") as file:  # the cell array of MATLAB 7.3
             words = [numpy.array([[ord(letter)] for letter in "PMLSize"], dtype="u2"), numpy.array([[3.0]])]
@@ -52,7 +52,7 @@ class Notes(FilesTest):
             for number, word in enumerate(words):
                 file[f"#refs#/options.{number}"] = word
                 cells[number, 0] = file[f"#refs#/options.{number}"].ref
-        self.says(self.imported("study.mat"), "PMLSize 3, inside the grid")
+        self.contains(self.imported("study.mat"), "PMLSize 3, inside the grid")
 
     def test_options_of_other_kinds_are_rejected(self):
         for value, words in ((cell(["PMLSize", 3.0, "PMLInside"]), "a cell array of 3 elements; it must contain pairs"),
@@ -69,14 +69,14 @@ class Notes(FilesTest):
             with self.subTest(wrong=wrong):
                 self.refused(self.saved({}, **{right: None, wrong: study()[right]}), f"has a variable {wrong} but none named {right}",
                              f"Rename it with {right} = {wrong}")
-        self.says(self.imported(self.saved({}, sensors=1.0, sensor_data=2.0)), "note: not read: sensor_data, sensors")
+        self.contains(self.imported(self.saved({}, sensors=1.0, sensor_data=2.0)), "note: not read: sensor_data, sensors")
 
     def test_the_layer_the_size_and_the_supported_frequency_are_printed(self):
-        said = self.imported(self.saved({"medium": {"sound_speed_shear": 4.0}}, options={"PMLSize": 2.0}))
-        self.says(said, "size: 10 x 9 x 16 mm, spacing 1, 1, 2 mm",
-                  "absorbing layer (PML): PMLSize 2, inside the grid, PMLAlpha 2, MultiAxialPMLRatio 0.1",
-                  "maximum supported frequency: 1000 Hz")  # 4 m/s over twice the largest spacing
-        self.says(self.imported(self.saved({}, options={"PMLSize": 2.0, "PMLAlpha": 0.0})), "absorbing layer (PML): none")
+        output = self.imported(self.saved({"medium": {"sound_speed_shear": 4.0}}, options={"PMLSize": 2.0}))
+        self.contains(output, "size: 10 x 9 x 16 mm, spacing 1, 1, 2 mm",
+                      "absorbing layer (PML): PMLSize 2, inside the grid, PMLAlpha 2, MultiAxialPMLRatio 0.1",
+                      "maximum supported frequency: 1000 Hz")  # 4 m/s over twice the largest spacing
+        self.contains(self.imported(self.saved({}, options={"PMLSize": 2.0, "PMLAlpha": 0.0})), "absorbing layer (PML): none")
         self.refused(self.saved({}, options=None), "options.PMLSize is 10 along x: two such layers do not fit")
 
     def test_implausible_units_are_warned_of(self):
@@ -84,7 +84,7 @@ class Notes(FilesTest):
                 ("medium", {"density": 1.0}, ("warning: medium.density is 1 kg/m3; k-Wave expects kg/m3",)),
                 ("medium", {"density": 1e6}, ("warning: medium.density is 1e+06 kg/m3",))):
             with self.subTest(words=words):
-                self.says(self.imported(self.saved({group: fields})), *words)
+                self.contains(self.imported(self.saved({group: fields})), *words)
         self.refused(self.saved({"kgrid": {"dx": 1.0, "dy": 1.0, "dz": 2.0}}), "kgrid.dx is 1 m, so that the grid would be ",
                      "k-Wave expects metres", "in mm, save them divided by 1000: kgrid.dx = 0.001")
         self.assertNotIn("expects", self.imported(self.saved({})))
@@ -101,9 +101,9 @@ class Notes(FilesTest):
                 self.refused(self.saved({}, **{name: value}), *words)
 
     def test_nodes_inside_the_layer_are_warned_of(self):
-        self.says(self.imported(self.saved({}, options={"PMLSize": 3.0})),
-                  "warning: source.uz: 3 of 3 nodes lie inside the absorbing layer",
-                  "warning: sensor.mask: 3 of 3 nodes lie inside the absorbing layer")
+        self.contains(self.imported(self.saved({}, options={"PMLSize": 3.0})),
+                      "warning: source.uz: 3 of 3 nodes lie inside the absorbing layer",
+                      "warning: sensor.mask: 3 of 3 nodes lie inside the absorbing layer")
         for options in ({"PMLSize": 3.0, "PMLAlpha": 0.0}, {"PMLSize": 3.0, "PMLInside": False}):
             self.assertNotIn("inside the absorbing", self.imported(self.saved({}, options=options)))
 
@@ -112,13 +112,13 @@ class Notes(FilesTest):
         changes = {"kgrid": {"Nt": 400}, "medium": {"sound_speed_shear": 5.0}}  # supports 1250 Hz
         for frequency_Hz, expected in ((200.0, False), (3000.0, True)):
             series = numpy.sin(2 * numpy.pi * frequency_Hz * time_s)[None, :]
-            said = self.imported(self.saved({**changes, "source": {"uz": series}}))
-            self.assertEqual("above 1250 Hz, the maximum supported frequency" in said, expected, said)
+            output = self.imported(self.saved({**changes, "source": {"uz": series}}))
+            self.assertEqual("above 1250 Hz, the maximum supported frequency" in output, expected, output)
 
     def test_samples_that_do_not_match_the_steps_are_reported(self):
         for samples, words in ((30, "later samples are not used"), (12, "the source does not act after step 12")):
-            self.says(self.imported(self.saved({"source": {"uz": numpy.ones((1, samples))}})),
-                      f"source.uz has {samples} samples, but kgrid.Nt is 20", words)
+            self.contains(self.imported(self.saved({"source": {"uz": numpy.ones((1, samples))}})),
+                          f"source.uz has {samples} samples, but kgrid.Nt is 20", words)
 
     def test_results_of_the_import_are_not_imported(self):
         self.imported(self.saved({}))
@@ -129,17 +129,17 @@ class Notes(FilesTest):
     def test_the_extension_of_the_output_is_not_repeated(self):
         self.saved({})
         for name in ("a", "a.h5"):
-            code, said = import_kwave(self.folder, "study.mat", "--out", name)
-            self.assertEqual(code, 0, said)
-            self.says(said, "next: shearwake kwave -i a.h5 -o a-output.h5")
+            code, output = import_kwave(self.folder, "study.mat", "--out", name)
+            self.assertEqual(code, 0, output)
+            self.contains(output, "next: shearwake kwave -i a.h5 -o a-output.h5")
         self.assertEqual([path.name for path in self.folder.glob("a*")], ["a.h5"])
 
     def test_without_a_mask_values_of_the_entire_grid_are_recorded(self):
         for record, flags in ((["p", "u"], "--p_final"), (["p", "u_max_all"], "--u_max_all")):
-            said = self.imported(self.saved({}, sensor={"record": cell(record)}))
-            self.says(said, "note: sensor.mask is missing: only values of the entire grid are recorded", f"{flags} -s 1")
+            output = self.imported(self.saved({}, sensor={"record": cell(record)}))
+            self.contains(output, "note: sensor.mask is missing: only values of the entire grid are recorded", f"{flags} -s 1")
         self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", "--u_max_all")
-        self.says(self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", "-p", expect=1).said, "the sensor has no points")
+        self.contains(self.shearwake("kwave", "-i", "study.h5", "-o", "out.h5", "-p", expect=1).output, "the sensor has no points")
 
     def test_the_input_is_not_replaced(self):
         with h5py.File(self.folder / "study.h5", "w") as file:

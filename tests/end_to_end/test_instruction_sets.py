@@ -25,13 +25,13 @@ ENGINES = (SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = 
 
 class InstructionSets(ProgramTest):
     def available(self):
-        said = self.shearwake("--version").said
-        return re.search(r"^kernels +(\w+) of (.*?) \(", said, re.M).group(2).split(", ")
+        output = self.shearwake("--version").output
+        return re.search(r"^kernels +(\w+) of (.*?) \(", output, re.M).group(2).split(", ")
 
     def run_with(self, name, out):
         with mock.patch.dict(os.environ, {"SHEARWAKE_SIMD": name}):
             self.shearwake("run", "job.toml", "--out", out, "--quiet")
-            self.says(self.shearwake("--version").said, f"kernels   {name} of")
+            self.contains(self.shearwake("--version").output, f"kernels   {name} of")
         started = next(line for line in journal(self.folder / out) if line["event"] == "run_started")
         self.assertEqual(started["kernels"], name)
         self.shearwake("reduce", out)
@@ -42,7 +42,7 @@ class InstructionSets(ProgramTest):
         for name in names:
             self.run_with(name, name)
         for name in names[:-1]:  # within the default tolerances of compare
-            self.says(self.shearwake("compare", name, names[-1]).said, "no difference")
+            self.contains(self.shearwake("compare", name, names[-1]).output, "no difference")
 
     def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
         self.compare(without_reference(ENGINES, ("[record]", "[afferents]\n\n[record]")))
@@ -62,8 +62,8 @@ class InstructionSets(ProgramTest):
 
     def test_an_unknown_instruction_set_is_an_error_that_lists_the_allowed_ones(self):
         with mock.patch.dict(os.environ, {"SHEARWAKE_SIMD": "sse9"}):
-            said = self.shearwake("--version", expect=2, ranks=2).said
-        self.says(said, "SHEARWAKE_SIMD=sse9 is not an instruction set", "baseline, avx2, avx512")
+            output = self.shearwake("--version", expect=2, ranks=2).output
+        self.contains(output, "SHEARWAKE_SIMD=sse9 is not an instruction set", "baseline, avx2, avx512")
 
 
 class Objects(unittest.TestCase):
@@ -73,7 +73,7 @@ class Objects(unittest.TestCase):
         objects = sorted(PROGRAM.parent.glob("src/**/*_kernels_*.dir/**/*.o"))
         self.assertTrue(objects, "no objects of kernels beside the program")
         for path in objects:
-            said = subprocess.run(["nm", "--demangle", str(path)], capture_output=True, text=True, check=True)
+            output = subprocess.run(["nm", "--demangle", str(path)], capture_output=True, text=True, check=True)
             # Sanitizers add the names of types, which are no instructions.
-            shared = [line for line in said.stdout.splitlines() if re.search(r" [WVuw] (?!typeinfo |vtable )", line)]
+            shared = [line for line in output.stdout.splitlines() if re.search(r" [WVuw] (?!typeinfo |vtable )", line)]
             self.assertEqual(shared, [], f"{path} defines what others may define as well")

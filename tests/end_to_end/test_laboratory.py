@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from program import PATIENCE_s, ROOT, ProgramTest, command, environment
+from program import PATIENCE_s, ROOT, ProgramTest, command, environment, gaussian, job_text
 
 from shearwake.laboratory.dispersion import curves, line_coordinates
 from shearwake.laboratory.scan import Scan
@@ -23,42 +23,13 @@ from shearwake.studies import fit
 
 C_S, VISCOSITY = 2.5, 0.3
 
-JOB = f"""\
-schema = 1
-[job]
-name = "gel"
-title = "a gel in a laboratory"
-[medium]
-base = "rigid"
-[[medium.layer]]
-thickness_mm = 12.0
-density_kg_m3 = 1000.0
-c_p_m_s = 1500.0
-c_s_m_s = {C_S}
-viscosity_Pa_s = {VISCOSITY}
-[load]
-peak_Pa = 100.0
-footprint = {{ shape = "gaussian", fwhm_mm = 9.0 }}
-[load.modulation]
-kind = "AM"
-am_frequency_Hz = 120.0
-[domain]
-extent_mm = [80.0, 80.0]
-spacing_mm = 2.0
-[time]
-duration_ms = 20.0
-output_interval_us = 250.0
-[solver]
-engine = "layered"
-[measure]
-settled_after_ms = 5.0
-[vibrometer]
-"""
-FULL = JOB + "grid_mm = [78.0, 78.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
-LINE = JOB + """line_mm = [[-29.5, 0.0], [29.5, 0.0]]
-spacing_mm = 1.0
-sampling_rate_kHz = 8.0
-"""
+GEL = {"medium": {"base": "rigid", "layer": [{"thickness_mm": 12.0, "density_kg_m3": 1000.0, "c_p_m_s": 1500.0, "c_s_m_s": C_S,
+                                              "viscosity_Pa_s": VISCOSITY}]},
+       "load": {"peak_Pa": 100.0, "footprint": gaussian(9.0), "modulation": {"kind": "AM", "am_frequency_Hz": 120.0}},
+       "domain": {"extent_mm": [80.0, 80.0], "spacing_mm": 2.0}, "time": {"duration_ms": 20.0, "output_interval_us": 250.0},
+       "solver": {"engine": "layered"}, "measure": {"settled_after_ms": 5.0}}
+FULL = job_text("gel", **GEL, vibrometer={"grid_mm": [78.0, 78.0], "spacing_mm": 2.0, "center_mm": [-1.0, -1.0]})
+LINE = job_text("gel", **GEL, vibrometer={"line_mm": [[-29.5, 0.0], [29.5, 0.0]], "spacing_mm": 1.0, "sampling_rate_kHz": 8.0})
 UNCERTAIN = """
 [uncertain]
 samples = 2
@@ -89,7 +60,7 @@ class LaboratoryTest(ProgramTest):
     def fails(self, *arguments):
         """A command that ends with the exit code of a usage error or of a bad job."""
         done = self.shearwake(*arguments, expect=None)
-        self.assertIn(done.returncode, (2, 3), done.said)
+        self.assertIn(done.returncode, (2, 3), done.output)
         return done
 
     def with_noise(self, case, dB, missing=0.0, seed=1, name="noisy.mat"):
@@ -111,8 +82,7 @@ class Measure(LaboratoryTest):
         text = self.shearwake("measure", exported, "--options", job, "--out", self.folder / "measured", "--no-report",
                               "--repetitions", "3").stdout
         self.assertIn("1600 of 1600 points", text)
-        document = json.loads(self.shearwake("compare", self.folder / "measured", self.folder / "out", "--json",
-                                             expect=1).stdout)
+        document = json.loads(self.shearwake("compare", self.folder / "measured", self.folder / "out", "--json", expect=1).stdout)
         rows = document["pairs"][0]["columns"]
         self.assertGreater(len(rows), 20)
         for row in rows:
@@ -127,8 +97,7 @@ class Measure(LaboratoryTest):
 
     def test_a_line_and_depths_are_refused(self):
         job, case = self.scanned(LINE)
-        failed = self.fails("measure", case, "--options", job, "--no-report")
-        self.assertIn("lie on one line", failed.stderr)
+        self.assertIn("lie on one line", self.fails("measure", case, "--options", job, "--no-report").stderr)
         failed = self.fails("measure", case, "--options", job, "-S", "measure.depths_mm=[0, 1]", "--no-report")
         self.assertIn("a scan contains the surface only", failed.stderr)
 
@@ -172,7 +141,7 @@ class Scans(LaboratoryTest):
                 for field in ("time_s", "x_m", "y_m", "velocity_m_s", "quality", "trigger_delay_s", "direction"):
                     # ASCII type 58 has 13 digits. Positions at 0 have the rounding errors of the line.
                     np.testing.assert_allclose(getattr(read, field), getattr(scan, field), rtol=1e-12, atol=1e-18)
-        job.write_text(JOB.replace("[vibrometer]", ""))
+        job.write_text(job_text("gel", **GEL))
         self.shearwake("run", job, "--out", self.folder / "plain")
         plain = next((self.folder / "plain" / "cases").glob("*.h5"))
         self.assertIn("a case has a scan if its job has [vibrometer]", self.fails("export", plain).stderr)
@@ -245,8 +214,8 @@ class Fit(LaboratoryTest):
         self.assertEqual((reports[-1].computed, again.document), (1, fitted.document))
         with open(self.folder / "fit" / "lock", "w") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            self.says(self.shearwake("fit", job, "--data", case, "--out", self.folder / "fit", expect=2).said,
-                      "being used by another shearwake fit")
+            self.contains(self.shearwake("fit", job, "--data", case, "--out", self.folder / "fit", expect=2).output,
+                          "being used by another shearwake fit")
 
     def test_an_interrupted_command_ends_with_exit_code_75(self):
         job, case = self.scanned(LINE)
@@ -298,8 +267,7 @@ class Fit(LaboratoryTest):
                                     (unstated, ("--outwards",), "z of the file points out of the skin")):
             with self.subTest(data=data.name):
                 out = self.folder / data.stem
-                text = self.shearwake("fit", job, "--data", data, "--out", out, *options).stdout
-                self.assertIn(note, text)
+                self.assertIn(note, self.shearwake("fit", job, "--data", data, "--out", out, *options).stdout)
                 found = json.loads((out / "fit.json").read_text())["estimates"]
                 # Without noise: the tolerance of the solver.
                 self.assertLess(abs(found["load.peak_Pa"]["value"] - 100.0), 0.1)
@@ -346,10 +314,10 @@ class Fit(LaboratoryTest):
         job.write_text(LINE + UNCERTAIN.split("\n\"medium.layer[1].vis")[0] + "\n")
         key = "medium.layer[1].c_s_m_s"
         fit = ("fit", job, "--data", case, "--out", self.folder / "fit")
-        said = self.shearwake(*fit, "-S", f"{key}=3.0", "-S", "vibrometer.averages=9", "-S", "vibrometer.spot_um=10.0").stderr
-        self.assertIn(f"-S {key}: warning: {key} is uncertain, so this override has no effect", said)
-        self.assertIn("-S vibrometer.averages: warning: the scan contains the recorded motion", said)
-        self.assertNotIn("spot_um", said)
+        output = self.shearwake(*fit, "-S", f"{key}=3.0", "-S", "vibrometer.averages=9", "-S", "vibrometer.spot_um=10.0").stderr
+        self.assertIn(f"-S {key}: warning: {key} is uncertain, so this override has no effect", output)
+        self.assertIn("-S vibrometer.averages: warning: the scan contains the recorded motion", output)
+        self.assertNotIn("spot_um", output)
         self.shearwake(*fit, "-S", f'uncertain."{key}".min=2.6')  # the true speed is 2.5 m/s
         estimate = json.loads((self.folder / "fit" / "fit.json").read_text())["estimates"][key]
         self.assertAlmostEqual(estimate["bounds"][0], 2.6, places=6)  # bounds are quantiles close to the ends

@@ -144,8 +144,8 @@ class Files(LensTest):
             path.write_bytes(content)
             with self.subTest(content=content[:30], size=len(content)):
                 done = self.shearwake("check", job, expect=None)
-                self.assertEqual(done.returncode, 3, done.said)
-                self.assertIn("target_png", done.said)
+                self.assertEqual(done.returncode, 3, done.output)
+                self.assertIn("target_png", done.output)
 
 
 class Skin(LensTest):

@@ -17,14 +17,14 @@ class Loads(ProgramTest):
         self.write_job(changed(CSV), name="elsewhere/job.toml")
         self.shearwake("check", "elsewhere/job.toml", ranks=2)
         self.write_job(changed(CSV))
-        said = self.shearwake("check", "job.toml", ranks=2, expect=3).said
-        self.says(said, "error: load.modulation.path.file cannot be used", "paths/hook.csv")
+        output = self.shearwake("check", "job.toml", ranks=2, expect=3).output
+        self.contains(output, "error: load.modulation.path.file cannot be used", "paths/hook.csv")
 
     def test_the_id_of_a_case_depends_on_the_content_of_the_file(self):
         def ids(text):
             (self.folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
-            said = self.shearwake("plan", "job.toml").said
-            return [line.split()[0] for line in said.splitlines() if "am_frequency_Hz" in line]
+            output = self.shearwake("plan", "job.toml").output
+            return [line.split()[0] for line in output.splitlines() if "am_frequency_Hz" in line]
         self.write_points("")
         self.write_job(without_reference(CSV))
         first = ids("x_mm,y_mm\n-14,0\n0,0\n0,8\n")

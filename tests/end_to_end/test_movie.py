@@ -36,8 +36,8 @@ class Movie(ProgramTest):
 
     def test_a_case_with_frames_becomes_an_mp4_and_a_gif(self):
         case = self.case("-S", "record.snapshots_ms=[1, 2, 3, 4]")
-        said = self.shearwake("movie", case, "--out", "m", "--slow-down", "1000", "--width", "500").said
-        self.says(said, "movie: m.mp4", "movie: m.gif")
+        output = self.shearwake("movie", case, "--out", "m", "--slow-down", "1000", "--width", "500").output
+        self.contains(output, "movie: m.mp4", "movie: m.gif")
         width, height, frames = facts(self.folder / "m.mp4", "width,height,nb_read_frames")
         self.assertEqual(int(width), 500)
         self.assertEqual(int(height) % 2, 0)
@@ -59,37 +59,36 @@ case "$*" in
 esac
 """, encoding="utf-8")
             wrapper.chmod(0o755)
-            done = subprocess.run(command("movie", case, "--out", written[0][0], "--width", "320"), cwd=self.folder, check=False, capture_output=True,
-                                  encoding="utf-8", env={**environment(), "PATH": f"{wrapper.parent}:{os.environ['PATH']}"})
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            done = self.call(*command("movie", case, "--out", written[0][0], "--width", "320"),
+                             variables={"PATH": f"{wrapper.parent}:{os.environ['PATH']}"})
             self.assertEqual(sorted(path.name for path in self.folder.glob(f"{written[0][0]}.*")), written)
             self.assertEqual("no MP4 is written" in done.stdout, len(written) == 1)
 
     def test_a_case_with_one_surface_is_rejected(self):
         case = self.case("-S", "record.snapshots_ms=[4]")
-        self.says(self.shearwake("movie", case, expect=6).said, "fewer than two surfaces", "record.frames = true",
-                  "the movie was not written (exit 6)")
+        self.contains(self.shearwake("movie", case, expect=6).output, "fewer than two surfaces", "record.frames = true",
+                      "the movie was not written (exit 6)")
 
     def test_a_file_that_is_not_a_case_file_is_rejected(self):
         (self.folder / "no.h5").write_text("nothing", encoding="utf-8")
-        self.says(self.shearwake("movie", "no.h5", expect=6).said, "no.h5 is not a valid case file")
-        self.says(self.shearwake("movie", "none.h5", expect=6).said, "none.h5: no such case file; run the job first")
+        self.contains(self.shearwake("movie", "no.h5", expect=6).output, "no.h5 is not a valid case file")
+        self.contains(self.shearwake("movie", "none.h5", expect=6).output, "none.h5: no such case file; run the job first")
 
     def test_a_folder_in_place_of_a_case_names_a_case_file(self):
         case = self.case("-S", "record.snapshots_ms=[4]", "--quiet")
-        said = self.shearwake("movie", self.out, expect=6).said
-        self.says(said, f"{self.out} is a folder; give one of its case files", str(case.parent))
+        output = self.shearwake("movie", self.out, expect=6).output
+        self.contains(output, f"{self.out} is a folder; give one of its case files", str(case.parent))
         (self.folder / "empty").mkdir()
-        self.says(self.shearwake("movie", "empty", expect=6).said, "empty is a folder without case files")
+        self.contains(self.shearwake("movie", "empty", expect=6).output, "empty is a folder without case files")
 
     def test_the_case_the_part_and_the_stored_warning_are_stated(self):
         self.write_job()
         self.shearwake("run", "job.toml", "-S", "record.frames=false", "-S", "time.duration_ms=20", "-S",
                        "record.snapshots_ms=[18, 20]", "--quiet")
         case = next(path for path in case_files(self.out) if setting_of(path) == 500)
-        said = self.shearwake("movie", case, "--out", "m", "--width", "320").said
-        self.says(said, "movie: AM frequency 500\u00a0Hz", "movie: not valid: waves of", "2 of 2 frames, 18 to 20 ms; shown: ",
-                  "movie: m.mp4")
+        output = self.shearwake("movie", case, "--out", "m", "--width", "320").output
+        self.contains(output, "movie: AM frequency 500\u00a0Hz", "movie: not valid: waves of", "2 of 2 frames, 18 to 20 ms; shown: ",
+                      "movie: m.mp4")
 
     def test_progress_is_a_bar_on_a_terminal(self):
         case = self.case("-S", "record.snapshots_ms=[1, 2, 3, 4]", "--quiet")
@@ -102,4 +101,4 @@ esac
             while part := terminal.read(4096):
                 shown += part
         self.assertEqual(done.wait(), 0)
-        self.says(shown.decode(), "movie: [#####...............] frame 1 of 4", "[####################] frame 4 of 4", "encoding")
+        self.contains(shown.decode(), "movie: [#####...............] frame 1 of 4", "[####################] frame 4 of 4", "encoding")

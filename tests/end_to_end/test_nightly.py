@@ -13,8 +13,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SECOND_CASE, SWEEP, ProgramTest, changed, environment,
-                     faulty_environment, without_reference)
+from program import LONG, PROGRAM, ROOT, SECOND_CASE, SWEEP, ProgramTest, changed, environment, faulty_environment, without_reference
 
 from shearwake.errors import NotAnOutputFolder
 from shearwake.nightly import __main__ as nightly, night, table
@@ -61,11 +60,7 @@ class Nightly(ProgramTest):
         self.write_job(TINY, "tiny.toml")
 
     def script(self, name, *arguments, expect=0, typed=""):
-        done = subprocess.run(self.command(name, *arguments), cwd=self.folder, env=self.environment(),
-                              input=typed, capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
-        output = done.stdout + done.stderr
-        self.assertEqual(done.returncode, expect, f"{name} {arguments}:\n{output}")
-        return output
+        return self.call(*self.command(name, *arguments), env=self.environment(), input=typed, expect=expect).output
 
     def command(self, name, *arguments):
         return [str(ROOT / "scripts" / name), *map(str, arguments), "--out", "nights", "--baselines", "baselines"]
@@ -118,10 +113,9 @@ class Nightly(ProgramTest):
         return process
 
     def test_a_night_without_a_baseline_suggests_how_to_make_one(self):
-        self.says(self.night(expect=6), "has no baseline", "scripts/update-baseline", "tiny.toml --out")
+        self.contains(self.night(expect=6), "has no baseline", "scripts/update-baseline", "tiny.toml --out")
         self.assertEqual(self.verdicts(), ["no baseline"])
-        output = self.script("update-baseline", "tiny.toml", expect=5, typed="n\n")
-        self.says(output, "3 cases", "the baseline is unchanged")
+        self.contains(self.script("update-baseline", "tiny.toml", expect=5, typed="n\n"), "3 cases", "the baseline is unchanged")
         self.assertFalse((self.folder / "baselines").exists())
         self.script("update-baseline", "tiny.toml", typed="y\n")
         header = (self.folder / "baselines" / "tiny.csv").read_text(encoding="utf-8").splitlines()[0]
@@ -130,35 +124,33 @@ class Nightly(ProgramTest):
 
     def test_equal_nights_then_one_that_differs(self):
         self.first_baseline()
-        self.says(self.night(), "tiny: equal to the baseline", "index.html")
+        self.contains(self.night(), "tiny: equal to the baseline", "index.html")
         self.night("--ranks", "2")  # the number of ranks does not change the results
         self.assertIn("all tables equal their baselines", self.page())
 
         before = (self.folder / "baselines" / "tiny.csv").read_bytes()
         self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
-        self.says(self.night(expect=5), "tiny: differs from the baseline", "peak_um", "+1 %")
+        self.contains(self.night(expect=5), "tiny: differs from the baseline", "peak_um", "+1 %")
         self.assertEqual(self.verdicts(), ["no baseline", "equal", "equal", "differs"])
         page = self.page()
         moved = page[page.index("<ul>"):page.index("Trends of all numbers")]
-        self.says(moved, "peak_um", "+1 %", "3 of 3", "parameters of the job have changed")
+        self.contains(moved, "peak_um", "+1 %", "3 of 3", "parameters of the job have changed")
         self.assertNotIn("eta_period_1", moved)  # a ratio, in which the strength of the load cancels
         drawn = self.query("SELECT DISTINCT column FROM reading UNION ALL SELECT DISTINCT name FROM speed")
         self.assertEqual(page.count("<svg"), len(drawn))
         self.assertNotIn("http", page)  # the page loads nothing
         self.assertEqual(len(self.query("SELECT * FROM reading WHERE column = 'peak_um'")), 4 * 3)
 
-        output = self.script("update-baseline", "tiny.toml", expect=5, typed="\n")
-        self.says(output, "peak_um", "+1 %", "[y/N]")
+        self.contains(self.script("update-baseline", "tiny.toml", expect=5, typed="\n"), "peak_um", "+1 %", "[y/N]")
         self.assertEqual((self.folder / "baselines" / "tiny.csv").read_bytes(), before)
-        self.says(self.script("update-baseline", "tiny.toml", "--yes"), "peak_um", "written")
+        self.contains(self.script("update-baseline", "tiny.toml", "--yes"), "peak_um", "written")
         self.night()
-        self.says(self.script("update-baseline", "tiny.toml"), "the baseline is up to date")
+        self.contains(self.script("update-baseline", "tiny.toml"), "the baseline is up to date")
 
     def test_tolerances_next_to_the_baseline_are_used(self):
         self.first_baseline()
         self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
-        (self.folder / "baselines" / "tiny.tolerances.toml").write_text('[tolerance]\n"*" = 0.02\n',
-                                                                        encoding="utf-8")
+        (self.folder / "baselines" / "tiny.tolerances.toml").write_text('[tolerance]\n"*" = 0.02\n', encoding="utf-8")
         self.night()
 
     @pytest.mark.long
@@ -170,7 +162,7 @@ class Nightly(ProgramTest):
         process = self.start_night("long.toml")
         os.kill(process.pid, signal.SIGKILL)  # the program continues to run and holds the lock
         process.wait()
-        self.says(self.night(expect=6), "another night is running")
+        self.contains(self.night(expect=6), "another night is running")
         os.killpg(process.pid, signal.SIGKILL)
         # The lock is released when its last process has ended, shortly after the signal.
         self.wait_for(lambda: self.lock_is_free(), "the lock")
@@ -191,13 +183,10 @@ class Nightly(ProgramTest):
         self.nights.mkdir()
         path = self.nights / "history.sqlite"
         history = History(path)
-        history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [],
-                       [("tiny", "case", "eta_1", 0.5)], [])
+        history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [], [("tiny", "case", "eta_1", 0.5)], [])
         history.close()
         script = KILLED_WITHIN.format(path=str(path))
-        done = subprocess.run([sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(ROOT / "analysis")},
-                              check=False, timeout=PATIENCE_s)
-        self.assertEqual(done.returncode, -signal.SIGKILL)
+        self.call(sys.executable, "-c", script, env={**os.environ, "PYTHONPATH": str(ROOT / "analysis")}, expect=-signal.SIGKILL)
         self.assertEqual(self.verdicts(), ["equal", UNFINISHED])
         self.assertEqual(self.query("SELECT night, value FROM reading"), [(1, 0.5)])
         self.assertEqual(self.query("SELECT * FROM job"), [])
@@ -207,7 +196,7 @@ class Nightly(ProgramTest):
         path = self.nights / "history.sqlite"
         path.write_bytes(b"no database, " * 100)
         before = path.read_bytes()
-        self.says(self.night(expect=6), "history.sqlite", "move it away")
+        self.contains(self.night(expect=6), "history.sqlite", "move it away")
         self.assertEqual(path.read_bytes(), before)
 
     def test_pipes_in_place_of_its_files_do_not_block_a_night(self):
@@ -216,8 +205,7 @@ class Nightly(ProgramTest):
             with self.subTest(name=name):
                 self.nights.mkdir()
                 os.mkfifo(self.nights / name)
-                done = subprocess.run(self.command("nightly", "bad.toml", "--no-bench"), cwd=self.folder, env=self.environment(),
-                                      stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
+                done = self.call(*self.command("nightly", "bad.toml", "--no-bench"), env=self.environment(), expect=None)
                 self.assertNotIn("Traceback", done.stderr)
                 self.assertNotEqual(done.returncode, 0)
                 shutil.rmtree(self.nights)
@@ -226,13 +214,13 @@ class Nightly(ProgramTest):
         self.first_baseline()
         self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
         output = self.night("bad.toml", "nothing", "--ranks", "2", expect=3)
-        self.says(output, "tiny: equal", "bad: failed", "did you mean peak_Pa", "nothing: failed", "cannot read")
+        self.contains(output, "tiny: equal", "bad: failed", "did you mean peak_Pa", "nothing: failed", "cannot read")
         self.assertNotIn("mpirun", output)
         self.assertNotIn("Primary job", output)
         self.assertEqual({name: kind for name, (kind, _) in self.junit()[1].items()}, {"tiny": "", "bad": "error", "nothing": "error"})
-        self.says(self.page(), "bad: failed", "did you mean peak_Pa")
+        self.contains(self.page(), "bad: failed", "did you mean peak_Pa")
         (self.folder / "build.log").write_text("x.cpp:1: error: <no such thing>\n", encoding="utf-8")
-        self.says(self.first_lines(self.night("--build-failed", "build.log", expect=1)), "build: x.cpp:1: error")
+        self.contains(self.first_lines(self.night("--build-failed", "build.log", expect=1)), "build: x.cpp:1: error")
         self.assertIn("&lt;no such thing&gt;", self.page())
 
     def test_a_night_that_cannot_run_replaces_page_and_junit_file(self):
@@ -252,17 +240,15 @@ class Nightly(ProgramTest):
                 if "PATH" in variables:  # a Python that has no packages
                     (empty / "numpy.py").write_text("raise ImportError\n", encoding="utf-8")
                 (self.nights / "index.html").write_text("all tables equal", encoding="utf-8")
-                done = subprocess.run(self.command("nightly", *arguments), cwd=self.folder, env={**self.environment(), **variables},
-                                      stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
-                self.assertEqual(done.returncode, code, done)
-                self.says(self.first_lines(done.stdout), "the night could not run", words)
+                done = self.call(*self.command("nightly", *arguments), env={**self.environment(), **variables}, expect=code)
+                self.contains(self.first_lines(done.stdout), "the night could not run", words)
                 self.assertEqual([kind for kind, _ in self.junit()[1].values()], ["error"])
 
     def test_without_names_all_jobs_with_baselines_are_run(self):
-        self.says(self.script("nightly", "--no-bench", expect=2), "contains no baselines", "specify the jobs")
+        self.contains(self.script("nightly", "--no-bench", expect=2), "contains no baselines", "specify the jobs")
         (self.folder / "baselines").mkdir()
         (self.folder / "baselines" / "nothing.csv").write_text("id\n", encoding="utf-8")
-        self.says(self.first_lines(self.script("nightly", "--no-bench", expect=6)), "nothing failed", "cannot read")
+        self.contains(self.first_lines(self.script("nightly", "--no-bench", expect=6)), "nothing failed", "cannot read")
 
     def test_ten_nights(self):
         """Equal, changed, slower, failed, missing case, new case, invalid job, study elsewhere, repaired, equal."""
@@ -275,10 +261,8 @@ class Nightly(ProgramTest):
 
         def night(expect, text, *arguments, program=PROGRAM):  # 2000 %: no night is slower because the machine is busy
             self.write_job(text, "tiny.toml")
-            done = subprocess.run(self.command("nightly", "--no-bench", "--ranks", "1", "--fail-slower", "2000", *arguments),
-                                  cwd=self.folder, env={**self.environment(), "SHEARWAKE": str(program)}, stdin=subprocess.DEVNULL,
-                                  capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
-            self.assertEqual(done.returncode, expect, done)
+            done = self.call(*self.command("nightly", "--no-bench", "--ranks", "1", "--fail-slower", "2000", *arguments),
+                             env={**self.environment(), "SHEARWAKE": str(program)}, expect=expect)
             kinds = {kind for kind, _ in self.junit()[1].values()} - {""}
             print(expect, kinds, self.first_lines(done.stdout), sep=" | ")
             return self.first_lines(done.stdout), kinds, done.stdout
@@ -288,14 +272,14 @@ class Nightly(ProgramTest):
         self.assertEqual(night(0, job)[:2], ("all tables equal their baselines", set()))
         headline, kinds, output = night(5, job.replace("density_kg_m3 = 1000.0", "density_kg_m3 = 1010.0"))
         self.assertEqual(kinds, {"failure"})
-        self.says(headline, "tiny differs from the baseline: -")
-        self.says(output, "parameters of the job have changed", "no commit since the last equal night")
+        self.contains(headline, "tiny differs from the baseline: -")
+        self.contains(output, "parameters of the job have changed", "no commit since the last equal night")
         headline, kinds, _ = night(5, job, "--fail-slower", "100", program=slow)
         self.assertEqual(kinds, {"failure"})
-        self.says(headline, "tiny is slower: +", "instead of")
+        self.contains(headline, "tiny is slower: +", "instead of")
         headline, kinds, output = night(4, job.replace(cases, "[100.0, 200.0, 1e200]"))
         self.assertEqual(kinds, {"error"})
-        self.says(headline, "tiny failed: 1 of 3 cases failed, load.peak_Pa=1e+200: ", "not finite")
+        self.contains(headline, "tiny failed: 1 of 3 cases failed, load.peak_Pa=1e+200: ", "not finite")
         self.assertIn("not finite", self.junit()[1]["load.peak_Pa=1e+200"][1])
         headline, kinds, _ = night(5, job.replace(cases, "[100.0]"))
         self.assertEqual((headline, kinds), ("tiny differs from the baseline: 1 missing case: load.peak_Pa=200", {"failure"}))
@@ -303,7 +287,7 @@ class Nightly(ProgramTest):
         self.assertEqual((headline, kinds), ("tiny differs from the baseline: 1 extra case: load.peak_Pa=300", {"failure"}))
         headline, kinds, _ = night(3, job.replace("peak_Pa = 100.0", "peek_Pa = 100.0"))
         self.assertEqual(kinds, {"error"})
-        self.says(headline, "tiny failed: run: ", "tiny.toml:19:1: error: load.peek_Pa is unknown")
+        self.contains(headline, "tiny failed: run: ", "tiny.toml:19:1: error: load.peek_Pa is unknown")
         elsewhere = self.folder / "elsewhere" / "study.toml"
         elsewhere.parent.mkdir()
         elsewhere.write_text(job, encoding="utf-8")
@@ -314,16 +298,16 @@ class Nightly(ProgramTest):
         self.assertEqual(sorted(self.junit()[1]), ["study", "tiny"])
         elsewhere.unlink()
         headline, kinds, output = night(6, job)
-        self.says(output, "tiny: equal", "study: failed", "cannot read")
+        self.contains(output, "tiny: equal", "study: failed", "cannot read")
 
     @pytest.mark.long
     def test_a_failed_case_is_rejected_as_baseline(self):
         self.first_baseline()
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")
-        self.says(self.night(expect=5), "missing case")
+        self.contains(self.night(expect=5), "missing case")
         table = self.nights / "runs" / "tiny" / "tables" / "small.csv"
         table.write_text(table.read_text(encoding="utf-8").replace("complete", "failed"), encoding="utf-8")
-        self.says(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not complete")
+        self.contains(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not complete")
 
     @pytest.mark.long
     def test_speeds_of_engines_are_relative_to_ffts_of_the_same_night(self):

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake optimise: the optimum is reproduced by its case, the bound by NumPy alone, and the study is resumed."""
-import csv
 import fcntl
 import json
 import os
-import re
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shearwake
-from program import PATIENCE_s, ROOT, ProgramTest, alive, changed, descendants
+from program import PATIENCE_s, ROOT, ProgramTest, alive, changed, descendants, gaussian, job_text, read_csv
 from scipy.interpolate import RegularGridInterpolator
 from shearwake.checksum import read_json, sealed
 
@@ -62,40 +59,17 @@ TRANSIENT = (
 PLAIN = ("update_rate_Hz = 2800.0\nbits = 6\n", "sm_frequency_Hz = [140.0]\nsm_deviation_m_s = [2.0]\n")
 ONE = ("strength_at_least = [0.7, 0.9]", "strength_at_least = [0.8]")
 # Eight rows of jobs/speed-fwhm-modulation.toml, on its own domain.
-ROWS = """
-[job]
-name = "rows"
-[medium]
-base = "half-space"
-[[medium.layer]]
-density_kg_m3 = 1000.0
-c_p_m_s = 1500.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 1.0
-[load]
-peak_Pa = 100.0
-footprint = { shape = "gaussian", fwhm_mm = 10.0 }
-[load.modulation]
-kind = "SM-STM"
-path = { shape = "line", from_mm = [-75.0, 0.0], to_mm = [85.0, 0.0] }
-speed_m_s = 7.0
-speed_deviation_m_s = 2.0
-sm_frequency_Hz = 200.0
-am_frequency_Hz = 200.0
-[domain]
-extent_mm = [300.0, 162.0]
-spacing_mm = 2.5
-[time]
-duration_ms = 14.0
-output_interval_us = 100.0
-[solver]
-engine = "layered"
-[measure]
-at_ms = 14.0
-settled_after_ms = 4.0
-[sweep]
-"load.modulation.speed_m_s" = [4.0, 7.0]
-"""
+SPEED_SWEEP = {
+    "medium": {"base": "half-space", "layer": [{"density_kg_m3": 1000.0, "c_p_m_s": 1500.0, "c_s_m_s": 5.0, "viscosity_Pa_s": 1.0}]},
+    "domain": {"extent_mm": [300.0, 162.0], "spacing_mm": 2.5}, "time": {"duration_ms": 14.0, "output_interval_us": 100.0},
+    "solver": {"engine": "layered"}, "measure": {"at_ms": 14.0, "settled_after_ms": 4.0}}
+SM = {"kind": "SM-STM", "speed_deviation_m_s": 2.0, "sm_frequency_Hz": 200.0}
+
+
+def speed_sweep(modulation, sweep, **tables):
+    path = {"shape": "line", "from_mm": [-75.0, 0.0], "to_mm": [85.0, 0.0]}
+    load = {"peak_Pa": 100.0, "footprint": gaussian(10.0), "modulation": {"path": path, "speed_m_s": 7.0, **modulation}}
+    return job_text("rows", **SPEED_SWEEP, load=load, sweep={"load.modulation.speed_m_s": [4.0, 7.0], **sweep}, **tables)
 
 
 FROZEN = json.loads((ROOT / "tests" / "data" / "studies" / "optimise.json").read_text(encoding="utf-8"))["studies"]
@@ -109,15 +83,13 @@ class Optimise(ProgramTest):
         self.write_job(changed(*changes, text=STEADY))
 
     def rows(self, out="out/best.optimise"):
-        with open(self.folder / out / "optimise" / "table.csv", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = read_csv(self.folder / out / "optimise" / "table.csv")
         names = list(rows[0])
         numbers = names[names.index("strength_at_least_1"):names.index("valid")]
         return [{k: float(v) if v and k in numbers else v for k, v in row.items()} for row in rows]
 
     def verify(self, out="out/best.optimise"):
-        return subprocess.run([sys.executable, ROOT / "scripts" / "verify_certificate.py", self.folder / out],
-                              capture_output=True, text=True, check=False)
+        return self.call(sys.executable, ROOT / "scripts" / "verify_certificate.py", self.folder / out, expect=None, env=None)
 
     def check_rows(self, rows):
         for row in rows:
@@ -135,17 +107,14 @@ class Optimise(ProgramTest):
         """The written job of each optimum reproduces it."""
         for n, row in enumerate(rows):
             job = self.folder / out / "optimise" / f"{row['case']}.strength-{row['strength_at_least_1']:g}.{kind}job.toml"
-            self.shearwake("run", job, "--out", f"job-{kind}{n}", "--quiet")
-            self.shearwake("reduce", f"job-{kind}{n}")
-            with open(self.folder / f"job-{kind}{n}/tables/best-optimum.csv", encoding="utf-8") as file:
-                [again] = list(csv.DictReader(file))
+            [again] = self.reduced(f"job-{kind}{n}", job=job)
             # Both are the same case but for the rounding of units.
             self.assertLess(abs(float(again["eta_period_1"]) / row[column] - 1.0), 1e-6)
 
     def test_a_steady_optimum_is_reproduced_exported_and_below_a_verified_bound(self):
         self.job()
-        said = self.shearwake("optimise", "job.toml", ranks=2).said
-        self.says(said, "[1/4] comparison with SM-STM", "[4/4] cases of the results", "best AM-STM | best SM-STM | optimum | upper bound", "optima: ")
+        output = self.shearwake("optimise", "job.toml", ranks=2).output
+        self.contains(output, "[1/4] comparison with SM-STM", "[4/4] cases of the results", "best AM-STM | best SM-STM | optimum | upper bound", "optima: ")
         rows = self.rows()
         self.check_rows(rows)
         self.assertEqual([row["strength_at_least_1"] for row in rows], [0.7, 0.9])
@@ -167,7 +136,7 @@ class Optimise(ProgramTest):
             path.write_text(json.dumps(optimum), encoding="utf-8")
             refused = self.verify()
             self.assertEqual(refused.returncode, 1)
-            self.says(refused.stdout, reason, "table.csv has")
+            self.contains(refused.stdout, reason, "table.csv has")
         path.write_text(text, encoding="utf-8")
 
     def check_report(self):
@@ -179,8 +148,7 @@ class Optimise(ProgramTest):
         figures = {path.name for path in report.rglob("*.png")}
         self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png",
                               "optimise_mean.png", "optimise_path.png"}, figures)
-        self.says(page, "upper bound", "verify_certificate.py",
-                  "<h3>Uniformity along the path</h3>")
+        self.contains(page, "upper bound", "verify_certificate.py", "<h3>Uniformity along the path</h3>")
 
     def drawn(self, out, name):
         """The uniformity of each case of an output folder, from the time mean of u^2 of its file: {case: uniformity}."""
@@ -221,14 +189,13 @@ class Optimise(ProgramTest):
     def test_a_uniformity_that_no_envelope_reaches_is_rejected(self):
         # The rms falls at the ends of a line.
         self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 4\nuniformity = 1.0"))
-        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "no envelope was found", "optimise.uniformity = 1",
-                  "the unmodulated load has a uniformity of 0.")
+        self.contains(self.shearwake("optimise", "job.toml", expect=3).output, "no envelope was found", "optimise.uniformity = 1",
+                      "the unmodulated load has a uniformity of 0.")
 
     def check_waveform(self, row):
         """The waveform has the levels of the optimum, and its TOML gives the eta of the exported case."""
         stem = self.folder / "out/best.optimise/optimise" / f"{row['case']}.strength-0.7"
-        with open(f"{stem}.csv", encoding="utf-8") as file:
-            updates = list(csv.DictReader(file))
+        updates = read_csv(f"{stem}.csv")
         levels = [int(u["level"]) for u in updates]
         self.assertTrue(0 <= min(levels) and max(levels) == 63)
         self.assertEqual(len(updates), 2800 // 140)
@@ -245,10 +212,7 @@ class Optimise(ProgramTest):
         # The table in another job.
         envelope = Path(f"{stem}.toml").read_text(encoding="utf-8")
         self.job(("[domain]", envelope + "[domain]"))
-        self.shearwake("run", "job.toml", "--out", "again")
-        self.shearwake("reduce", "again")
-        with open(self.folder / "again/tables/best.csv", encoding="utf-8") as file:
-            [again] = list(csv.DictReader(file))
+        [again] = self.reduced("again")
         self.assertAlmostEqual(float(again["eta_period_1"]), row["eta_exported_1"], delta=1e-9)
 
     def test_a_transient_optimum_is_reproduced_and_a_study_is_resumed(self):
@@ -260,15 +224,15 @@ class Optimise(ProgramTest):
         out = self.folder / "out/best.optimise"
         # The fields of the knots are no longer needed, and nothing is computed again.
         self.assertEqual(len(list(out.glob("optimise/*.forms.json"))), 1)
-        said = self.shearwake("optimise", "job.toml").said
-        self.says(said, "0 computed now")
+        output = self.shearwake("optimise", "job.toml").output
+        self.contains(output, "0 computed now")
         self.assertEqual(self.rows(), rows)
         # Without one optimum, only this one is searched again; the result is the same.
         next(out.glob("optimise/*.strength-0.9.json")).unlink()
         self.shearwake("optimise", "job.toml", "--quiet")
         self.assertEqual(self.rows(), rows)
-        self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
-                  "contains the optima of another job")
+        self.contains(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).output,
+                      "contains the optima of another job")
         self.check_damage(out)
 
     def check_damage(self, out):
@@ -277,7 +241,7 @@ class Optimise(ProgramTest):
             text = path.read_text(encoding="utf-8")
             place = text.index("0.") + 2
             path.write_text(text[:place] + str((int(text[place]) + 1) % 10) + text[place + 1:], encoding="utf-8")
-            self.says(self.shearwake("optimise", "job.toml", "--quiet", expect=6).said, f"{path.name} is damaged", "remove it")
+            self.contains(self.shearwake("optimise", "job.toml", "--quiet", expect=6).output, f"{path.name} is damaged", "remove it")
             path.write_text(text, encoding="utf-8")
         # Forms with a valid checksum that are not those of the cases.
         [path], table = out.glob("optimise/*.forms.json"), (out / "optimise/table.csv").read_text(encoding="utf-8")
@@ -285,7 +249,7 @@ class Optimise(ProgramTest):
         path.write_text(sealed({**forms, "numerator": (1.1 * np.array(forms["numerator"])).tolist()}), encoding="utf-8")
         for optimum in out.glob("optimise/*.strength-*.json"):
             optimum.unlink()
-        self.says(self.shearwake("optimise", "job.toml", "--quiet", expect=6).said, "by its quadratic forms", "no table is written")
+        self.contains(self.shearwake("optimise", "job.toml", "--quiet", expect=6).output, "by its quadratic forms", "no table is written")
         self.assertEqual((out / "optimise/table.csv").read_text(encoding="utf-8"), table)
 
     def test_a_second_study_in_the_same_folder_is_refused_while_the_first_is_active(self):
@@ -293,25 +257,25 @@ class Optimise(ProgramTest):
         self.shearwake("optimise", "job.toml", "--quiet")
         with open(self.folder / "out/best.optimise/optimise/locks/folder", "a", encoding="utf-8") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            second = self.shearwake("optimise", "job.toml", expect=2).said
-        self.says(second, "another optimise is active in out/best.optimise")
+            second = self.shearwake("optimise", "job.toml", expect=2).output
+        self.contains(second, "another optimise is active in out/best.optimise")
         self.assertEqual(len(second.strip().splitlines()), 1)
         self.shearwake("optimise", "job.toml", "--quiet")
 
     def test_an_interrupt_ends_the_search_and_its_processes(self):
         self.job(PLAIN, ("starts = 4", "starts = 10000"))
         process = self.start("optimise", "job.toml")
-        said = ""
-        while "[3/4]" not in said:
+        output = ""
+        while "[3/4]" not in output:
             line = process.stdout.readline()
-            self.assertTrue(line, said)
-            said += line
+            self.assertTrue(line, output)
+            output += line
         self.wait_for(lambda: len(descendants(process.pid)) >= 2, "the module and its worker")
         pids = descendants(process.pid)
         os.killpg(process.pid, signal.SIGINT)
-        said, _ = process.communicate(timeout=PATIENCE_s)
+        output, _ = process.communicate(timeout=PATIENCE_s)
         self.assertEqual(process.returncode, 75)
-        self.says(said, "the search was stopped", "shearwake optimise job.toml")
+        self.contains(output, "the search was stopped", "shearwake optimise job.toml")
         self.wait_for(lambda: not any(map(alive, pids)), "the module to end")
 
     def test_an_optimum_is_not_valid_if_its_waves_return(self):
@@ -376,8 +340,7 @@ class Optimise(ProgramTest):
     def test_an_optimum_is_computed_in_other_tissues(self):
         self.job(PLAIN, ONE, ("starts = 4", "starts = 4\nrobust_to = 0.2"))
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
-        with open(self.folder / "out/best.optimise/optimise/robustness.csv", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = read_csv(self.folder / "out/best.optimise/optimise/robustness.csv")
         self.assertEqual(len(rows), 10)
         self.assertEqual({row["difference"] for row in rows if "," not in row["difference"]},
                          {f"{what} {sign}20 %" for what in ("c_s", "viscosity", "speed") for sign in "+-"})
@@ -387,32 +350,24 @@ class Optimise(ProgramTest):
         knots = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.forms.json")).read_text())["knots"]
         self.job(PLAIN, ("c_s_m_s = 5.0", "c_s_m_s = 6.0"), ("[domain]", '[[load.modulation.envelope]]\nshape = "samples"\n'
                  f'interval_us = {1e6 * knots["interval_s"]!r}\nrepeat = true\nvalues = [{values}]\n[domain]'))
-        self.shearwake("run", "job.toml", "--out", "stiffer")
-        self.shearwake("reduce", "stiffer")
-        with open(self.folder / "stiffer/tables/best.csv", encoding="utf-8") as file:
-            [stiffer] = list(csv.DictReader(file))
+        [stiffer] = self.reduced("stiffer")
         [row] = [row for row in rows if row["difference"] == "c_s +20 %"]
         self.assertAlmostEqual(float(row["eta_found_1"]), float(stiffer["eta_period_1"]), delta=1e-9)
 
     @pytest.mark.long
     def test_no_modulation_of_a_sweep_exceeds_the_bound_of_its_path_and_strength(self):
-        self.write_job("schema = 1\n" + ROWS + '"load.modulation.kind" = ["SM-STM", "AM-STM"]\n'
-                       'zip = [ { "load.modulation.am_frequency_Hz" = [100, 400], "load.modulation.sm_frequency_Hz" = [100, 400] } ]\n'
-                       '[table]\nx = "load.modulation.speed_m_s"\nreference = { kind = "STM" }\n')
-        self.shearwake("run", "job.toml", "--out", "rows", ranks=2)
-        self.shearwake("reduce", "rows")
+        together = {f"load.modulation.{kind}_frequency_Hz": [100, 400] for kind in ("am", "sm")}
+        self.write_job(speed_sweep({**SM, "am_frequency_Hz": 200.0}, {"load.modulation.kind": ["SM-STM", "AM-STM"], "zip": [together]},
+                                   table={"x": "load.modulation.speed_m_s", "reference": {"kind": "STM"}}))
+        self.reduced("rows", ranks=2)
         # For AM-STM the path is that of plain STM; the envelope of SM-STM is constant on its own path.
-        plain = re.sub(r"(speed_deviation_m_s|[as]m_frequency_Hz) = .*\n", "", ROWS).replace("SM-STM", "STM")
-        self.write_job("schema = 1\n" + plain +
-                       "[optimise]\nstrength_at_least = [0.5, 0.6, 0.7, 1.0]\nstarts = 2\nknot_us = 500.0\n")
+        self.write_job(speed_sweep({"kind": "STM"}, {}, optimise={"strength_at_least": [0.5, 0.6, 0.7, 1.0], "starts": 2, "knot_us": 500.0}))
         self.shearwake("optimise", "job.toml", "--quiet", "--out", "plain", ranks=2)
-        self.write_job("schema = 1\n" + ROWS.replace("am_frequency_Hz = 200.0\n", "") + '"load.modulation.sm_frequency_Hz" = [100, 400]\n'
-                       "[optimise]\nstrength_at_least = [1.0]\nstarts = 2\nknot_us = 1000.0\n")
+        self.write_job(speed_sweep(SM, {"load.modulation.sm_frequency_Hz": [100, 400]},
+                                   optimise={"strength_at_least": [1.0], "starts": 2, "knot_us": 1000.0}))
         self.shearwake("optimise", "job.toml", "--quiet", "--out", "sm", ranks=2)
-        compared = subprocess.run([sys.executable, ROOT / "scripts" / "compare_with_bounds.py", "rows/tables/rows.csv", "plain", "sm"],
-                                  capture_output=True, text=True, check=False, cwd=self.folder)
-        self.assertEqual(compared.returncode, 0, compared.stdout + compared.stderr)
-        self.says(compared.stdout, "10 rows: 0 exceed")
+        compared = self.call(sys.executable, ROOT / "scripts" / "compare_with_bounds.py", "rows/tables/rows.csv", "plain", "sm", env=None)
+        self.contains(compared.stdout, "10 rows: 0 exceed")
 
     def test_bounds_are_those_of_the_stored_table_and_optima_are_not_lower(self):
         self.check_frozen("bounds-sm")
@@ -444,7 +399,7 @@ class Optimise(ProgramTest):
 
     def test_jobs_that_cannot_be_optimised_are_rejected(self):
         self.job((STEADY[STEADY.index("[optimise]"):], ""))
-        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has no table [optimise]")
+        self.contains(self.shearwake("optimise", "job.toml", expect=3).output, "has no table [optimise]")
         self.shearwake("check", "job.toml")
         knots = "knot_us = 500.0"
         for old, new, *says in (
@@ -458,8 +413,8 @@ class Optimise(ProgramTest):
             with self.subTest(new=new):
                 self.job((old, new), *([(knots, knots + '\nover = ["envelope", "size"]')] if "LM" in new else []))
                 for command in ("optimise", "check"):  # the same error
-                    self.says(self.shearwake(command, "job.toml", expect=3).said, *says)
+                    self.contains(self.shearwake(command, "job.toml", expect=3).output, *says)
         self.job((knots, knots + '\nover = ["speed"]'))
-        self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
+        self.contains(self.shearwake("check", "job.toml", expect=3).output, 'must contain "envelope"')
         self.job((knots, "knots_us = 500.0"))
-        self.says(self.shearwake("check", "job.toml", expect=3).said, "knot_us")
+        self.contains(self.shearwake("check", "job.toml", expect=3).output, "knot_us")

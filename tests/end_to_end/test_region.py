@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """measure.region_mm with every engine and in both regimes, and what the table says about the steady state."""
-import csv
-
 import h5py
 import numpy as np
 
-from program import ProgramTest, SWEEP, case_files, without_reference
+from program import SWEEP, ProgramTest, case_files, read_csv, without_reference
 
 REGION = ("settled_after_ms = 1.0", "settled_after_ms = 1.0\nregion_mm = [29.3, 20.3]\nregion_center_mm = [4.0, -3.0]")
 ONE_CASE = (f"\n[sweep]\n{SWEEP}\n", "")
@@ -28,8 +26,7 @@ def inside(at, middle, width):
 
 class RegionTest(ProgramTest):
     def table(self, name="small"):
-        with open(self.folder / "out" / name / "tables" / f"{name}.csv", encoding="utf-8") as file:
-            return next(csv.DictReader(file))
+        return read_csv(self.folder / "out" / name / "tables" / f"{name}.csv")[0]
 
     def test_every_engine_measures_within_the_stated_region(self):
         for engine, keys in ENGINES.items():
@@ -54,8 +51,7 @@ class RegionTest(ProgramTest):
 
     def test_the_steady_state_is_measured_around_the_path_and_states_its_energies(self):
         self.write_job(without_reference(*STEADY, ONE_CASE, ("frames = true\n", ""), ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", "out/small")
+        self.reduced(self.out)
         row = self.table()
         self.assertGreater(float(row["region_mm2"]), 0.0)
         work, absorbed, radiated = (float(row[f"period_{what}_uJ"]) for what in ("work", "absorbed", "radiated"))

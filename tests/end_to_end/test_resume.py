@@ -20,8 +20,7 @@ class Resume(ProgramTest):
 
     def assert_finishes_as_if_undisturbed(self):
         there = len(case_files(self.out))
-        said = self.shearwake("run", "job.toml").said
-        self.says(said, f"{there} already complete", f"{12 - there} computed now")
+        self.contains(self.shearwake("run", "job.toml").output, f"{there} already complete", f"{12 - there} computed now")
         self.assertEqual(list(self.out.rglob("*.part")), [])
         whole = self.folder / "whole"
         self.shearwake("run", "job.toml", "--out", whole)
@@ -33,7 +32,7 @@ class Resume(ProgramTest):
         self.kill(self.start_and_stop("run", "job.toml"))
         self.assertEqual(len(case_files(self.out)), 1)
         self.assert_undamaged()
-        self.says(self.shearwake("status", self.out).said, "1 done", "0 running", "next: shearwake run")
+        self.contains(self.shearwake("status", self.out).output, "1 done", "0 running", "next: shearwake run")
         self.assert_finishes_as_if_undisturbed()
 
     def test_a_run_killed_on_two_ranks_is_resumed(self):
@@ -59,22 +58,22 @@ class Resume(ProgramTest):
                 there = len(case_files(self.out))
                 process = self.start_and_stop("run", "job.toml")
                 self.signal_and_continue(process, kind)
-                said = process.communicate(timeout=PATIENCE_s)[0]
-                self.assertEqual(process.returncode, 75, said)
-                self.says(said, "stopped early", "next: shearwake run job.toml")
+                output = process.communicate(timeout=PATIENCE_s)[0]
+                self.assertEqual(process.returncode, 75, output)
+                self.contains(output, "stopped early", "next: shearwake run job.toml")
                 self.assertEqual(len(case_files(self.out)), there + 2)
                 self.assertEqual(len(case_files(self.out)), len(set(started(self.out))))
                 self.assertEqual(journal(self.out)[-1]["how"], "stopped")
                 self.assertEqual(list(self.out.rglob("*.part")), [])
-                self.says(self.shearwake("status", self.out).said, "0 running", "0 failed")
+                self.contains(self.shearwake("status", self.out).output, "0 running", "0 failed")
         self.assert_finishes_as_if_undisturbed()
 
     def test_a_stopped_run_prints_the_command_that_resumes_it(self):
         process = self.start_and_stop("run", "job.toml", "--out", "else where", "-S", "load.peak_Pa=20")
         self.signal_and_continue(process, signal.SIGTERM)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
-        self.says(said, "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
+        self.contains(output, "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
 
     def test_a_second_signal_ends_a_run_immediately(self):
         process = self.start_and_stop("run", "job.toml")
@@ -90,6 +89,6 @@ class Resume(ProgramTest):
         part.write_bytes(b"half")
         with open(next(self.out.glob("journal*")), "a", encoding="utf-8") as file:
             file.write('{"event":"star')  # truncated, without an end of line
-        self.says(self.shearwake("run", "job.toml", "--only", ids[2]).said, "1 computed now")
+        self.contains(self.shearwake("run", "job.toml", "--only", ids[2]).output, "1 computed now")
         self.assertFalse(part.exists())
-        self.says(self.shearwake("run", "job.toml", "--only", ids[0]).said, "1 already complete")
+        self.contains(self.shearwake("run", "job.toml", "--only", ids[0]).output, "1 already complete")

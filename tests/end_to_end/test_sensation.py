@@ -1,33 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Levels of sensation of short runs, and their search with adaptive axes."""
 
-from program import ProgramTest, table
+from program import ProgramTest, gaussian, job_text
 
-AT_REST = """\
-schema = 1
-[job]
-name = "small"
-[medium]
-base = "rigid"
-[[medium.layer]]
-preset = "palm"
-[load]
-peak_Pa = 125.0
-footprint = {{ shape = "gaussian", fwhm_mm = 8.5 }}
-[load.modulation]
-kind = "AM"
-am_frequency_Hz = 200.0
-[domain]
-extent_mm = [96.0, 96.0]
-spacing_mm = 2.0
-edges = "open"
-[time]
-{time}
-[solver]
-engine = "layered"
-"""
-PERIODIC = AT_REST.format(time='regime = "periodic"\noutput_interval_us = 250.0')
-SHORT = AT_REST.format(time="duration_ms = 14.0\noutput_interval_us = 50.0") + "[measure]\nsensation = true\n"
+AT_REST = {"medium": {"base": "rigid", "layer": [{"preset": "palm"}]},
+           "load": {"peak_Pa": 125.0, "footprint": gaussian(8.5), "modulation": {"kind": "AM", "am_frequency_Hz": 200.0}},
+           "domain": {"extent_mm": [96.0, 96.0], "spacing_mm": 2.0, "edges": "open"}}
+PERIODIC = job_text(**AT_REST, time={"regime": "periodic", "output_interval_us": 250.0})
+SHORT = job_text(**AT_REST, time={"duration_ms": 14.0, "output_interval_us": 50.0}, measure={"sensation": True})
 FREQUENCY = '"load.modulation.am_frequency_Hz"'
 
 
@@ -38,9 +18,7 @@ def felt(row):
 class Levels(ProgramTest):
     def rows(self, job, out):
         self.write_job(job)
-        self.shearwake("run", "job.toml", "--out", out, "--quiet", ranks=2)
-        self.shearwake("reduce", out)
-        return table(self.folder / out)
+        return self.reduced(out, ranks=2)
 
     def test_a_window_of_whole_periods_has_the_level_of_the_steady_state(self):
         swept = f"[sweep]\n{FREQUENCY} = [100, 200, 400]\n"
@@ -52,7 +30,7 @@ class Levels(ProgramTest):
 
     def test_a_window_that_is_too_short_has_no_level_and_check_warns(self):
         self.write_job(SHORT + f"[sweep]\n{FREQUENCY} = [50, 60]\n")
-        self.says(self.shearwake("check", "job.toml").said, "measure.sensation: the columns felt_* will be empty: AM at 50 Hz needs 20 ms")
+        self.contains(self.shearwake("check", "job.toml").output, "measure.sensation: the columns felt_* will be empty: AM at 50 Hz needs 20 ms")
         for row, frequency_Hz in zip(self.rows(SHORT + f"[sweep]\n{FREQUENCY} = [50, 60]\n", "short"), (50, 60), strict=True):
             self.assertEqual(len(felt(row)), 13)
             self.assertEqual(set(felt(row).values()), {""})

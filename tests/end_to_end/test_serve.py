@@ -162,7 +162,7 @@ samples = 2
         with Server() as server:
             message, _ = server.compute(job)
         self.assertEqual((message["type"], message["code"]), ("error", "bad_job"))
-        for output in (message["message"], self.shearwake("run", self.write_job(job), expect=3).said):
+        for output in (message["message"], self.shearwake("run", self.write_job(job), expect=3).output):
             self.assertIn("case files can store at most 60 kB", output)
 
     def test_hostile_requests_have_clear_errors_and_the_process_survives(self):

@@ -7,8 +7,7 @@ from program import ROOT, ProgramTest
 class ShowModulation(ProgramTest):
     def test_a_job_is_drawn(self):
         self.write_job()
-        said = self.shearwake("show", "--modulation", "job.toml").said
-        self.says(said, "picture: job.modulation.png")
+        self.contains(self.shearwake("show", "--modulation", "job.toml").output, "picture: job.modulation.png")
         picture = (self.folder / "job.modulation.png").read_bytes()
         self.assertTrue(picture.startswith(b"\x89PNG"))
         self.assertLess(len(picture), 60_000)  # small enough for the documentation
@@ -16,14 +15,13 @@ class ShowModulation(ProgramTest):
 
     def test_the_extension_determines_the_format_of_a_picture(self):
         self.write_job()
-        self.shearwake("show", "--modulation", "job.toml", "--picture", "m.svg",
-                       "-S", "load.modulation.speed_m_s=3", ranks=2)
+        self.shearwake("show", "--modulation", "job.toml", "--picture", "m.svg", "-S", "load.modulation.speed_m_s=3", ranks=2)
         self.assertIn("<svg", (self.folder / "m.svg").read_text(encoding="utf-8"))
 
     def test_an_override_that_has_no_effect_is_reported(self):
         self.write_job()
-        said = self.shearwake("show", "--modulation", "job.toml", "-S", "load.modulation.am_frequency_Hz=730").said
-        self.says(said, "load.modulation.am_frequency_Hz is swept, so this override has no effect")
+        output = self.shearwake("show", "--modulation", "job.toml", "-S", "load.modulation.am_frequency_Hz=730").output
+        self.contains(output, "load.modulation.am_frequency_Hz is swept, so this override has no effect")
 
     def test_moving_and_drawing_pointers_can_be_drawn(self):
         for job in ("fig2.4.toml", "pointers.toml"):
@@ -32,7 +30,6 @@ class ShowModulation(ProgramTest):
 
     def test_errors_are_reported(self):
         self.write_job()
-        said = self.shearwake("show", "--modulation", "job.toml", "--picture", "no/such/m.png",
-                              expect=6).said
-        self.says(said, "cannot write", "use --picture to choose another folder")
-        self.says(self.shearwake("show", expect=2).said, "--modulation")
+        output = self.shearwake("show", "--modulation", "job.toml", "--picture", "no/such/m.png", expect=6).output
+        self.contains(output, "cannot write", "use --picture to choose another folder")
+        self.contains(self.shearwake("show", expect=2).output, "--modulation")

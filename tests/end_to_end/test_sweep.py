@@ -40,40 +40,38 @@ class Sweep(ProgramTest):
 
     def test_all_commands_in_turn(self):
         self.write_job()
-        said = self.shearwake("check", "job.toml").said
-        self.says(said, "4 cases", "no errors")
-        listed = re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml").said)
+        output = self.shearwake("check", "job.toml").output
+        self.contains(output, "4 cases", "no errors")
+        listed = re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml").output)
         self.assertEqual(len(listed), 4)
 
-        said = self.shearwake("run", "job.toml").said
-        self.says(said, "4 computed now", "shearwake reduce out/small")
+        output = self.shearwake("run", "job.toml").output
+        self.contains(output, "4 computed now", "shearwake reduce out/small")
         self.assertEqual(sorted(plan_ids(self.out)), sorted(listed))
         self.assertEqual([path.stem for path in case_files(self.out)], sorted(listed))
         self.assertEqual((self.out / "job.toml").read_text(encoding="utf-8"), JOB)
         self.assertEqual(list(self.out.rglob("*.part")), [])
 
         before = {path: path.stat().st_mtime_ns for path in case_files(self.out)}
-        said = self.shearwake("run", "job.toml").said
-        self.says(said, "0 computed now", "4 already complete")
+        output = self.shearwake("run", "job.toml").output
+        self.contains(output, "0 computed now", "4 already complete")
         self.assertEqual(sorted(started(self.out)), sorted(listed), "a complete case was started again")
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in case_files(self.out)})
 
-        self.says(self.shearwake("status", self.out).said, "4 done", "0 failed", "reduce")
-        said = self.shearwake("reduce", self.out).said
-        self.says(said, "4 cases: 4 complete", "small.csv", "small.md")
+        self.contains(self.shearwake("status", self.out).output, "4 done", "0 failed", "reduce")
+        output = self.shearwake("reduce", self.out).output
+        self.contains(output, "4 cases: 4 complete", "small.csv", "small.md")
         rows = table(self.out)
         self.assertEqual([row["id"] for row in rows], plan_ids(self.out))
-        self.assertEqual([row["load.modulation.am_frequency_Hz"] for row in rows],
-                         ["400", "500", "1000", ""])
+        self.assertEqual([row["load.modulation.am_frequency_Hz"] for row in rows], ["400", "500", "1000", ""])
         for column in ("eta_at_1", "eta_period_1", "ipr_at_1", "ipr_abs_period_mm2",
                        "participation_period_mm2", "peak_um", "focal_rms_um", "impulse_mN_ms",
                        "peak_frequency_Hz", "rms_40_400_um", "mach_angle_deg", "status", "note"):
             self.assertIn(column, rows[0])
         self.assertEqual({row["status"] for row in rows}, {"complete"})
 
-        said = self.shearwake("show", self.out / "cases" / f"{plan_ids(self.out)[0]}.h5").said
-        self.says(said, plan_ids(self.out)[0], "a small sweep, \u03b7", "complete", "eta_at_1",
-                  "am_frequency_Hz")
+        output = self.shearwake("show", self.out / "cases" / f"{plan_ids(self.out)[0]}.h5").output
+        self.contains(output, plan_ids(self.out)[0], "a small sweep, \u03b7", "complete", "eta_at_1", "am_frequency_Hz")
 
     def test_results_do_not_depend_on_the_number_of_ranks(self):
         self.write_job()
@@ -82,8 +80,7 @@ class Sweep(ProgramTest):
         self.shearwake("reduce", one)
         for ranks, teams in ((2, 2), (3, 3)):
             out = self.folder / "out" / f"{ranks}-{teams}"
-            self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", teams, ranks=ranks)
-            self.shearwake("reduce", out)
+            self.reduced(out, "--ranks-per-case", teams, ranks=ranks)
             assert_same_table(self, table(one), table(out))
             self.assertEqual({path.stem for path in case_files(out)}, set(first))
             for path in case_files(out):
@@ -99,8 +96,7 @@ class Sweep(ProgramTest):
                     if is_literal_ipr(name):
                         scale, here, values = map(numpy.sqrt, (scale, here, values))
                     largest = numpy.nanmax(numpy.abs(scale), initial=0.0)
-                    numpy.testing.assert_allclose(here, values, rtol=0.0, atol=tolerance * largest,
-                                                  err_msg=name)
+                    numpy.testing.assert_allclose(here, values, rtol=0.0, atol=tolerance * largest, err_msg=name)
                 self.assertTrue(numpy.isfinite(other["surface/u_z"]).all())
 
     def test_the_same_job_gives_identical_numbers(self):
@@ -124,8 +120,7 @@ class Sweep(ProgramTest):
                     for name, variable in data.variables.items():
                         self.assertTrue(variable.attrs.get("long_name"), name)
                         # xarray converts times according to their units.
-                        self.assertTrue(variable.attrs.get("units") or
-                                        variable.encoding.get("units"), name)
+                        self.assertTrue(variable.attrs.get("units") or variable.encoding.get("units"), name)
             with xarray.open_dataset(path, group="surface") as data:
                 self.assertEqual(data["u_z"].dims, ("time", "depth", "x", "y"))
                 self.assertEqual(data["u_z"].shape, (40, 1, data.x.size, data.y.size))
@@ -145,8 +140,7 @@ class Sweep(ProgramTest):
         for path in case_files(out):
             with h5py.File(path) as file:
                 attributes = dict(file.attrs)
-            text = {key: value.decode() if isinstance(value, bytes) else value
-                    for key, value in attributes.items()}
+            text = {key: value.decode() if isinstance(value, bytes) else value for key, value in attributes.items()}
             for name in PROVENANCE:
                 self.assertIn(name, text)
                 self.assertNotEqual(text[name], "", name)
@@ -164,13 +158,13 @@ class Sweep(ProgramTest):
     def test_long_plans_are_summarised(self):
         self.write_job(changed(("[400, 500, 1000]", "{ linspace = [300, 1000, 40] }")))
         self.shearwake("run", "job.toml", "-S", 'sweep."load.modulation.am_frequency_Hz"=[400]', "--out", "rate", "--quiet")
-        short = self.shearwake("plan", "job.toml", "-n", 2).said
+        short = self.shearwake("plan", "job.toml", "-n", 2).output
         listed = re.findall(r"(?m)^([0-9a-f]{16}) ", short)
         self.assertEqual((len(listed), len(set(listed))), (20, 20), short)
-        self.says(short, "26 further cases", "--all lists every case")
+        self.contains(short, "26 further cases", "--all lists every case")
         self.assertRegex(short, r"41 cases on 2 ranks \(.*\): \S+ core hours, about (\S+ s|\d+ h \d\d min) of wall time, "
                                 r"at most \d+ MB per rank, \S+ MB on disk\n")
-        self.assertEqual(len(re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml", "--all").said)), 41)
+        self.assertEqual(len(re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml", "--all").output)), 41)
 
     def test_a_terminal_shows_a_bar_and_a_file_shows_lines(self):
         self.write_job()
@@ -186,7 +180,7 @@ class Sweep(ProgramTest):
             self.assertEqual(done.wait(timeout=PATIENCE_s), 0, shown)
         self.assertRegex(shown.decode(), r"\r\x1b\[K\[#{20}\] 100 % 4/4 cases done, 0 running, 0 failed")
         lines = self.shearwake("run", "job.toml", "--out", "again").stderr
-        self.says(lines, "4/4 cases done, 0 running, 0 failed")
+        self.contains(lines, "4/4 cases done, 0 running, 0 failed")
         for sign in ("\r", "\x1b", "#"):
             self.assertNotIn(sign, lines)
 
@@ -226,7 +220,7 @@ class Sweep(ProgramTest):
         found = status()
         self.assertEqual((found["done"], found["running"], found["state"]), (0, 1, "running"))
         self.assertGreater(found["seconds_left"], 0.0)
-        self.says(self.shearwake("status", self.out).said, "remaining: about", "the running case is", "% complete")
+        self.contains(self.shearwake("status", self.out).output, "remaining: about", "the running case is", "% complete")
         os.killpg(run.pid, signal.SIGKILL)  # which leaves the record of the progress
         run.wait()
         killed = status()
@@ -239,28 +233,28 @@ class Sweep(ProgramTest):
             ("[load]\n", body), ('engine = "layered"', 'engine = "spectral"'),
             (SWEEP, '"medium.body[1].c_s_m_s" = [6, 7]\n"medium.layer[1].c_s_m_s" = [4, 5]\n"load.peak_Pa" = [10, 20]'),
             ('x = "load.modulation.am_frequency_Hz"\n', "")))
-        self.says(self.shearwake("plan", "job.toml").said,
-                  "medium.body[1].c_s_m_s = 6, medium.layer[1].c_s_m_s = 4, peak_Pa = 10")
+        self.contains(self.shearwake("plan", "job.toml").output,
+                      "medium.body[1].c_s_m_s = 6, medium.layer[1].c_s_m_s = 4, peak_Pa = 10")
 
     def test_quiet_prints_only_errors(self):
         self.write_job()
-        self.assertEqual(self.shearwake("run", "job.toml", "--quiet", ranks=2).said, "")
-        self.assertEqual(self.shearwake("verify", self.out, "--quiet").said, "")
-        self.says(self.shearwake("run", "job.toml", "--quiet", "-S", "load.peak_Pa=1e200", "--out", "bad", expect=4).said,
-                  "failed")
+        self.assertEqual(self.shearwake("run", "job.toml", "--quiet", ranks=2).output, "")
+        self.assertEqual(self.shearwake("verify", self.out, "--quiet").output, "")
+        self.contains(self.shearwake("run", "job.toml", "--quiet", "-S", "load.peak_Pa=1e200", "--out", "bad", expect=4).output,
+                      "failed")
 
     def test_messages_are_printed_by_one_rank(self):
         self.write_job()
         for name in ("check", "plan", "run"):
-            said = self.shearwake(name, "job.toml", ranks=2).said
-            lines = [line for line in said.splitlines() if len(line) > 20]
-            self.assertEqual(len(lines), len(set(lines)), said)
+            output = self.shearwake(name, "job.toml", ranks=2).output
+            lines = [line for line in output.splitlines() if len(line) > 20]
+            self.assertEqual(len(lines), len(set(lines)), output)
         for name in ("status", "reduce"):
-            said = self.shearwake(name, self.out, ranks=2).said
-            lines = [line for line in said.splitlines() if line]
-            self.assertEqual(len(lines), len(set(lines)), said)
-        said = self.shearwake("check", "nowhere.toml", ranks=2, expect=6).said
-        self.assertEqual(said.count("cannot read"), 1, said)
+            output = self.shearwake(name, self.out, ranks=2).output
+            lines = [line for line in output.splitlines() if line]
+            self.assertEqual(len(lines), len(set(lines)), output)
+        output = self.shearwake("check", "nowhere.toml", ranks=2, expect=6).output
+        self.assertEqual(output.count("cannot read"), 1, output)
 
     def test_the_journal_records_the_run(self):
         self.write_job()

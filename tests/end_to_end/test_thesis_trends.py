@@ -29,9 +29,7 @@ def coarse(job, sweep):
 class ThesisTrends(ProgramTest):
     def rows(self, job, sweep):
         self.write_job(coarse(job, sweep))
-        self.shearwake("run", "job.toml", "--out", "out", ranks=2)
-        self.shearwake("reduce", "out")
-        return table(self.folder / "out")
+        return self.reduced("out", ranks=2)
 
     def frequency_sweep(self, job, key, frequencies):
         key = f"load.modulation.{key}"
@@ -46,8 +44,7 @@ class ThesisTrends(ProgramTest):
     # All time windows are 10 ms long. The compared differences are 1 to 7 % on the fine grid, and this grid is in
     # error by 0.5 %.
     def test_speed_modulation_falls_monotonically_toward_plain_scanning(self):
-        eta, strength = self.frequency_sweep("fig2.4.toml", "sm_frequency_Hz",
-                                             [100, 200, 300, 400, 500, 600])
+        eta, strength = self.frequency_sweep("fig2.4.toml", "sm_frequency_Hz", [100, 200, 300, 400, 500, 600])
         self.assertEqual(eta, sorted(eta, reverse=True))
         self.assertGreater(eta[0], 1.15)
         self.assertAlmostEqual(eta[-1], 1.0, delta=0.01)
@@ -55,8 +52,7 @@ class ThesisTrends(ProgramTest):
             self.assertTrue(0.98 < value < 1.11, value)
 
     def test_amplitude_modulation_rises_and_falls_toward_plain_scanning(self):
-        eta, strength = self.frequency_sweep("fig2.3.toml", "am_frequency_Hz",
-                                             [100, 200, 300, 400, 500, 600, 800])
+        eta, strength = self.frequency_sweep("fig2.3.toml", "am_frequency_Hz", [100, 200, 300, 400, 500, 600, 800])
         self.assertEqual(eta[2:], sorted(eta[2:], reverse=True))  # from 300 Hz on
         self.assertLess(eta[0], eta[1])  # slow modulation resembles plain scanning
         self.assertGreater(eta[-1], 1.0)
@@ -71,10 +67,8 @@ class ThesisTrends(ProgramTest):
         fine = '"domain.spacing_mm" = [0.6, 1.5]'
         self.assertIn(fine, text)
         self.write_job(text.replace(fine, '"domain.spacing_mm" = [1.0, 2.0]'))
-        self.shearwake("run", "job.toml", "--out", "out", ranks=2)
-        self.shearwake("reduce", "out")
-        found = {(row["load.footprint.fwhm_mm"], row["load.modulation.speed_m_s"]): row
-                 for row in table(self.folder / "out")}
+        self.reduced("out", ranks=2)
+        found = {(row["load.footprint.fwhm_mm"], row["load.modulation.speed_m_s"]): row for row in table(self.folder / "out")}
         self.assertEqual(len(found), 10)
         for (width, first_row), band in zip(BLOCKS, ("100_1000", "100_500")):
             frequency, velocity, displacement = printed(first_row)
@@ -84,6 +78,5 @@ class ThesisTrends(ProgramTest):
             for n, row in enumerate(rows):
                 with self.subTest(fwhm_mm=width, speed_m_s=row["load.modulation.speed_m_s"]):
                     self.assertAlmostEqual(peaks[n], frequency[n], delta=0.02 * frequency[n])
-                    for share, name in ((velocity[n], f"velocity_share_{band}_1"),
-                                        (displacement[n], f"share_{band}_1")):
+                    for share, name in ((velocity[n], f"velocity_share_{band}_1"), (displacement[n], f"share_{band}_1")):
                         self.assertAlmostEqual(float(row[name]), share, delta=0.02, msg=name)

@@ -16,10 +16,10 @@ class JobMistakes(ProgramTest):
         self.write_job(text)
         for command in ("check", "run"):
             done = self.shearwake(command, "job.toml", expect=3)
-            self.says(done.said, *words)
-            self.assertNotIn("internal error", done.said)
+            self.contains(done.output, *words)
+            self.assertNotIn("internal error", done.output)
             self.assertFalse(self.out.exists(), "something was made of a bad job")
-        return done.said
+        return done.output
 
     def place(self, text, piece):
         """file:line of a text in the job."""
@@ -27,20 +27,20 @@ class JobMistakes(ProgramTest):
 
     def test_a_misspelled_key_is_reported_with_a_suggestion(self):
         text = changed(("am_frequency_Hz = 500.0", "am_frequncy_Hz = 500.0"))
-        said = self.assert_rejected(text, self.place(text, "am_frequncy_Hz"), "am_frequncy_Hz",
+        output = self.assert_rejected(text, self.place(text, "am_frequncy_Hz"), "am_frequncy_Hz",
                             "did you mean", "am_frequency_Hz")
-        self.assertRegex(said, r"job\.toml:\d+:\d+: ")
+        self.assertRegex(output, r"job\.toml:\d+:\d+: ")
 
     def test_a_frequency_of_zero_is_explained(self):
         text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [0, 400]'))
         self.assert_rejected(text, "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
 
         for kind in ("AM", "DTP"):  # STM cannot replace them
-            said = self.assert_rejected(changed(('kind = "AM-STM"', f'kind = "{kind}"'), (SWEEP, '"load.peak_Pa" = [1, 2]'),
+            output = self.assert_rejected(changed(('kind = "AM-STM"', f'kind = "{kind}"'), (SWEEP, '"load.peak_Pa" = [1, 2]'),
                                                 ('x = "load.modulation.am_frequency_Hz"\n', ""),
                                                 ("am_frequency_Hz = 500.0", "am_frequency_Hz = 0")),
                                         "for a constant amplitude, set am_depth = 0")
-            self.assertNotIn("STM\" instead", said)
+            self.assertNotIn("STM\" instead", output)
 
     def test_decimal_commas_are_recognised(self):
         for old, new, number in (("peak_Pa = 100.0", "peak_Pa = 100,5", "100.5"),
@@ -50,37 +50,35 @@ class JobMistakes(ProgramTest):
             with self.subTest(new):
                 self.assert_rejected(changed((old, new)), "decimal numbers with a point", number)
         self.write_job()
-        self.says(self.shearwake("check", "job.toml", "-S", "load.peak_Pa=1,5", expect=3).said, "1.5 instead of 1,5")
+        self.contains(self.shearwake("check", "job.toml", "-S", "load.peak_Pa=1,5", expect=3).output, "1.5 instead of 1,5")
         self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[1,2] [3,4]]")))
-        self.assertNotIn("decimal", self.shearwake("check", "job.toml", expect=3).said)
+        self.assertNotIn("decimal", self.shearwake("check", "job.toml", expect=3).output)
         for array in ("[64,48 12]", "[64,\n    48,12 10]"):
             self.write_job(changed(("[64.0, 48.0]", array)))
-            said = self.shearwake("check", "job.toml", expect=3).said
-            self.says(said, "not valid TOML")
-            self.assertNotIn("decimal", said)
+            output = self.shearwake("check", "job.toml", expect=3).output
+            self.contains(output, "not valid TOML")
+            self.assertNotIn("decimal", output)
 
     def test_random_bytes_are_reported(self):
         path = self.folder / "noise.toml"
         path.write_bytes(random.Random(1).randbytes(10_000_000))
-        said, _ = accepted_or_refused(self, [PROGRAM, "run", path], (3,), "random bytes")
-        self.assertLess(len(said.encode()), 2000)
+        output, _ = accepted_or_refused(self, [PROGRAM, "run", path], (3,), "random bytes")
+        self.assertLess(len(output.encode()), 2000)
         small = self.folder / "small.toml"
         small.write_bytes(random.Random(2).randbytes(100_000))
-        self.assertLess(len(self.shearwake("run", small, expect=3).said.encode()), 2000)
+        self.assertLess(len(self.shearwake("run", small, expect=3).output.encode()), 2000)
 
     def test_a_missing_job_is_reported(self):
-        self.says(self.shearwake("run", "nowhere.toml", expect=6).said, "nowhere.toml",
-                  "No such file or directory")
-        self.says(self.shearwake("run", self.folder, expect=2).said, "is a folder; give a job file")
+        self.contains(self.shearwake("run", "nowhere.toml", expect=6).output, "nowhere.toml", "No such file or directory")
+        self.contains(self.shearwake("run", self.folder, expect=2).output, "is a folder; give a job file")
 
 
 class CommandLine(ProgramTest):
     def test_help_lists_the_commands(self):
-        said = self.shearwake("--help").stdout
-        self.says(said, *COMMANDS, "Exit codes")
+        self.contains(self.shearwake("--help").stdout, *COMMANDS, "Exit codes")
         for command in COMMANDS:
             with self.subTest(command):
-                self.says(self.shearwake(command, "--help").stdout, "Usage")
+                self.contains(self.shearwake(command, "--help").stdout, "Usage")
 
     @pytest.mark.long
     def test_programs_that_start_at_once_do_not_disturb_each_other(self):
@@ -90,9 +88,9 @@ class CommandLine(ProgramTest):
         self.assertEqual({each.stderr for each in done}, {""})
 
     def test_version_lists_the_libraries(self):
-        said = self.shearwake("--version").stdout
-        self.says(said, "shearwake", "git", "MPI", "FFTW", "HDF5")
-        self.assertRegex(said, r"compiler  (g\+\+|clang\+\+) \d+\.\d+")
+        output = self.shearwake("--version").stdout
+        self.contains(output, "shearwake", "git", "MPI", "FFTW", "HDF5")
+        self.assertRegex(output, r"compiler  (g\+\+|clang\+\+) \d+\.\d+")
         self.assertEqual(self.shearwake("--version", ranks=2).stdout.count("HDF5"), 1)
 
     def test_mistyped_names_are_suggested(self):
@@ -102,34 +100,34 @@ class CommandLine(ProgramTest):
                              (["run", "job.toml", "--QUIET"], "--quiet"), (["run", "job.toml", "--wall-time=9"], "--walltime"),
                              (["bench", "Spectral"], "spectral")):
             with self.subTest(words):
-                self.says(self.shearwake(*words, expect=2).said, f"did you mean {meant}?")
-        self.says(self.shearwake("plan", "job.toml", "--out", "x", expect=2).said, "plan writes no files; give --out to run")
-        self.says(self.shearwake("run", "job.toml", "--ranks", 2, expect=2).said, "mpirun -n N shearwake run")
+                self.contains(self.shearwake(*words, expect=2).output, f"did you mean {meant}?")
+        self.contains(self.shearwake("plan", "job.toml", "--out", "x", expect=2).output, "plan writes no files; give --out to run")
+        self.contains(self.shearwake("run", "job.toml", "--ranks", 2, expect=2).output, "mpirun -n N shearwake run")
 
     def test_folders_and_jobs_are_distinguished(self):
         self.write_job()
         self.shearwake("run", "job.toml", "--quiet")
         for command in ("run", "check", "plan"):
-            self.says(self.shearwake(command, self.out, expect=2).said,
-                      "is an output folder; give a job file", "job.toml --out ")
+            self.contains(self.shearwake(command, self.out, expect=2).output,
+                          "is an output folder; give a job file", "job.toml --out ")
 
     def test_scripts_are_located(self):
         for name in ("import-kwave", "make-map"):
-            self.says(self.shearwake(name, "x", expect=2).said, f"run scripts/{name} in the source folder",
-                      f"shearwake-{name} if the program is installed")
+            self.contains(self.shearwake(name, "x", expect=2).output, f"run scripts/{name} in the source folder",
+                          f"shearwake-{name} if the program is installed")
 
     def test_a_job_in_place_of_results_is_explained(self):
         self.write_job(JOB)
         for words in (["status"], ["verify"], ["reduce"], ["report"], ["compare", "job.toml"]):
             with self.subTest(words):
-                self.says(self.shearwake(*words, "job.toml", expect=2).said, "job.toml is a job file", "out/small")
-        self.says(self.shearwake("show", "job.toml", expect=6).said, "shearwake show --modulation job.toml")
+                self.contains(self.shearwake(*words, "job.toml", expect=2).output, "job.toml is a job file", "out/small")
+        self.contains(self.shearwake("show", "job.toml", expect=6).output, "shearwake show --modulation job.toml")
 
     def test_the_answer_of_a_job_must_be_a_column(self):
         for answer, expected in (("felt_path_dB", 0), ("felt_path", 3)):
             self.write_job(JOB.replace('name = "small"', f'name = "small"\nquestion = "Which is felt best?"\nanswer = "{answer}"'))
-            said = self.shearwake("check", "job.toml", expect=expected).said
-        self.says(said, 'job.answer: tables have no column "felt_path"; did you mean "felt_path_dB"?')
+            output = self.shearwake("check", "job.toml", expect=expected).output
+        self.contains(output, 'job.answer: tables have no column "felt_path"; did you mean "felt_path_dB"?')
 
     def test_unknown_commands_and_options_are_reported(self):
         self.write_job(JOB)
@@ -137,7 +135,7 @@ class CommandLine(ProgramTest):
                       ["plan", "job.toml", "-n", "none"], ["plan", "job.toml", "-n", "0"],
                       ["run", "job.toml", "--ranks-per-case", "-1"], ["bench", "magic"]):
             with self.subTest(words):
-                said = self.shearwake(*words, expect=2).said
-                self.assertNotEqual(said, "")
+                output = self.shearwake(*words, expect=2).output
+                self.assertNotEqual(output, "")
                 self.assertFalse(self.out.exists())
-        self.assertEqual(self.shearwake("fly", ranks=2, expect=2).said.count("fly"), 1)
+        self.assertEqual(self.shearwake("fly", ranks=2, expect=2).output.count("fly"), 1)

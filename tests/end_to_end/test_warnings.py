@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Warnings that are stored with a case."""
-import csv
 import json
 
 import h5py
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, table, without_reference
+from program import SWEEP, ProgramTest, case_files, read_csv, table, without_reference
 from test_solver_notes import BONE, ELASTIC, SHORT
 
 # A focus that rests at the centre of a domain of 24 mm for 30 ms: waves cross it seven times.
@@ -22,9 +21,9 @@ class Warnings(ProgramTest):
     def test_a_settling_time_in_seconds_is_warned_of(self):
         self.write_job(WAVES_RETURN)
         for settled_ms, warns in (("0.02", True), ("2.0", False)):
-            said = self.shearwake("check", "job.toml", "-S", f"measure.settled_after_ms={settled_ms}", "-S",
-                                  "time.output_interval_us=20").said
-            self.assertEqual("nothing settles in this time; settled_after_ms is in ms" in said, warns)
+            output = self.shearwake("check", "job.toml", "-S", f"measure.settled_after_ms={settled_ms}", "-S",
+                                  "time.output_interval_us=20").output
+            self.assertEqual("nothing settles in this time; settled_after_ms is in ms" in output, warns)
 
     def stored(self):
         found = []
@@ -40,25 +39,23 @@ class Warnings(ProgramTest):
     def test_returning_waves_make_a_reading_invalid_everywhere(self):
         self.write_job(WAVES_RETURN)
         invalid = "the readings of 1 case are not valid"
-        self.says(self.shearwake("run", "job.toml").said, "return through the opposite one", invalid)
+        self.contains(self.shearwake("run", "job.toml").output, "return through the opposite one", invalid)
         state = json.loads(self.shearwake("status", self.out, "--json").stdout)
         self.assertEqual((state["not_valid"], state["not_valid_cases"]), (1, [case_files(self.out)[0].stem]))
         [warnings] = self.stored()
         returned = [w for w in warnings if w["key"] == "domain.extent_mm"]
         self.assertEqual([w["severity"] for w in returned], ["error"])
-        self.says(returned[0]["message"], "the readings of this case are not valid")
-        self.says(self.shearwake("reduce", self.out).said, invalid)
-        self.says(self.notes()[0], "not valid: domain.extent_mm: waves of 5 m/s")
+        self.contains(returned[0]["message"], "the readings of this case are not valid")
+        self.contains(self.shearwake("reduce", self.out).output, invalid)
+        self.contains(self.notes()[0], "not valid: domain.extent_mm: waves of 5 m/s")
         table = self.out / "tables" / "small.csv"
-        with open(table, encoding="utf-8") as file:
-            self.assertEqual([row["valid"] for row in csv.DictReader(file)], ["no"])
+        self.assertEqual([row["valid"] for row in read_csv(table)], ["no"])
         # A change of validity is a difference.
-        (self.folder / "before.csv").write_text(table.read_text(encoding="utf-8").replace(",no,", ",yes,"),
-                                                encoding="utf-8")
+        (self.folder / "before.csv").write_text(table.read_text(encoding="utf-8").replace(",no,", ",yes,"), encoding="utf-8")
         changed_columns = json.loads(self.shearwake("compare", self.out, "before.csv", "--json", expect=1).stdout)["moved"]
         self.assertEqual([column["column"] for column in changed_columns], ["valid"])
-        self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
-        self.says(self.shearwake("report", self.out).said, "No result is stated, because no case has valid readings")
+        self.contains(self.shearwake("show", case_files(self.out)[0]).output, "not valid: domain.extent_mm")
+        self.contains(self.shearwake("report", self.out).output, "No result is stated, because no case has valid readings")
         # The index of the folder has the same warnings as the file.
         next(self.out.glob("index*.jsonl")).unlink()
         first = self.notes()
@@ -66,20 +63,20 @@ class Warnings(ProgramTest):
         self.assertEqual(self.notes(), first)
 
     def test_check_counts_the_warnings_of_engines(self):
-        for engine, more, said in (("spectral", [BONE], "medium.body[1]: shear stiffness"),
-                                   ("pstd", [], "is capped at 50 m/s, 10 times c_s")):
-            with self.subTest(said=said):
+        for engine, more, expected in (("spectral", [BONE], "medium.body[1]: shear stiffness"),
+                                     ("pstd", [], "is capped at 50 m/s, 10 times c_s")):
+            with self.subTest(expected=expected):
                 text = without_reference(*more, *SHORT)
                 named = f'engine = "{engine}"'
                 self.write_job(text.replace('engine = "layered"', ELASTIC[1] if more else named))
-                done = self.shearwake("check", "job.toml").said
+                done = self.shearwake("check", "job.toml").output
                 lines = [line for line in done.splitlines() if ": warning: " in line]
-                self.assertTrue(any(said in line for line in lines), done)
-                self.says(done, f"{len(lines)} warning")
+                self.assertTrue(any(expected in line for line in lines), done)
+                self.contains(done, f"{len(lines)} warning")
                 counted = json.loads(self.shearwake("check", "job.toml", "--json").stdout)
                 self.assertEqual(counted["warnings"], len(lines))
-        self.says(self.shearwake("check", "job.toml", "-S", "solver.pstd.time_step_us=20", expect=3).said,
-                  "error: solver.pstd.time_step_us", "is unstable on this grid")
+        self.contains(self.shearwake("check", "job.toml", "-S", "solver.pstd.time_step_us=20", expect=3).output,
+                      "error: solver.pstd.time_step_us", "is unstable on this grid")
 
     def test_a_step_that_misses_the_accuracy_is_stored_with_its_key(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"'), *SHORT))

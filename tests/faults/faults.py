@@ -35,8 +35,7 @@ class FaultTest(ProgramTest):
     """Runs that are ended in different ways and always rerun with the same command."""
 
     def run_words(self, ranks_per_case, out):
-        return ("run", "job.toml", "--out", out, "--ranks-per-case", ranks_per_case,
-                "--checkpoint-steps", 20)
+        return ("run", "job.toml", "--out", out, "--ranks-per-case", ranks_per_case, "--checkpoint-steps", 20)
 
     def undisturbed(self, ranks_per_case, ranks=2):
         out = self.folder / f"whole-{ranks_per_case}"

@@ -5,7 +5,6 @@ import errno
 import os
 import shutil
 import signal
-import subprocess
 import time
 import unittest
 import unittest.mock
@@ -28,40 +27,37 @@ class Stops(FaultTest):
         process = self.start_and_stop("run", "job.toml", ranks=2)
         (self.out / "STOP").touch()
         self.signal_and_continue(process)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
-        self.says(said, "STOP stops all runs: remove it to continue", "next: shearwake run")
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
+        self.contains(output, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
         self.assertLess(there, 12)
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
-        self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
-        self.says(self.shearwake("status", self.out).said, "STOP stops all runs", "remove it")
+        self.contains(self.shearwake("run", "job.toml", expect=75).output, "0 computed now", "STOP")
+        self.contains(self.shearwake("status", self.out).output, "STOP stops all runs", "remove it")
         (self.out / "STOP").unlink()
-        self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
+        self.contains(self.shearwake("run", "job.toml", ranks=2).output, f"{there} already complete")
         self.assertEqual(len(started(self.out)), 12)
 
     def test_a_run_beside_a_stop_file_starts_no_case(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
         self.out.mkdir(parents=True)
         (self.out / "STOP").touch()
-        said = self.shearwake("run", "job.toml", expect=75, ranks=2).said
-        self.says(said, "0 computed now", "STOP stops all runs", "stopped early")
+        output = self.shearwake("run", "job.toml", expect=75, ranks=2).output
+        self.contains(output, "0 computed now", "STOP stops all runs", "stopped early")
         self.assertEqual([line["event"] for line in journal(self.out)], ["run_started", "run_ended"])
         (self.out / "STOP").unlink()
-        self.says(self.shearwake("run", "job.toml", ranks=2).said, "3 computed now")
+        self.contains(self.shearwake("run", "job.toml", ranks=2).output, "3 computed now")
 
     def test_a_run_stops_at_its_time_limit(self):
         self.write_job(LONG)
-        self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
-                  "must be seconds or days-hours:minutes:seconds", "1:30:00")
+        self.contains(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).output,
+                      "must be seconds or days-hours:minutes:seconds", "1:30:00")
         # An hour passes when the second case of each run has been computed.
         for words, variables, complete in ((("--walltime", "1:00:00"), {}, 2),
                                            ((), {"SLURM_JOB_END_TIME": str(int(time.time()) + 3600)}, 4)):
             env = {**faulty_environment(PATH="/cases/*.h5", CALL="rename", HOUR_AT=2), **variables}
-            done = subprocess.run(command("run", "job.toml", *words), cwd=self.folder, env=env, check=False,
-                                  capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
-            self.assertEqual(done.returncode, 75, done.stdout + done.stderr)
-            self.says(done.stdout + done.stderr, "stopped early", "12 cases")
+            self.contains(self.call(*command("run", "job.toml", *words), env=env, expect=75).output, "stopped early", "12 cases")
             self.assertEqual(len(case_files(self.out)), complete)
             self.assertEqual(len(started(self.out)), complete)
 
@@ -90,9 +86,9 @@ class LargeCase(FaultTest):
         self.wait_for(lambda: (self.out / "plan.json").exists() and started(self.out), "the case")
         time.sleep(after_s)
         process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
-        self.says(said, "0 computed now", "stopped early")
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
+        self.contains(output, "0 computed now", "stopped early")
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.assert_nothing_left(self.out)
 
@@ -109,11 +105,7 @@ class Failing(FaultTest):
         self.write_job(both_engines(1))
 
     def run_with(self, ranks=1, words=(), **faults):
-        done = subprocess.run(command("run", "job.toml", *words, ranks=ranks), cwd=self.folder,
-                              env=faulty_environment(**faults), check=False, capture_output=True, encoding="utf-8", errors="replace",
-                              timeout=PATIENCE_s)
-        done.said = done.stdout + done.stderr
-        return done
+        return self.call(*command("run", "job.toml", *words, ranks=ranks), env=faulty_environment(**faults), expect=None)
 
     def use_own_cache(self):
         """A cache that no other program changes meanwhile, since the allocations of a run depend on its contents."""
@@ -129,7 +121,7 @@ class Failing(FaultTest):
             shutil.rmtree(self.out, ignore_errors=True)
             rank = {"RANK": ranks - 1} if ranks > 1 else {}
             done = self.run_with(ranks, words, NEW_COUNT=count, **rank)
-            self.assertEqual(done.returncode, 0, done.said)
+            self.assertEqual(done.returncode, 0, done.output)
         return int(count.read_text())
 
     def assert_goes_on(self, reference, *words, ranks=1):
@@ -140,8 +132,7 @@ class Failing(FaultTest):
 
     def reference(self, *words, ranks=1):
         whole = self.folder / "whole"
-        self.shearwake("run", "job.toml", "--out", whole, *words, ranks=ranks)
-        self.shearwake("reduce", whole)
+        self.reduced(whole, *words, ranks=ranks)
         return table_bytes(whole)
 
     def test_temporary_file_errors_are_retried(self):
@@ -150,8 +141,8 @@ class Failing(FaultTest):
         for path, at, count in (("/out/small/", 20, 1), ("/out/small/", 50, 1), ("/out/small/cases/", 3, 5)):
             shutil.rmtree(self.out, ignore_errors=True)
             done = self.run_with(PATH=path, EIO_AT=at, EIO_COUNT=count)
-            self.assertEqual(done.returncode, 0, done.said)
-            again += "is tried again in 1 s" in done.said
+            self.assertEqual(done.returncode, 0, done.output)
+            again += "is tried again in 1 s" in done.output
             self.shearwake("reduce", self.out)
             self.assertEqual(table_bytes(self.out), reference)
         self.assertGreater(again, 0, "no case has met a failure")
@@ -159,15 +150,14 @@ class Failing(FaultTest):
     @pytest.mark.long
     def test_persistent_file_errors_are_reported_and_the_next_run_continues(self):
         reference = self.reference()
-        done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000,
-                             words=("--fail-fast",))
-        self.assertEqual(done.returncode, 6, done.said)
-        self.says(done.said, "is tried again in 5 s", "failed", "Input/output error", "because of files or disks")
+        done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000, words=("--fail-fast",))
+        self.assertEqual(done.returncode, 6, done.output)
+        self.contains(done.output, "is tried again in 5 s", "failed", "Input/output error", "because of files or disks")
         failed = sorted((self.out / "failed").iterdir())
         self.assertEqual(len(failed), 1)
         self.assertIn(failed[0].stem, plan_ids(self.out))
-        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "to retry:", "log:",
-                  "is tried again", "settings:", "[medium]")
+        self.contains(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "to retry:", "log:",
+                      "is tried again", "settings:", "[medium]")
         self.assert_goes_on(reference)
 
     def test_a_requested_stop_after_a_file_error_exits_with_75(self):
@@ -176,9 +166,9 @@ class Failing(FaultTest):
             "PATH": "/cases/", "EIO_AT": 3, "ERRNO": errno.ENOSPC, "STOP_AT": 20})
         self.assertEqual(len(list((self.out / "failed").glob("*.txt"))), 1)
         self.signal_and_continue(process, signal.SIGTERM)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
-        self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
+        self.contains(output, "No space left", "1 failed", "stopped early", "next: shearwake run")
 
     @pytest.mark.long
     def test_a_failure_of_one_rank_fails_one_case_and_the_run_continues(self):
@@ -194,13 +184,13 @@ class Failing(FaultTest):
             if done.returncode == 0 or not started(self.out):
                 continue  # it failed while reading the job, or did without this memory
             failures += 1
-            self.assertEqual(done.returncode, 4, done.said)
-            self.says(done.said, "1 computed now", "1 failed")
+            self.assertEqual(done.returncode, 4, done.output)
+            self.contains(done.output, "1 computed now", "1 failed")
             failed = [line["id"] for line in journal(self.out) if line["event"] == "failed"]
             self.assertEqual(len(failed), 1)
-            self.says((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
-            said = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).said
-            self.says(said, "1 failed", "1 already complete")
+            self.contains((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
+            output = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).output
+            self.contains(output, "1 failed", "1 already complete")
             self.assertEqual(started(self.out).count(failed[0]), 1)
             self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
         self.assertGreater(failures, 0, "no case has failed")
@@ -224,32 +214,31 @@ class Failing(FaultTest):
                     if done.returncode == 0:
                         continue  # it did without this memory
                     met += 1
-                    self.assertEqual(done.returncode, 4, done.said)
+                    self.assertEqual(done.returncode, 4, done.output)
                     failed = [line for line in journal(self.out) if line["event"] == "failed"]
-                    self.assertEqual(len(failed), 1, done.said)
-                    self.says(failed[0]["reason"], "out of memory")
-                    self.assertEqual(len(case_files(self.out)), 3, done.said)
+                    self.assertEqual(len(failed), 1, done.output)
+                    self.contains(failed[0]["reason"], "out of memory")
+                    self.assertEqual(len(case_files(self.out)), 3, done.output)
         self.assertGreaterEqual(met, 12, "few cases have met it")
 
     def test_a_diverging_field_is_reported_with_step_time_and_remedies(self):
         self.write_job(both_engines(1).replace('"solver.engine" = ["layered", "spectral"]',
                                                '"load.peak_Pa" = [1e200, 100.0]')
                        .replace('engine = "layered"', 'engine = "spectral"', 1))
-        said = self.shearwake("run", "job.toml", expect=4).said
-        self.says(said, "1 computed now", "1 failed")
-        self.assertNotIn("is tried again", said)
+        output = self.shearwake("run", "job.toml", expect=4).output
+        self.contains(output, "1 computed now", "1 failed")
+        self.assertNotIn("is tried again", output)
         bad, good = plan_ids(self.out)
         reason = next(line["reason"] for line in journal(self.out) if line["event"] == "failed")
         self.assertRegex(reason, r"step \d+ at [\d.e+-]+ ms: the field .*; .* may help")
-        self.says((self.out / "failed" / f"{bad}.txt").read_text(encoding="utf-8"), reason, "log:", "[medium]")
+        self.contains((self.out / "failed" / f"{bad}.txt").read_text(encoding="utf-8"), reason, "log:", "[medium]")
         self.shearwake("reduce", self.out)
         rows = {row["id"]: row for row in table(self.out)}
         self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
         self.assertEqual(rows[good]["status"], "complete")
 
     def test_file_systems_without_locks_permissions_and_flushes_of_folders_suffice(self):
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
+        self.reduced(self.out)
         rows = table_bytes(self.out)
         refused_locks = 524  # ENOTSUPP, which NFS returns, is not among the errors of errno
         for folders, locks in ((errno.EINVAL, errno.ENOLCK), (errno.ENOTSUP, refused_locks)):
@@ -257,15 +246,11 @@ class Failing(FaultTest):
                 shutil.rmtree(self.out)
                 env = faulty_environment(FOLDERS=folders, CHMOD=errno.EPERM, LOCKS=locks, LOCKS_IN="/")
                 for words, ranks in ((("run", "job.toml"), 2), (("reduce", self.out), 1), (("report", self.out), 1), (("verify", self.out), 1)):
-                    done = subprocess.run(command(*words, ranks=ranks), cwd=self.folder, env=env, check=False, capture_output=True,
-                                          encoding="utf-8", timeout=PATIENCE_s)
-                    self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                    self.call(*command(*words, ranks=ranks), env=env)
                 self.assertEqual(table_bytes(self.out), rows)
                 self.assertTrue((self.out / "report" / "index.html").exists())
-        done = subprocess.run(command("run", "job.toml", "--out", "broken"), cwd=self.folder, env=faulty_environment(FOLDERS=errno.EIO),
-                              check=False, capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
-        self.assertEqual(done.returncode, 6, done.stdout + done.stderr)
-        self.says(done.stdout + done.stderr, "cannot flush", os.strerror(errno.EIO))
+        done = self.call(*command("run", "job.toml", "--out", "broken"), env=faulty_environment(FOLDERS=errno.EIO), expect=6)
+        self.contains(done.output, "cannot flush", os.strerror(errno.EIO))
 
     @pytest.mark.long
     def test_removal_of_the_folder_during_a_run_is_reported(self):
@@ -273,16 +258,15 @@ class Failing(FaultTest):
         process = self.start_and_stop("run", "job.toml", ranks=2)
         shutil.move(self.out, self.folder / "elsewhere")
         self.signal_and_continue(process)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 6, said)
-        self.says(said, "the output folder", "was removed during the run")
-        self.assertNotIn("internal error", said)
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 6, output)
+        self.contains(output, "the output folder", "was removed during the run")
+        self.assertNotIn("internal error", output)
         self.assertFalse((self.out / "cases").exists())
         there = len(case_files(self.folder / "elsewhere"))
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.move(self.folder / "elsewhere", self.out)
-        said = self.shearwake("status", self.out).said
-        self.says(said, f"{there} done", "0 running")
+        self.contains(self.shearwake("status", self.out).output, f"{there} done", "0 running")
 
     def test_removal_of_case_files_during_a_run_is_reported_and_the_next_run_continues(self):
         self.write_job(LONG)
@@ -295,10 +279,10 @@ class Failing(FaultTest):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
                 (self.out / "cases").mkdir(exist_ok=True)
                 self.signal_and_continue(process)
-                said = process.communicate(timeout=PATIENCE_s)[0]
-                self.assertEqual(process.returncode, 6, said)
-                self.says(said, "during the run", "rerun the command")
-                self.assertNotIn("12 computed now", said)
+                output = process.communicate(timeout=PATIENCE_s)[0]
+                self.assertEqual(process.returncode, 6, output)
+                self.contains(output, "during the run", "rerun the command")
+                self.assertNotIn("12 computed now", output)
                 self.shearwake("run", "job.toml")
                 self.assertEqual(len(case_files(self.out)), 12)
 
@@ -307,8 +291,8 @@ class Failing(FaultTest):
         for seconds in (-90000, 90000):
             shutil.rmtree(self.out, ignore_errors=True)
             done = self.run_with(words=("--walltime", "10:00"), CLOCK=seconds)
-            self.assertEqual(done.returncode, 0, done.said)
-            self.says(self.shearwake("status", self.out).said, "2 done", "0 failed")
+            self.assertEqual(done.returncode, 0, done.output)
+            self.contains(self.shearwake("status", self.out).output, "2 done", "0 failed")
             self.shearwake("reduce", self.out)
             self.assertEqual(table_bytes(self.out), reference)
 
@@ -319,12 +303,12 @@ class Folders(FaultTest):
         with h5py.File(case_files(self.out)[0], "r+") as file:
             file.attrs["git_id"] = numpy.bytes_("0123456")
         seal(case_files(self.out)[0])
-        said = self.shearwake("run", "job.toml", expect=2).said
-        self.says(said, "another version of this program, 0123456", "--allow-mixed", "--out")
+        output = self.shearwake("run", "job.toml", expect=2).output
+        self.contains(output, "another version of this program, 0123456", "--allow-mixed", "--out")
         self.shearwake("run", "job.toml", "--allow-mixed")
         starts = [line for line in journal(self.out) if line["event"] == "run_started"]
         self.assertTrue(starts[-1]["allow_mixed"])
-        self.says(self.shearwake("reduce", self.out).said, "two versions of the program", "0123456")
+        self.contains(self.shearwake("reduce", self.out).output, "two versions of the program", "0123456")
 
     def test_files_respect_the_umask(self):
         self.write_job(both_engines(1))
@@ -333,8 +317,8 @@ class Folders(FaultTest):
         process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20,
                                       faults={"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 2})
         self.signal_and_continue(process, signal.SIGTERM)
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, said)
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, output)
         self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
         self.shearwake("reduce", self.out)
         for path in (self.out, *self.out.rglob("*")):

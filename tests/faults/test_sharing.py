@@ -20,9 +20,9 @@ class EqualCommands(FaultTest):
 
     def counts(self, process, code=0):
         """What a command prints at its end: cases, computed, complete before, failed, and computed by others."""
-        said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, code, said)
-        return [int(text or 0) for text in ENDED.search(said).groups()]
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, code, output)
+        return [int(text or 0) for text in ENDED.search(output).groups()]
 
     def assert_shared(self, processes, cases, reference, most_twice=0):
         ended = [self.counts(process) for process in processes]
@@ -40,8 +40,7 @@ class EqualCommands(FaultTest):
     def test_three_commands_compute_each_case_once(self):
         self.write_job(LONG)
         reference = self.undisturbed(1)
-        ended = self.assert_shared(self.start_equal(3), 12, reference)
-        self.assertEqual(sum(counts[1] for counts in ended), 12)
+        self.assertEqual(sum(counts[1] for counts in self.assert_shared(self.start_equal(3), 12, reference)), 12)
         self.assertEqual(len(list(self.out.glob("journal.*.jsonl"))), 3)
         self.assertEqual([path.name for path in (self.out / "locks").iterdir()], [])
 
@@ -50,7 +49,7 @@ class EqualCommands(FaultTest):
         first = self.start_and_stop(*WORDS, faults=SECOND_CASE)
         second = self.start(*WORDS)
         self.wait_for(lambda: len(list(self.out.glob("journal.*"))) == 2, "the second run")
-        self.says(self.shearwake("status", self.out).said, "1 done, 1 running", "2 runs are active", "next: wait for the active runs")
+        self.contains(self.shearwake("status", self.out).output, "1 done, 1 running", "2 runs are active", "next: wait for the active runs")
         time.sleep(2.0)
         self.assertIsNone(second.poll())
         self.signal_and_continue(first)
@@ -77,7 +76,7 @@ class EqualCommands(FaultTest):
         self.signal_and_continue(first, signal.SIGINT)
         self.counts(first, code=75)
         self.counts(second)
-        self.says(self.shearwake("status", self.out).said, "2 done")
+        self.contains(self.shearwake("status", self.out).output, "2 done")
 
     def test_a_case_that_fails_is_computed_once(self):
         self.write_job()
@@ -95,8 +94,7 @@ class EqualCommands(FaultTest):
             with self.subTest(error=error):
                 faults = {"LOCKS": error, "LOCKS_IN": "/out/"}
                 still = self.start_and_stop(*WORDS, faults={**SECOND_CASE, "STOP_AT": 1, **faults})
-                others = self.start_equal(2, faults=faults)
-                self.assertEqual(sum(self.counts(process)[1] for process in others), 4)
+                self.assertEqual(sum(self.counts(process)[1] for process in self.start_equal(2, faults=faults)), 4)
                 self.signal_and_continue(still)
                 self.assert_shared([still], 4, reference, most_twice=1)
                 shutil.rmtree(self.out)

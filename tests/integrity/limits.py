@@ -27,12 +27,12 @@ def ended(call, folder):
                                stderr=subprocess.STDOUT)
     timer = threading.Timer(PATIENCE_s, process.kill)
     timer.start()
-    said = process.stdout.read().decode("utf-8", "replace")
+    output = process.stdout.read().decode("utf-8", "replace")
     _, status, used = os.wait4(process.pid, 0)
     timer.cancel()
     process.stdout.close()
     process.returncode = os.waitstatus_to_exitcode(status)
-    return said, process.returncode, used.ru_utime + used.ru_stime, 1024.0 * used.ru_maxrss
+    return output, process.returncode, used.ru_utime + used.ru_stime, 1024.0 * used.ru_maxrss
 
 
 @functools.cache
@@ -44,14 +44,14 @@ def reference_s():
 def accepted_or_refused(test, call, codes, about):
     """Runs a command. It must end with one of the exit codes, without an internal error, and with at most MOST_WORK and MOST_B of memory.
     Returns the output and the exit code."""
-    said, code, used_s, used_B = ended(call, test.folder)
-    about += f", exit code {code}: {said}"
+    output, code, used_s, used_B = ended(call, test.folder)
+    about += f", exit code {code}: {output}"
     test.assertIn(code, codes, f"killed after {PATIENCE_s} s: {about}" if code == -signal.SIGKILL else about)
     for words in ("internal error", "Traceback"):
-        test.assertNotIn(words, said, about)
+        test.assertNotIn(words, output, about)
     test.assertLess(used_s / reference_s(), MOST_WORK, about)
     test.assertLess(used_B, MOST_B, about)
-    return said, code
+    return output, code
 
 
 def png(header, data):

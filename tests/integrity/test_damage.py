@@ -28,12 +28,11 @@ class CaseFiles(ProgramTest):
         """This reader reports the damage with its exit code, and no reader accepts it."""
         id_, out = self.victim.stem, self.out
         if reader == "verify":
-            self.says(self.shearwake("verify", out, expect=4).said, f"damaged {id_}")
+            self.contains(self.shearwake("verify", out, expect=4).output, f"damaged {id_}")
         elif reader == "show":
-            said = self.shearwake("show", self.victim, expect=6).said
-            self.says(said, self.victim.name, "is not a complete case file")
+            self.contains(self.shearwake("show", self.victim, expect=6).output, self.victim.name, "is not a complete case file")
         elif reader == "reduce":
-            self.says(self.shearwake("reduce", out, expect=4).said, "1 damaged case file", id_)
+            self.contains(self.shearwake("reduce", out, expect=4).output, "1 damaged case file", id_)
             self.assertEqual({row["id"]: row["status"] for row in table(out)}[id_], "damaged")
         else:
             self.assertEqual(load.load(out).by_id[id_].status, "damaged")
@@ -54,14 +53,14 @@ class CaseFiles(ProgramTest):
         h5py.File(self.victim, "r+").close()
         self.assertEqual(self.victim.read_bytes(), self.sound[:-LINE_LENGTH - 1])
         self.shearwake("verify", self.out)
-        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+        self.contains(self.shearwake("run", "job.toml").output, "0 computed now, 4 already complete")
         self.shearwake("reduce", self.out)
         self.assertEqual(load.load(self.out).by_id[self.victim.stem].status, "complete")
         with h5py.File(self.victim, "r+") as file:
             name = next(name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.shape == ())
             file[name][()] = 2.0 * file[name][()] + 1.0
-        self.says(self.shearwake("verify", self.out, expect=4).said, "another program has opened it for writing and changed it")
-        self.says(self.shearwake("run", "job.toml").said, f"case {self.victim.stem} is damaged", "1 computed now, 3 already complete")
+        self.contains(self.shearwake("verify", self.out, expect=4).output, "another program has opened it for writing and changed it")
+        self.contains(self.shearwake("run", "job.toml").output, f"case {self.victim.stem} is damaged", "1 computed now, 3 already complete")
 
     @pytest.mark.long
     def test_a_changed_measure_is_moved_aside_and_computed_again(self):
@@ -74,8 +73,8 @@ class CaseFiles(ProgramTest):
             self.assertNotEqual(file["eta_period_1"][()], float(self.before[1]["eta_period_1"]))
         self.shearwake("reduce", self.out, expect=4)
         self.shearwake("report", self.out, expect=4)
-        said = self.shearwake("run", "job.toml").said
-        self.says(said, f"case {self.victim.stem} is damaged", "moved to", "1 computed now", "3 already complete")
+        output = self.shearwake("run", "job.toml").output
+        self.contains(output, f"case {self.victim.stem} is damaged", "moved to", "1 computed now", "3 already complete")
         kept = self.out / "failed" / f"{self.victim.stem}.damaged.h5"
         self.assertEqual(kept.read_bytes(), bytes(damaged))
         self.shearwake("verify", self.out)
@@ -111,7 +110,7 @@ class Studies(ProgramTest):
 
     def test_a_flipped_bit_of_each_kind_of_file_is_detected_and_its_file_named(self):
         chance = random.Random(64)
-        self.says(self.shearwake("verify", self.out).said, "16 case files", ": 0 damaged, 0 of the plan")
+        self.contains(self.shearwake("verify", self.out).output, "16 case files", ": 0 damaged, 0 of the plan")
         files = ["uncertainty.json", "plan.json", *(f"optimise/{self.id}.{name}.json" for name in ("forms", "strength-0.7")),
                  "converge/converge.json", "converge/refinements.json",
                  *(f"{folder}/{name}" for folder in ("converge", "basis", "robustness") for name in (f"cases/{self.id}.h5", "plan.json"))]
@@ -123,7 +122,7 @@ class Studies(ProgramTest):
                 (self.out / name).write_bytes(damaged)
                 lines = [line for line in self.shearwake("verify", self.out, expect=4).stdout.splitlines() if line.startswith("damaged")]
                 self.assertEqual(len(lines), 1, lines)
-                self.says(lines[0], name)
+                self.contains(lines[0], name)
                 found = json.loads(self.shearwake("verify", self.out, "--json", expect=4).stdout)
                 self.assertEqual([entry["file"] for entry in found["damaged_files"]], [] if name == "plan.json" else [name])
                 (self.out / name).write_bytes(sound)
@@ -135,7 +134,7 @@ class Studies(ProgramTest):
         path.write_bytes(with_line(bytes(1000)))
         self.shearwake("verify", "small.fit")
         path.write_bytes(b"\1" + path.read_bytes()[1:])
-        self.says(self.shearwake("verify", "small.fit", expect=4).said, f"damaged evaluations/{path.name}: its bytes do not match its checksum")
+        self.contains(self.shearwake("verify", "small.fit", expect=4).output, f"damaged evaluations/{path.name}: its bytes do not match its checksum")
 
     def test_copies_of_other_programs_are_named_and_disturb_no_command(self):
         sound = (self.out / "cases" / f"{self.id}.h5").read_bytes()
@@ -152,10 +151,10 @@ class Studies(ProgramTest):
             (path.with_name(f"._{path.name}")).write_bytes(b"")
         found = json.loads(self.shearwake("verify", self.out, "--json").stdout)
         self.assertEqual((found["sound"], sorted(found["stray_files"])), (True, sorted(names)))
-        said = self.shearwake("verify", self.out).stdout
+        output = self.shearwake("verify", self.out).stdout
         for name in names:
-            self.says(said, f"stray {name}: ")
-        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+            self.contains(output, f"stray {name}: ")
+        self.contains(self.shearwake("run", "job.toml").output, "0 computed now, 4 already complete")
         status = json.loads(self.shearwake("status", self.out, "--json").stdout)
         self.assertEqual((status["remaining"], status["is_active"], status["damaged_cases"]), (0, False, []))
         self.shearwake("reduce", self.out)
@@ -167,7 +166,7 @@ class Studies(ProgramTest):
     def test_a_folder_that_a_file_browser_has_opened_is_empty(self):
         self.folder.joinpath("new").mkdir()
         self.folder.joinpath("new", ".DS_Store").write_bytes(b"")
-        self.says(self.shearwake("run", "job.toml", "--out", "new").said, "4 computed now")
+        self.contains(self.shearwake("run", "job.toml", "--out", "new").output, "4 computed now")
 
 
 class TextFiles(ProgramTest):
@@ -182,7 +181,7 @@ class TextFiles(ProgramTest):
         self.shearwake("status", self.out)
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)
-        self.says(self.shearwake("verify", self.out).said, "lines of the index do not match")
+        self.contains(self.shearwake("verify", self.out).output, "lines of the index do not match")
 
     def test_no_flipped_bit_of_index_or_journal_changes_the_table(self):
         chance = random.Random(2)
@@ -194,7 +193,7 @@ class TextFiles(ProgramTest):
                 path.write_bytes(damaged)
                 self.shearwake("reduce", self.out)
                 self.assertEqual(table(self.out), self.before)
-                self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+                self.contains(self.shearwake("run", "job.toml").output, "0 computed now, 4 already complete")
             path.write_bytes(sound)
 
     def test_a_damaged_plan_is_reported_and_written_again(self):
@@ -208,11 +207,11 @@ class TextFiles(ProgramTest):
             else:
                 damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
             path.write_bytes(damaged)
-            said = self.shearwake("status", self.out, expect=6).said
-            self.says(said, "plan.json", "damaged")
-            self.assertLess(len(said), 400, said)
-            self.says(self.shearwake("run", "job.toml").said, "was damaged and has been rewritten",
-                      "0 computed now, 4 already complete")
+            output = self.shearwake("status", self.out, expect=6).output
+            self.contains(output, "plan.json", "damaged")
+            self.assertLess(len(output), 400, output)
+            self.contains(self.shearwake("run", "job.toml").output, "was damaged and has been rewritten",
+                          "0 computed now, 4 already complete")
             self.assertEqual(path.read_bytes(), sound)
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)
@@ -220,14 +219,13 @@ class TextFiles(ProgramTest):
     def test_a_damaged_plan_of_another_job_is_not_replaced(self):
         (self.out / "plan.json").write_bytes((self.out / "plan.json").read_bytes()[:1000])
         self.write_job(JOB.replace("peak_Pa = 100.0", "peak_Pa = 200.0"))
-        said = self.shearwake("run", "job.toml", expect=6).said
-        self.says(said, "is damaged", "does not belong to a case of this job")
+        self.contains(self.shearwake("run", "job.toml", expect=6).output, "is damaged", "does not belong to a case of this job")
 
     def test_a_plan_of_an_earlier_version_is_the_same_plan(self):
         path = self.out / "plan.json"
         old = {key: value for key, value in plan(self.out).items() if key != "checksum"}
         old["schema"] = 1
         path.write_text(json.dumps(old, indent=1), encoding="utf-8")
-        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+        self.contains(self.shearwake("run", "job.toml").output, "0 computed now, 4 already complete")
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)

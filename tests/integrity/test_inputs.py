@@ -3,7 +3,6 @@
 in a terminal, a table, a page or a shell."""
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy
 import pytest
 
 from limits import accepted_or_refused
-from program import PATIENCE_s, ROOT, ProgramTest, case_files, changed, command, environment, seal, without_reference
+from program import ROOT, ProgramTest, case_files, changed, command, seal, without_reference
 
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
 LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
@@ -60,16 +59,16 @@ class Sizes(ProgramTest):
                 with self.subTest(name=name, verb=verb):
                     self.assertRegex(self.ended(verb, (3,)), reason)
                     self.ended(verb, (0,), "--elsewhere")
-            said = self.ended("run", (6,))
-            self.assertRegex(said, reason)
-            self.says(said, "add --force")
+            output = self.ended("run", (6,))
+            self.assertRegex(output, reason)
+            self.contains(output, "add --force")
             self.assertFalse(self.out.exists())
 
     def test_what_case_files_cannot_hold_is_refused_before_it_is_computed(self):
         rows = ",".join("[0,0]" for _ in range(300000))
         self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", f"traces_mm = [{rows}]")))
         for verb in ("check", "plan", "run"):
-            self.says(self.ended(verb, (3,)), "traces")
+            self.contains(self.ended(verb, (3,)), "traces")
 
 
 class Files(ProgramTest):
@@ -79,15 +78,13 @@ class Files(ProgramTest):
             self.write_job(changed(
                 ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }',
                  f'path = {{ shape = "csv", file = "{file}" }}')))
-            done = subprocess.run(command("check", "job.toml"), cwd=self.folder, env=environment(), timeout=PATIENCE_s,
-                                  capture_output=True, encoding="utf-8", check=False)
-            self.assertIn(done.returncode, (3, 6), done.stdout + done.stderr)
-            self.says(done.stdout + done.stderr, "not a regular file")
+            done = self.shearwake("check", "job.toml", expect=None)
+            self.assertIn(done.returncode, (3, 6), done.output)
+            self.contains(done.output, "not a regular file")
         for words in (("check", "/dev/zero"), ("check", "pipe.csv"), ("respond", "/dev/zero"),
                       ("respond", "pipe.csv"), ("show", "/dev/zero"), ("show", "pipe.csv")):
-            done = subprocess.run(command(*words), cwd=self.folder, env=environment(), timeout=PATIENCE_s,
-                                  capture_output=True, encoding="utf-8", check=False)
-            self.assertIn(done.returncode, (2, 3, 6), done.stdout + done.stderr)
+            done = self.shearwake(*words, expect=None)
+            self.assertIn(done.returncode, (2, 3, 6), done.output)
             self.assertNotIn("internal error", done.stderr)
 
     def test_explore_refuses_folders_that_cannot_hold_results(self):
@@ -98,8 +95,8 @@ class Files(ProgramTest):
                            ("link", "does not exist"), ("x" * 300, "too long")):
             with self.subTest(out=out):
                 done = self.shearwake("explore", "--no-browser", "--out", out, expect=2)
-                self.says(done.said, "--out", words)
-                self.assertNotIn("http", done.said)
+                self.contains(done.output, "--out", words)
+                self.assertNotIn("http", done.output)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["file", "link"])
 
     def test_links_of_maps_and_motions_are_named_and_not_followed(self):
@@ -108,7 +105,7 @@ class Files(ProgramTest):
         for name, link, code, words in (("input.h5", "c_s_m_s", 3, ("check", "job.toml")), ("motion.h5", "traces", 2, ("respond", "motion.h5"))):
             with h5py.File(self.folder / name, "w") as file:
                 file[link] = h5py.ExternalLink("pipe.h5", "/")
-            self.says(self.shearwake(*words, expect=code).said, name, f'the link "{link}" leads to another file')
+            self.contains(self.shearwake(*words, expect=code).output, name, f'the link "{link}" leads to another file')
 
     def test_files_that_cannot_be_read_are_errors_of_the_job(self):
         for name, changes in (("input.csv", [LINE]), ("input.csv", [('[sweep]', '[sweep]\nlist = "input.csv"')]), ("input.h5", [SPECTRAL, MAP])):
@@ -118,8 +115,8 @@ class Files(ProgramTest):
                                ("loop", lambda path: path.symlink_to(path)), ("other contents", lambda path: path.write_bytes(b"\x89PNG"))):
                 make(path)
                 with self.subTest(changes=changes, kind=kind):
-                    said, _ = accepted_or_refused(self, command("check", "job.toml", "--elsewhere"), (3,), kind)
-                    self.assertIn(name, said)
+                    output, _ = accepted_or_refused(self, command("check", "job.toml", "--elsewhere"), (3,), kind)
+                    self.assertIn(name, output)
                 if kind == "folder":
                     path.rmdir()
                 elif kind != "missing":
@@ -134,7 +131,7 @@ class Files(ProgramTest):
         for content in (good[:len(good) // 2], good[:100], b"no HDF5\n", b""):
             path.write_bytes(content)
             with self.subTest(bytes=len(content)):
-                self.says(self.shearwake(*call, expect=2).said, "motion.h5", "it cannot be read as HDF5")
+                self.contains(self.shearwake(*call, expect=2).output, "motion.h5", "it cannot be read as HDF5")
 
     def test_case_files_that_point_to_other_files_are_not_read(self):
         """With the checksum that everybody can compute."""
@@ -167,17 +164,17 @@ class Files(ProgramTest):
             seal(case)
             for call in ([sys.executable, "-c", read, case.name], command("compare", case.name, str(good)), command("show", case.name)):
                 with self.subTest(kind=kind, call=call[-2:]):
-                    said, _ = accepted_or_refused(self, call, (1, 4, 6), kind)
-                    self.says(said, case.name, "traces/u_z", "another file")
-                    self.assertNotIn("12345", said.replace(case.stem, ""))
+                    output, _ = accepted_or_refused(self, call, (1, 4, 6), kind)
+                    self.contains(output, case.name, "traces/u_z", "another file")
+                    self.assertNotIn("12345", output.replace(case.stem, ""))
 
     def test_motions_with_absurd_times_are_refused(self):
         for step_ms in (1e-12, 1e15):
             (self.folder / "m.csv").write_text(
                 "t_ms,u_um\n" + "".join(f"{n * step_ms:.17g},0.1\n" for n in range(3)), encoding="utf-8")
             done = self.shearwake("respond", "m.csv", "-S", "afferents.where=\"finger\"", expect=None)
-            self.assertIn(done.returncode, (2, 3), done.said)
-            self.assertNotIn("MPI_ABORT", done.said)
+            self.assertIn(done.returncode, (2, 3), done.output)
+            self.assertNotIn("MPI_ABORT", done.output)
 
     def test_motions_with_too_many_points_are_refused_at_once(self):
         n = 99999  # and the time: the most cells of a line
@@ -186,8 +183,8 @@ class Files(ProgramTest):
                  "y_mm," + ",".join(y for _, y in places), "0," + ",".join(["0"] * n), "1," + ",".join(["1"] * n)]
         (self.folder / "m.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
         done = self.shearwake("respond", "m.csv", expect=None)
-        self.assertIn(done.returncode, (2, 3), done.said)
-        self.says(done.said, "99999 pins exceed the limit")
+        self.assertIn(done.returncode, (2, 3), done.output)
+        self.contains(done.output, "99999 pins exceed the limit")
 
 
 class Texts(ProgramTest):
@@ -195,29 +192,28 @@ class Texts(ProgramTest):
         for text in ("a\\u001b[2Jb", "a\\nb", "a\\u0000b", "a\\u009bb", "a\\u202eb"):
             self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f'title = "{text}"')))
             done = self.shearwake("check", "job.toml", expect=3)
-            self.says(done.said, "control character")
-            self.assertNotIn("\x1b", done.said)
+            self.contains(done.output, "control character")
+            self.assertNotIn("\x1b", done.output)
         self.write_job(changed(('name = "small"', 'name = "-rf"')))
         self.shearwake("check", "job.toml", expect=3)
 
     def test_control_characters_in_tables_are_not_printed(self):
         for name, column in (("a.csv", "a\x1b[2Jb"), ("b.csv", "b")):
             (self.folder / name).write_text(f"id,{column}\n1,2\n", encoding="utf-8")
-        said = self.shearwake("compare", "a.csv", "b.csv", expect=1).said
-        self.says(said, "a?[2Jb")
-        self.assertNotIn("\x1b", said)
+        output = self.shearwake("compare", "a.csv", "b.csv", expect=1).output
+        self.contains(output, "a?[2Jb")
+        self.assertNotIn("\x1b", output)
 
     @pytest.mark.long
     def test_formulas_in_titles_are_drawn_as_they_are(self):
         title = r"$\frac{$ <b>&amp; | =1+1 `x`"
         self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f"title = '{title}'"),
                                ('name = "tissue"', r"name = '$\frac{$'")))
-        self.shearwake("run", "job.toml")
-        self.shearwake("reduce", self.out)
-        said = self.shearwake("report", self.out).said
-        self.assertNotIn("Traceback", said)
+        self.reduced(self.out)
+        output = self.shearwake("report", self.out).output
+        self.assertNotIn("Traceback", output)
         page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
-        self.says(page, "&lt;b&gt;&amp;amp;")
+        self.contains(page, "&lt;b&gt;&amp;amp;")
         self.assertNotIn("<b>&amp; |", page)
         heading = (self.out / "tables" / "small.md").read_text(encoding="utf-8").splitlines()[0]
-        self.says(heading, "&lt;b>", r"\|", r"\`x\`")
+        self.contains(heading, "&lt;b>", r"\|", r"\`x\`")

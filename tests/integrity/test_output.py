@@ -34,7 +34,7 @@ class Output(ProgramTest):
             with self.subTest(words=words, output="/dev/full"), open("/dev/full", "w", encoding="utf-8") as full:
                 done = self.run_with(command(*words), stdout=full)
                 self.assertEqual(done.returncode, 6, done.stderr)
-                self.says(done.stderr, "output")
+                self.contains(done.stderr, "output")
             with self.subTest(words=words, output="closed"):
                 done = self.run_with(["sh", "-c", '"$@" >&-', "sh", *command(*words)])
                 self.assertEqual(done.returncode, 6, done.stderr)
@@ -75,24 +75,24 @@ class Output(ProgramTest):
     def test_reduce_shows_the_first_rows(self):
         self.write_job()
         self.shearwake("run", "job.toml")
-        said = self.shearwake("reduce", self.out).said.splitlines()
-        head = next(line for line in said if "am_frequency_Hz" in line)
-        first = said[said.index(head) + 1].split()
+        output = self.shearwake("reduce", self.out).output.splitlines()
+        head = next(line for line in output if "am_frequency_Hz" in line)
+        first = output[output.index(head) + 1].split()
         row = table(self.out)[0]
         self.assertEqual(float(first[0]), float(row["load.modulation.am_frequency_Hz"]))
         self.assertEqual(first[head.split().index("eta_period_1")], f"{float(row['eta_period_1']):.4g}")
 
     def test_presets_have_values_and_sources(self):
-        said = self.shearwake("presets").said
+        output = self.shearwake("presets").output
         for name in ("thesis-tissue", "ecoflex", "forearm", "palm", "fingertip", "three-layer-skin", "cortical-bone", "array-16x16", "array-249"):
-            self.assertIn(f"\n# {name}\n# ", said)
-        self.says(said, "viscosity_Pa_s = 5.03", "PMID 20888282", "pitch_mm = 10.47")
+            self.assertIn(f"\n# {name}\n# ", output)
+        self.contains(output, "viscosity_Pa_s = 5.03", "PMID 20888282", "pitch_mm = 10.47")
 
     def test_nothing_to_reduce_is_an_error(self):
         self.write_job()
         self.shearwake("run", "job.toml")
         shutil.rmtree(self.out / "cases")
-        self.says(self.shearwake("reduce", self.out, expect=4).said, "nothing to reduce")
+        self.contains(self.shearwake("reduce", self.out, expect=4).output, "nothing to reduce")
 
 
 class Surroundings(ProgramTest):
@@ -101,18 +101,17 @@ class Surroundings(ProgramTest):
         reference = table(self.out)
         for name, ranks in (("a folder with spaces", 1), ("it's \"quoted\" $HOME", 1), ("x" * 200, 2)):
             out = self.folder / name / "small"
-            self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", ranks, ranks=ranks)
-            self.shearwake("reduce", out)
+            self.reduced(out, "--ranks-per-case", ranks, ranks=ranks)
             if ranks == 1:  # two ranks add in another order
                 self.assertEqual(table(out), reference)
             self.shearwake("verify", out)
+
     def with_decimal_commas(self):
         """The environment of a locale with decimal commas, which is generated if the machine can do so."""
         locales = self.folder / "locales"
         locales.mkdir()
         try:
-            subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", locales / "de_DE.UTF-8"], check=False,
-                           capture_output=True)
+            subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", locales / "de_DE.UTF-8"], check=False, capture_output=True)
         except FileNotFoundError:
             self.skipTest("localedef is not installed")
         env = {**environment(), "LOCPATH": str(locales), "LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
@@ -128,7 +127,7 @@ class Surroundings(ProgramTest):
         out = self.folder / "commas"
         for words in (("check", "job.toml"), ("plan", "job.toml"), ("run", "job.toml", "--out", out), ("reduce", out),
                       ("report", out), ("verify", out)):
-            subprocess.run(command(*words), cwd=self.folder, env=env, check=True, capture_output=True)
+            self.call(*command(*words), env=env)
         self.assertEqual(table(out), table(self.out))
 
     @pytest.mark.long
@@ -137,17 +136,11 @@ class Surroundings(ProgramTest):
         wisdom = self.folder / "cache" / "shearwake"
         blocked = self.folder / "file"
         blocked.write_text("", encoding="utf-8")
-        first = None
         for variables in ({"XDG_CACHE_HOME": str(blocked), "HOME": str(blocked)},
                           {"HOME": "/proc", "XDG_CACHE_HOME": ""}, {"SHEARWAKE_CACHE": str(wisdom)},
                           {"SHEARWAKE_CACHE": str(wisdom)}):
-            env = {**environment(), **variables}
             out = self.folder / f"out-{len(list(self.folder.iterdir()))}"
-            done = subprocess.run(command("run", "job.toml", "--out", out), cwd=self.folder, env=env,
-                                  capture_output=True, encoding="utf-8", check=False)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            if first is None:
-                first = out
+            self.call(*command("run", "job.toml", "--out", out), variables=variables)
             for path in wisdom.glob("*"):  # then every file of the cache is a folder
                 if path.is_file():
                     path.unlink()
@@ -174,10 +167,10 @@ class Surroundings(ProgramTest):
             process = subprocess.Popen(command(verb, self.out), cwd=self.folder, env=environment(),
                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8")
             subprocess.run(["rm", "-rf", self.out / "cases"], check=True)
-            said = process.communicate(timeout=PATIENCE_s)[0]
-            self.assertIn(process.returncode, (0, 4, 6), said)
+            output = process.communicate(timeout=PATIENCE_s)[0]
+            self.assertIn(process.returncode, (0, 4, 6), output)
             for word in NOISE:
-                self.assertNotIn(word, said)
+                self.assertNotIn(word, output)
 
 
 class Kills(ProgramTest):
@@ -194,9 +187,9 @@ class Kills(ProgramTest):
             process.wait()
             return True
 
-    def kill_often(self, words, attack, is_complete):
+    def kill_often(self, words, is_complete):
         began = time.monotonic()
-        subprocess.run(words, cwd=self.folder, env=environment(), check=True, capture_output=True)
+        self.call(*words)
         whole_s = time.monotonic() - began
         self.assertTrue(is_complete())
         number = times(6, 30)
@@ -205,7 +198,7 @@ class Kills(ProgramTest):
             kills += self.kill(words, whole_s * (n + 0.5) / number)
             self.assertTrue(is_complete())
         self.assertGreater(kills, 0, "it was too fast to be killed")
-        subprocess.run(words, cwd=self.folder, env=environment(), check=True, capture_output=True)
+        self.call(*words)
         self.assertTrue(is_complete())
 
     @pytest.mark.long
@@ -218,7 +211,7 @@ class Kills(ProgramTest):
             ends = [path.read_bytes()[-8:] for path in folder.glob("*.png")]
             return page.rstrip().endswith("</html>") and ends and all(end == b"IEND\xaeB`\x82" for end in ends)
 
-        self.kill_often(command("report", self.out), "killing `report`", is_complete)
+        self.kill_often(command("report", self.out), is_complete)
 
     @pytest.mark.long
     def test_a_killed_import_leaves_a_complete_study(self):
@@ -230,5 +223,5 @@ class Kills(ProgramTest):
                 file.visititems(lambda name, item: item[()] if isinstance(item, h5py.Dataset) else None)
                 return "sensor_mask_corners" in file
 
-        self.kill_often([ROOT / "scripts" / "import-kwave", "study.mat"], "killing `import-kwave`", is_complete)
+        self.kill_often([ROOT / "scripts" / "import-kwave", "study.mat"], is_complete)
         self.assertEqual(list(self.folder.glob("*.part")), [])

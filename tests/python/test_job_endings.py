@@ -46,8 +46,8 @@ class Endings(InFolder):
                 self.wait_for_stop(caller)
                 programs = program.stopped(caller.pid)
                 self.signal_and_continue(caller, number, forwarded=signal.SIGUSR1)
-                _, said = caller.communicate(timeout=program.PATIENCE_s)
-                self.assertIn("KeyboardInterrupt" if number == signal.SIGINT else "", said)
+                _, output = caller.communicate(timeout=program.PATIENCE_s)
+                self.assertIn("KeyboardInterrupt" if number == signal.SIGINT else "", output)
                 self.wait_for(lambda: not any(map(program.alive, programs)), "the program to end")
                 self.assertEqual(list(Path(folder).rglob("*.part")), [])
                 complete = {path: path.stat().st_mtime_ns for path in Path(folder, "cases").glob("*.h5")}

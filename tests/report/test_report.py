@@ -179,9 +179,9 @@ class ReportTest(InFolder):
         self.assertEqual(counts(page), dict.fromkeys(["drive", "spectrograms", "spectra", "eta_time", "surface"], 2))
         lines = json.loads(re.search(r'id="chart-eta_time"><script type="application/json">(.*?)</script>', page).group(1))
         self.assertEqual([line["case"] for line in lines[0]["lines"]], chosen)
-        with contextlib.redirect_stderr(io.StringIO()) as said:
+        with contextlib.redirect_stderr(io.StringIO()) as output:
             self.assertEqual(report.main([str(self.root), "--only", case_id(99)]), report.USAGE)
-        self.assertIn("not the id of a complete case", said.getvalue())
+        self.assertIn("not the id of a complete case", output.getvalue())
 
     def test_the_command_prints_the_result(self):
         folder = sweep(self.root)

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from program import gaussian, job_text
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build"
 SPRINGS = Path("src/engines/springs")
@@ -39,34 +41,11 @@ REGISTRATIONS = {
 COMPILED = ["src/engines/registry/make_engine.cpp", "src/engines/springs/springs_engine.cpp",
             "src/config/sections/read_solver.cpp"]
 
-JOB = """schema = 1
-[job]
-name = "springs"
-[medium]
-base = "rigid"
-[[medium.layer]]
-preset = "thesis-tissue"
-[load]
-peak_Pa = 200.0
-footprint = { shape = "gaussian", fwhm_mm = 8.0 }
-[load.modulation]
-kind = "STM"
-path = { shape = "line", from_mm = [-6, 0], to_mm = [6, 0] }
-speed_m_s = 6.0
-[domain]
-extent_mm = [48, 48]
-spacing_mm = 1.0
-[time]
-duration_ms = 2.0
-output_interval_us = 100.0
-[measure]
-focal_radius_mm = 4.0
-[solver]
-engine = "springs"
-[solver.springs]
-modulus_kPa = 200
-length_mm = 5
-"""
+JOB = job_text("springs", medium={"base": "rigid", "layer": [{"preset": "thesis-tissue"}]},
+               load={"peak_Pa": 200.0, "footprint": gaussian(8.0), "modulation": {
+                   "kind": "STM", "path": {"shape": "line", "from_mm": [-6, 0], "to_mm": [6, 0]}, "speed_m_s": 6.0}},
+               domain={"extent_mm": [48, 48], "spacing_mm": 1.0}, time={"duration_ms": 2.0, "output_interval_us": 100.0},
+               measure={"focal_radius_mm": 4.0}, solver={"engine": "springs", "springs": {"modulus_kPa": 200, "length_mm": 5}})
 
 
 class NewEngine(unittest.TestCase):
@@ -79,8 +58,7 @@ class NewEngine(unittest.TestCase):
             shutil.copytree(ROOT / part, cls.tree / part, ignore=shutil.ignore_patterns("__pycache__"))
         for file in ("CMakeLists.txt", "CMakePresets.json"):
             shutil.copy(ROOT / file, cls.tree)
-        shutil.copytree(ROOT / "docs/developer/springs", cls.tree / SPRINGS,
-                        ignore=shutil.ignore_patterns("springs_options.hpp"))
+        shutil.copytree(ROOT / "docs/developer/springs", cls.tree / SPRINGS, ignore=shutil.ignore_patterns("springs_options.hpp"))
         for name, changes in REGISTRATIONS.items():
             text = (cls.tree / name).read_text(encoding="utf-8")
             for old, new in changes:
@@ -124,8 +102,7 @@ class NewEngine(unittest.TestCase):
         work.mkdir()
         (work / "springs.toml").write_text(JOB, encoding="utf-8")
         for command in (["plan", "springs.toml"], ["run", "springs.toml"], ["reduce", "out/springs"]):
-            done = subprocess.run([build / "shearwake", *command], cwd=work, capture_output=True,
-                                  encoding="utf-8", check=False)
+            done = subprocess.run([build / "shearwake", *command], cwd=work, capture_output=True, encoding="utf-8", check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         table = (work / "out/springs/tables/springs.csv").read_text(encoding="utf-8")
         row = dict(zip(*(line.split(",") for line in table.splitlines()[-2:])))

@@ -32,8 +32,8 @@ class Requirements(unittest.TestCase):
 
     def test_program_package_citation_and_changelog_have_one_version(self):
         program = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
-        said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
-        version = said.split()[1]
+        output = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
+        version = output.split()[1]
         for file, line in (("analysis/shearwake/__init__.py", f'__version__ = "{version}"'),
                            ("CITATION.cff", f"version: {version}"), ("CHANGELOG.md", f"## {version}"), ("codemeta.json", f'"version": "{version}"'),
                            (".zenodo.json", f'"version": "{version}"'), ("packaging/conda/meta.yaml", f'version: "{version}"')):

@@ -65,8 +65,7 @@ class Slurm(unittest.TestCase):
         cls.job.write_text(LONG.replace("1000, 12]", "1000, 24]"), encoding="utf-8")
         whole = cls.folder / "whole"
         # As on a laptop.
-        cls.command(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml",
-                     "--out", whole, "--ranks-per-case", "1"])
+        cls.command(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml", "--out", whole, "--ranks-per-case", "1"])
         cls.command([str(PROGRAM), "reduce", whole])
         cls.reference = table_bytes(whole)
 
@@ -79,9 +78,9 @@ class Slurm(unittest.TestCase):
 
     def submit(self, out, *words, job="job.toml", report="--no-report"):
         """The ids of the job that computes and of the job that reduces."""
-        said = self.command([ROOT / "scripts" / "submit", job, "--out", out, *([report] if report else []),
+        output = self.command([ROOT / "scripts" / "submit", job, "--out", out, *([report] if report else []),
                              "--run=--ranks-per-case 1", *words])
-        computes, reduces = re.search(r"submitted: job (\d+) computes, job (\d+) reduces", said).groups()
+        computes, reduces = re.search(r"submitted: job (\d+) computes, job (\d+) reduces", output).groups()
         return computes, reduces
 
     def wait_for(self, condition, what):
@@ -97,8 +96,7 @@ class Slurm(unittest.TestCase):
         return self.command(["squeue"]) + logs
 
     def state(self, job):
-        done = subprocess.run(["scontrol", "show", "job", job], env=self.env, capture_output=True, text=True,
-                              check=False)
+        done = subprocess.run(["scontrol", "show", "job", job], env=self.env, capture_output=True, text=True, check=False)
         return re.findall(r"JobState=(\w+)", done.stdout)
 
     def shown(self, job, what):
@@ -183,8 +181,8 @@ class Slurm(unittest.TestCase):
         self.assertEqual(self.shown(table, "Dependency"), f"afterany:{tasks}_*(unfulfilled),afterok:{blocker}(unfulfilled)")
         self.assertEqual(self.shown(tasks, "ArrayTaskThrottle"), "1")
         self.assertEqual(len(self.state(table)), 1)
-        said = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--array", 3], expect=2, errors=True)
-        self.assertIn(f"job {tasks} computes", said)
+        output = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--array", 3], expect=2, errors=True)
+        self.assertIn(f"job {tasks} computes", output)
         self.command(["scontrol", "release", blocker])
         self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")
         self.assert_same(out)

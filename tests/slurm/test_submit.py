@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from unittest import mock
 
-from program import PROGRAM, ROOT, ProgramTest, changed, environment, started
+from program import PROGRAM, ROOT, ProgramTest, changed, started
 
 # Commands of a site that prints more than the id of the job, and whose queue contains the jobs in a file.
 SITE = {"sbatch": """echo "$@" >>calls
@@ -26,11 +26,8 @@ class Submit(ProgramTest):
     def submit(self, *options, program=PROGRAM, expect=0, mode=("--dry-run",), job="job.toml", **variables):
         if job == "job.toml":
             self.write_job()
-        done = subprocess.run([ROOT / "scripts" / "submit", job, *mode, *options], cwd=self.folder,
-                              env={**environment(), "SHEARWAKE": str(program), **variables}, capture_output=True,
-                              encoding="utf-8", check=False)
-        self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
-        return done.stdout + done.stderr
+        return self.call(ROOT / "scripts" / "submit", job, *mode, *options, expect=expect,
+                         variables={"SHEARWAKE": str(program), **variables}).output
 
     def submit_to_site(self, *options, **keywords):
         """Submits to commands that stand for Slurm, and returns the output and the arguments of both calls of sbatch."""
@@ -40,8 +37,8 @@ class Submit(ProgramTest):
             (site / name).write_text("#!/bin/sh\n" + text, encoding="utf-8")
             (site / name).chmod(0o755)
         (self.folder / "calls").write_text("", encoding="utf-8")
-        said = self.submit(*options, mode=(), PATH=f"{site}:{os.environ['PATH']}", **keywords)
-        return said, (self.folder / "calls").read_text(encoding="utf-8").splitlines()
+        output = self.submit(*options, mode=(), PATH=f"{site}:{os.environ['PATH']}", **keywords)
+        return output, (self.folder / "calls").read_text(encoding="utf-8").splitlines()
 
     def script(self, name):
         return (self.out / "slurm" / name).read_text(encoding="utf-8")
@@ -51,47 +48,47 @@ class Submit(ProgramTest):
         _, (computes, reports) = self.submit_to_site(
             "--", "-A", "lab", "-plong", "-q", "low", "-C", "fast", "--reservation=mine", "--mail-type=END", "--mail-user", "me",
             "-d", "afterok:25", "-a", "1-4%2", "-J", "mine", "-o", "my.log", "-t", "2:00:00", "-n", "3", "-N", "2", "--exclusive")
-        self.says(computes, *shared, "--dependency=afterok:25", "-J mine", "-o my.log", "-N 2", "--exclusive")
+        self.contains(computes, *shared, "--dependency=afterok:25", "-J mine", "-o my.log", "-N 2", "--exclusive")
         self.assertEqual(reports.split(), ["--parsable", *shared, str(self.out / "slurm" / "report.sh")])
-        self.says(self.script("report.sh"), "#SBATCH --dependency=afterany:41,afterok:25\n", "#SBATCH --ntasks=1\n")
-        self.says(self.script("array.sh"), "#SBATCH --array=1-4%2\n", "#SBATCH --time=2:00:00\n", "#SBATCH --ntasks=3\n")
+        self.contains(self.script("report.sh"), "#SBATCH --dependency=afterany:41,afterok:25\n", "#SBATCH --ntasks=1\n")
+        self.contains(self.script("array.sh"), "#SBATCH --array=1-4%2\n", "#SBATCH --time=2:00:00\n", "#SBATCH --ntasks=3\n")
 
     def test_alternative_dependencies_do_not_replace_that_of_the_report(self):
         self.submit("--", "--dependency=afterok:1?afterok:2")
-        self.says(self.script("report.sh"), "#SBATCH --dependency=afterany:JOB\n")
+        self.contains(self.script("report.sh"), "#SBATCH --dependency=afterany:JOB\n")
 
     def test_arrays_are_throttled_and_no_longer_than_slurm_permits(self):
         self.submit("--array", "40", "--throttle", "10")
-        self.says(self.script("array.sh"), "#SBATCH --array=1-40%10\n")
-        said, calls = self.submit_to_site("--array", "1001", expect=2)
-        self.says(said, "up to 1000 (MaxArraySize)")
+        self.contains(self.script("array.sh"), "#SBATCH --array=1-40%10\n")
+        output, calls = self.submit_to_site("--array", "1001", expect=2)
+        self.contains(output, "up to 1000 (MaxArraySize)")
         self.assertEqual(calls, [])
         for words in (["--", "--array=1-x"], ["--array", "0"], ["--array", "4-2"]):
-            self.says(self.submit(*words, expect=2), "not a valid number or list of tasks")
+            self.contains(self.submit(*words, expect=2), "not a valid number or list of tasks")
 
     def test_the_id_of_a_job_is_found_among_the_lines_that_a_site_prints(self):
-        self.says(self.submit_to_site()[0], "submitted: job 41 computes, job 42 reduces")
+        self.contains(self.submit_to_site()[0], "submitted: job 41 computes, job 42 reduces")
         (self.folder / "queue").write_text("", encoding="utf-8")
-        said, (_, reports) = self.submit_to_site("--", "-M", "east", CLUSTER=";east")
-        self.says(said, "submitted: job 41 computes")
-        self.says(reports, "--clusters=east")
+        output, (_, reports) = self.submit_to_site("--", "-M", "east", CLUSTER=";east")
+        self.contains(output, "submitted: job 41 computes")
+        self.contains(reports, "--clusters=east")
         self.submit_to_site()
-        self.says((self.folder / "queries").read_text(encoding="utf-8"), "-j 41 -o %F --clusters=east")
+        self.contains((self.folder / "queries").read_text(encoding="utf-8"), "-j 41 -o %F --clusters=east")
 
     def test_a_job_in_the_queue_is_not_submitted_twice(self):
         self.submit_to_site("--array", "2")
         (self.folder / "queue").write_text("41\n", encoding="utf-8")
-        said, calls = self.submit_to_site("--array", "2", expect=2)
-        self.says(said, "job 41", "still in the queue", "scancel 41")
+        output, calls = self.submit_to_site("--array", "2", expect=2)
+        self.contains(output, "job 41", "still in the queue", "scancel 41")
         self.assertEqual(calls, [])
 
     def test_a_missing_sbatch_is_reported_in_one_line(self):
         tools = self.folder / "tools"
         tools.mkdir()
         (tools / "python3").symlink_to(sys.executable)
-        said = self.submit(mode=(), expect=6, PATH=str(tools))
-        self.assertEqual(len(said.splitlines()), 1, said)
-        self.says(said, "sbatch is not on the PATH", "--dry-run")
+        output = self.submit(mode=(), expect=6, PATH=str(tools))
+        self.assertEqual(len(output.splitlines()), 1, output)
+        self.contains(output, "sbatch is not on the PATH", "--dry-run")
 
     def test_memory_is_requested_for_the_ranks_of_the_job_whatever_this_machine_has(self):
         large = self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 0.004")), "large.toml")
@@ -99,7 +96,7 @@ class Submit(ProgramTest):
         for ranks in (2, 16):
             self.submit("--ranks", str(ranks), job=large)
             planned_B = json.loads(self.shearwake("plan", large, "-n", ranks, "--elsewhere", "--json").stdout)["memory_per_rank_B"]
-            self.says(self.script("single.sh"), f"#SBATCH --mem-per-cpu={math.ceil(1.2 * planned_B / 2**20)}M\n")
+            self.contains(self.script("single.sh"), f"#SBATCH --mem-per-cpu={math.ceil(1.2 * planned_B / 2**20)}M\n")
         self.submit("--", "--mem=8G", job=large)
         self.assertNotIn("--mem", self.script("single.sh").partition("cd ")[0])
 
@@ -130,11 +127,11 @@ class Submit(ProgramTest):
             self.shearwake("run", "job.toml", "--quiet")
             large = self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
                                            ("output_interval_us = 100.0", "output_interval_us = 1.0"), ("frames = true\n", "")), "large.toml")
-            self.says(self.submit("--time", "1", "--warning", "5", job=large), "core hours", "warning: a case that saves no checkpoints takes",
-                      "exit code 3")
+            self.contains(self.submit("--time", "1", "--warning", "5", job=large), "core hours", "warning: a case that saves no checkpoints takes",
+                          "exit code 3")
             self.assertNotIn("warning: a case", self.submit("--time", "10-0", job=large))
-            self.says(self.shearwake("plan", large).stdout, "the longest case that saves no checkpoints may take")
-            self.says(self.shearwake("run", large, "--walltime", "60", "--out", "limited", expect=3).said, "but the time limit leaves", "saves no checkpoints")
+            self.contains(self.shearwake("plan", large).stdout, "the longest case that saves no checkpoints may take")
+            self.contains(self.shearwake("run", large, "--walltime", "60", "--out", "limited", expect=3).output, "but the time limit leaves", "saves no checkpoints")
             self.assertEqual(started(self.folder / "limited"), [])
 
     def start_step(self, command, job=1, retries=1):
@@ -156,13 +153,13 @@ class Submit(ProgramTest):
         for folder in ("cases", "checkpoints"):
             self.assertEqual(self.start_step(f"mkdir -p small/{folder}; touch small/{folder}/1.h5; exit 75")[0], 4)
         self.assertEqual(self.start_step("touch small/cases/2.h5.part; exit 75")[2], 3 * ["requeue 9_1"])
-        code, said, requeues = self.start_step("exit 75")
+        code, output, requeues = self.start_step("exit 75")
         self.assertEqual((code, len(requeues)), (3, 3))
-        self.says(said, "the last two starts completed no case and saved no checkpoint")
+        self.contains(output, "the last two starts completed no case and saved no checkpoint")
         (self.folder / "small" / "STOP").touch()
-        code, said, requeues = self.start_step("exit 75", job=2)
+        code, output, requeues = self.start_step("exit 75", job=2)
         self.assertEqual((code, len(requeues)), (4, 3))
-        self.says(said, "small/STOP exists")
+        self.contains(output, "small/STOP exists")
 
     def test_a_step_with_a_killed_rank_is_retried(self):
         self.assertEqual(self.start_step("kill -9 $$")[2], ["requeue 9_1"])
@@ -176,9 +173,9 @@ class Submit(ProgramTest):
         for command in (lost, lost, f"mkdir -p small/cases; touch small/cases/1.h5; {lost}", f"touch small/cases/2.h5; {lost}"):
             self.assertEqual(self.start_step(command, retries=2)[0], -9)
         self.assertEqual(self.start_step(lost, retries=2)[0], -9)
-        code, said, requeues = self.start_step("touch started", retries=2)
+        code, output, requeues = self.start_step("touch started", retries=2)
         self.assertEqual((code, requeues), (4, []))
-        self.says(said, "not started: 3 starts ended because a rank was killed or a node was lost")
+        self.contains(output, "not started: 3 starts ended because a rank was killed or a node was lost")
         self.assertFalse((self.folder / "started").exists())
 
     def test_times_too_short_to_compute_are_rejected(self):
@@ -186,30 +183,28 @@ class Submit(ProgramTest):
                       ["--time", "1-"], ["--time", "4", "--warning", "120"],
                       ["--time", "1:30", "--warning", "45"]):
             with self.subTest(words=words):
-                said = self.submit(*words, expect=2)
-                self.assertRegex(said, "--(time|warning) must be")
+                self.assertRegex(self.submit(*words, expect=2), "--(time|warning) must be")
         self.assertFalse(self.out.exists())
         for words in (["--time", "1-0"], ["--time", "0-1:30"], ["--time", "4:01", "--warning", "120"]):
             self.submit(*words)
 
     def test_the_time_limit_is_twice_the_time_that_plan_estimates(self):
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
-            said = self.submit()
-            self.says(said, "time limit 4:00:00: time: not known on this machine yet; --time sets another limit")
+            self.contains(self.submit(), "time limit 4:00:00: time: not known on this machine yet; --time sets another limit")
             script = self.out / "slurm" / "single.sh"
-            self.says(script.read_text(encoding="utf-8"), "#SBATCH --time=4:00:00")
+            self.contains(script.read_text(encoding="utf-8"), "#SBATCH --time=4:00:00")
             self.shearwake("run", "job.toml", "--quiet")
             planned_s = json.loads(self.shearwake("plan", "job.toml", "--json").stdout)["wall_s"]
             self.assertLess(planned_s, 300.0)  # so that the shortest limit applies
-            self.says(self.submit(), "time limit 0:10:00: plan estimates")
-            self.says(script.read_text(encoding="utf-8"), "#SBATCH --time=0:10:00")
-            self.says(self.submit("--warning", "600"), "time limit 0:21:00: plan estimates")
+            self.contains(self.submit(), "time limit 0:10:00: plan estimates")
+            self.contains(script.read_text(encoding="utf-8"), "#SBATCH --time=0:10:00")
+            self.contains(self.submit("--warning", "600"), "time limit 0:21:00: plan estimates")
             self.assertNotIn("time limit", self.submit("--time", "1:00:00"))
 
     def test_a_missing_program_is_reported_in_one_line(self):
-        said = self.submit(program=self.folder / "nowhere" / "shearwake", expect=6)
-        self.assertEqual(len(said.splitlines()), 1, said)
-        self.says(said, "the program", "does not exist", "SHEARWAKE")
+        output = self.submit(program=self.folder / "nowhere" / "shearwake", expect=6)
+        self.assertEqual(len(output.splitlines()), 1, output)
+        self.contains(output, "the program", "does not exist", "SHEARWAKE")
 
     def test_jobs_keep_their_program_when_another_one_is_built(self):
         built = self.folder / "shearwake"
@@ -217,7 +212,7 @@ class Submit(ProgramTest):
         self.submit(program=built)
         copy, = (self.out / "slurm").glob("shearwake-*")
         script = self.out / "slurm" / "single.sh"
-        self.says(script.read_text(encoding="utf-8"), f"{copy} run")
+        self.contains(script.read_text(encoding="utf-8"), f"{copy} run")
         with open(built, "ab") as file:
             file.write(b"another build")
         self.assertEqual(copy.read_bytes(), Path(PROGRAM).read_bytes())
@@ -246,11 +241,11 @@ class Submit(ProgramTest):
         for words in (["--out", "a\ntouch /tmp/written"], ["--out", "a\x1b[2J"], ["--run=--quiet\ntrue"],
                       ["--", "--account=a\nb"]):
             with self.subTest(words=words):
-                said = self.submit(*words, expect=2)
-                self.says(said, "control character")
-                self.assertNotIn("Traceback", said)
+                output = self.submit(*words, expect=2)
+                self.contains(output, "control character")
+                self.assertNotIn("Traceback", output)
         for out in ("-rf", "some/-rf"):
-            self.says(self.submit(f"--out={out}", expect=2), "starts with a dash")
+            self.contains(self.submit(f"--out={out}", expect=2), "starts with a dash")
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["job.toml"])
 
     def test_names_of_the_template_in_a_path_are_not_replaced(self):
@@ -258,4 +253,4 @@ class Submit(ProgramTest):
             self.submit("--out", out)
             script = (self.folder / out / "slurm" / "single.sh").read_text(encoding="utf-8")
             subprocess.run(["sh", "-n"], input=script, encoding="utf-8", check=True)
-            self.says(script, shlex.quote(str((self.folder / out).resolve())))
+            self.contains(script, shlex.quote(str((self.folder / out).resolve())))

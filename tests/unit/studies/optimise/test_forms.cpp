@@ -17,29 +17,16 @@ using namespace shearwake::test;
 
 /// A circle in the steady state.
 static Case circle(const std::string& measure = "") {
-    return only_case(R"(
-schema = 1
-[job]
-name = "circle"
-[medium]
-preset = "thesis-tissue"
-[load]
-peak_Pa = 100.0
-footprint = { shape = "gaussian", fwhm_mm = 6.0 }
-[load.modulation]
-kind = "STM"
-path = { shape = "circle", radius_mm = 8.0 }
-draw_frequency_Hz = 140.0
-[domain]
-extent_mm = [48.0, 48.0]
-spacing_mm = 2.0
-edges = "open"
-[time]
-regime = "periodic"
-output_interval_us = 250.0
-[solver]
-engine = "layered"
-)" + measure);
+    std::string job =
+        with_modulation("kind = \"STM\"\npath = { shape = \"circle\", radius_mm = 8.0 }\n"
+                        "draw_frequency_Hz = 140.0");
+    for (const auto& [old, by] : {std::pair{"fwhm_mm = 3.0", "fwhm_mm = 6.0"},
+                                  {"[96.0, 64.0]", "[48.0, 48.0]\nedges = \"open\""},
+                                  {"spacing_mm = 0.75", "spacing_mm = 2.0"},
+                                  {"duration_ms = 4.0", "regime = \"periodic\""},
+                                  {"interval_us = 50.0", "interval_us = 250.0"}})
+        job = replaced(job, old, by);
+    return only_case(job + measure);
 }
 
 TEST_CASE("a uniformity is required of a focus that moves along a path", "[optimise]") {
