@@ -13,6 +13,14 @@ def rows(markdown):
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in markdown.splitlines() if line.startswith("| ")]
 
 
+def test_every_row_of_orders_has_a_test():
+    """The tests themselves fail if a row is missing."""
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests" / "verify").glob("*.cpp"))
+    found = rows((DOCS / "explanation" / "verification.md").read_text(encoding="utf-8"))[1:]
+    assert len(found) == tests.count("check_order(") + 1  # one test has two sections
+    assert [row[1] for row in found if f'TEST_CASE("{row[1]}"' not in tests] == []
+
+
 class Reference(ProgramTest):
     def columns(self):
         """{name: unit} of the printed columns."""

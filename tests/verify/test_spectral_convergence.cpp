@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Engine "spectral" with a body that has a smooth edge: its errors in depth and in the plane
 // decrease faster than any power of the resolution.
+#include "support/orders.hpp"
 #include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -58,6 +59,7 @@ TEST_CASE("error decreases faster than any power of the element degree", "[verif
         coarser = error;
     }
     CHECK(coarser < 1e-7); // observed 9e-9
+    test::check_order("spectral, degree of the elements, steepest", 13.0, power, 0.0);
 }
 
 TEST_CASE("error decreases faster than any power of the grid spacing", "[verify]") {
@@ -92,7 +94,7 @@ TEST_CASE("error decreases faster than any power of the grid spacing", "[verify]
     }
     CHECK(coarser < 1e-3);
     // A sharp face is averaged over cells, which limits the order.
-    CHECK(power > 5.0);
+    test::check_order("spectral, grid spacing, smooth body, steepest", 5.0, power, 0.0);
 }
 
 } // namespace test_spectral_convergence
