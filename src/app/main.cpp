@@ -258,9 +258,9 @@ ExitCode program(int argc, char** argv, const Comm& world) {
 
 /// Only commands that compute need MPI.
 MpiUse mpi_use(int argc, char** argv) {
-    constexpr std::string_view names[] = {"run",   "reduce", "optimise", "optimize", "converge",
-                                          "fit",   "serve",  "evaluate", "measure",  "respond",
-                                          "kwave", "bench",  "lens"};
+    constexpr std::string_view names[] = {"run",     "optimise", "optimize", "converge",
+                                          "fit",     "serve",    "evaluate", "measure",
+                                          "respond", "kwave",    "bench",    "lens"};
     const bool computes =
         argc > 1 && std::ranges::find(names, std::string_view(argv[1])) != std::end(names);
     return computes ? MpiUse::always : MpiUse::with_launcher;

@@ -112,6 +112,8 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
                                {"notes", notes},
                                {"warnings", warned}})
                      .dump();
+        // Growth would need the old and the new memory at the same time.
+        if (row == 0) lines.reserve(lines.size() * (table.rows.size() + 1));
     }
     lines += fmt::format("\n],\n\"notes\": {},\n\"reasons\": {},\n\"warnings\": [{}]}}\n",
                          ordered_json(table.notes).dump(), ordered_json(reasons.texts()).dump(),
