@@ -56,7 +56,7 @@ def make_reader_folder(folder):
             "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg"}
 
 
-_NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?(?!\w)")  # no part of an id
 
 
 def _last_digit(number):

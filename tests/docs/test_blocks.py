@@ -46,10 +46,10 @@ class Blocks(ProgramTest):
         self.assertGreater(count, 0)
 
     def test_an_output_agrees_to_the_digits_shown(self):
-        printed = "8 cases, peak_um\n  -4.746 % (1.2e+05 times), eta_1 0.188"
-        for shown in ("8 cases, ...\neta_1 0.19", "... peak_um -4.74 % (1e+05 times), ..."):
+        printed = "8 cases, peak_um\n  -4.746 % (1.2e+05 times), eta_1 0.188 6949606f6d6e1586"
+        for shown in ("8 cases, ...\neta_1 0.19", "... peak_um -4.74 % (1e+05 times), ...", "6949606f6d6e1586"):
             self.assertEqual(first_difference(shown, printed), "", shown)
-        for wrong in ("9 cases,", "peak_um ... 8 cases,", "peak_mm", "eta_1 0.190"):
+        for wrong in ("9 cases,", "peak_um ... 8 cases,", "peak_mm", "eta_1 0.190", "6949606f6d6e1587"):
             self.assertNotEqual(first_difference(wrong, printed), "", wrong)
 
     def execute(self, page):
