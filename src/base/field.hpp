@@ -5,6 +5,7 @@
 #include <concepts>
 #include <limits>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,7 +42,7 @@ struct Range {
     std::string words() const; // "above 0"
 };
 
-// The description of an option struct is a function next to it,
+// The description of an option struct is a function in the file *_fields.hpp of its folder,
 //
 //     template <class Walk, Is<SineGain> Gain>
 //     void walk_fields(Walk& walk, Gain& g) {
@@ -60,6 +61,7 @@ struct Range {
 //     walk.maybe("table", optional)     a table that may be absent
 //     walk.section("table")             the following fields are in [table]
 //     walk.key({...})                   a key of job files from which config derives other fields
+//     walk.key(example, {...})          the same, with the type and the default of `example`
 //
 // in the order of the canonical text. The order, the text keys and `in_text` determine the ids of
 // cases and must not change. A new field gets `.in_text = value != default`, so that the ids of
@@ -145,6 +147,10 @@ public:
         if (key_ == field.key) found_ = field;
     }
     template <class T>
+    void key(const T&, const Field& field) {
+        key(field);
+    }
+    template <class T>
     void choice(const T&, const Field& field) {
         key(field);
     }
@@ -158,6 +164,25 @@ public:
 private:
     std::string_view key_;
     std::optional<Field> found_;
+};
+
+/// A walk over the fields of a struct whose keys have a prefix in the table of another struct,
+/// which does not require them: use(value, field).
+template <class Use>
+struct PrefixedWalk {
+    std::string prefix;
+    Use use;
+
+    template <class T>
+    void operator()(const T& value, Field field) const {
+        static std::set<std::string> keys; // a Field only points to its key
+        field.key = keys.insert(prefix + field.key).first->c_str();
+        if (field.given == Given::required) {
+            field.given = Given::by_hand;
+            field.fallback = "required";
+        }
+        use(value, field);
+    }
 };
 
 /// The description of a key of `Struct` itself, if there is one.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Strain and stress volumes of engine "spectral".
 #include "engines/spectral/depth/depth_mesh.hpp"
-#include "problem/load/modulation.hpp"
+#include "problem/load/load.hpp"
 #include "support/spectral_cases.hpp"
 #include "support/volume_store.hpp"
 

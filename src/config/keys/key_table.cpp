@@ -8,7 +8,7 @@
 #include "config/document/presets.hpp"
 #include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 #include "problem/case/optimise_options.hpp"
 
 #include <array>
@@ -34,6 +34,11 @@ public:
     template <class T>
     void operator()(const T& value, const Field& field) {
         if (*field.key) row(field, allowed(value, field), fallback(value, field));
+    }
+
+    template <class T>
+    void key(const T& example, const Field& field) {
+        (*this)(example, field);
     }
 
     void key(const Field& field) {

@@ -9,7 +9,7 @@
 #include "config/keys/schema_types.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/afferents.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 #include "problem/case/optimise_options.hpp"
 
 #include <fmt/format.h>
@@ -49,6 +49,11 @@ public:
             if (Json fallback = shown(value, field.key); !fallback.is_null())
                 type["default"] = std::move(fallback);
         put(field, std::move(type));
+    }
+
+    template <class T>
+    void key(const T& example, const Field& field) {
+        (*this)(example, field);
     }
 
     void key(const Field& field) {

@@ -4,7 +4,7 @@
 #include "base/field.hpp"
 #include "base/vectors.hpp"
 #include "config/document/reader.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 
 #include <array>
 #include <string>
@@ -63,6 +63,7 @@ public:
     void maybe(const char*, T&) {}
     void section(const char*) {}
     void key(const Field&) {}
+    void key(const auto&, const Field&) {}
 
 private:
     bool is_required(const Field& field) const {

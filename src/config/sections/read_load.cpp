@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
 
+#include "config/document/key_range.hpp"
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_path.hpp"
-#include "problem/load/envelope.hpp"
-#include "problem/load/motion/trajectory.hpp"
+#include "problem/load/load_fields.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,9 +33,10 @@ Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Tab
 /// The keys am_... of a modulation: a sine or a square wave.
 Gain read_am_gain(Reader& reader) {
     const std::string wave = read_optional_word(reader, field_of<Modulation>("am_wave"));
-    if (wave == SquareGain::name) return read_shape(reader, wave, {.prefix = "am_"});
-    for (const char* key : {"am_duty", "am_edge_us"})
-        if (reader.has(key)) reader.error(key, "applies only with am_wave = \"square\"");
+    each_am_key([&](const auto&, const Field& field, const std::string& has_key) {
+        if (*field.only_with && wave != has_key && reader.has(field.key))
+            reader.error(field.key, std::string("applies only with ") + field.only_with);
+    });
     return read_shape(reader, wave, {.prefix = "am_"});
 }
 
@@ -52,9 +53,6 @@ Gain read_gain(Reader reader) {
     return gain;
 }
 
-const std::array<std::string, 8> kinds = {"STM", "AM",  "AM-STM", "SM-STM",
-                                          "LM",  "DTP", "STP",    "custom"};
-
 /// The kinds to which a key applies. Keys of all kinds are not listed.
 struct KindKey {
     std::string_view key;
@@ -63,34 +61,38 @@ struct KindKey {
 constexpr std::string_view along_paths = "STM AM-STM SM-STM DTP STP";
 constexpr std::string_view at_constant_speed = "STM AM-STM DTP STP";
 constexpr std::string_view amplitude_modulated = "AM AM-STM DTP";
-constexpr std::array kind_keys = {
-    KindKey{"position_mm", "AM LM"},
-    KindKey{"path", along_paths},
-    KindKey{"speed_m_s", along_paths},
-    KindKey{"mach", along_paths},
-    KindKey{"draw_frequency_Hz", along_paths},
-    KindKey{"corner_dwell_ms", at_constant_speed},
-    KindKey{"corner_slow_mm", at_constant_speed},
-    KindKey{"corner_slow_to", at_constant_speed},
-    KindKey{"am_wave", amplitude_modulated},
-    KindKey{"am_frequency_Hz", amplitude_modulated},
-    KindKey{"am_depth", amplitude_modulated},
-    KindKey{"am_phase_deg", amplitude_modulated},
-    KindKey{"am_on", amplitude_modulated},
-    KindKey{"am_duty", amplitude_modulated},
-    KindKey{"am_edge_us", amplitude_modulated},
-    KindKey{"speed_deviation_m_s", "SM-STM"},
-    KindKey{"sm_frequency_Hz", "SM-STM"},
-    KindKey{"sm_phase_deg", "SM-STM"},
-    KindKey{"lm_amplitude_mm", "LM"},
-    KindKey{"lm_angle_deg", "LM"},
-    KindKey{"lm_frequency_Hz", "LM"},
-    KindKey{"lm_phase_deg", "LM"},
-    KindKey{"lm_wave", "LM"},
-    KindKey{"pattern", "STP"},
-    KindKey{"pattern_frequency_Hz", "STP"},
-    KindKey{"trajectory", "custom"},
-};
+/// All that do not apply to every kind.
+const std::vector<KindKey>& kind_keys() {
+    static const std::vector<KindKey> all = [] {
+        std::vector<KindKey> keys = {
+            {"position_mm", "AM LM"},
+            {"path", along_paths},
+            {"speed_m_s", along_paths},
+            {"mach", along_paths},
+            {"draw_frequency_Hz", along_paths},
+            {"corner_dwell_ms", at_constant_speed},
+            {"corner_slow_mm", at_constant_speed},
+            {"corner_slow_to", at_constant_speed},
+            {"am_wave", amplitude_modulated},
+            {"speed_deviation_m_s", "SM-STM"},
+            {"sm_frequency_Hz", "SM-STM"},
+            {"sm_phase_deg", "SM-STM"},
+            {"lm_amplitude_mm", "LM"},
+            {"lm_angle_deg", "LM"},
+            {"lm_frequency_Hz", "LM"},
+            {"lm_phase_deg", "LM"},
+            {"lm_wave", "LM"},
+            {"pattern", "STP"},
+            {"pattern_frequency_Hz", "STP"},
+            {"trajectory", "custom"},
+        };
+        each_am_key([&](const auto&, const Field& field, const char*) {
+            keys.push_back({field.key, amplitude_modulated});
+        });
+        return keys;
+    }();
+    return all;
+}
 
 bool contains_word(std::string_view words, std::string_view word) {
     while (!words.empty()) {
@@ -180,7 +182,7 @@ std::vector<Vec2> read_foci_m(Reader& reader) {
 }
 
 void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_kinds) {
-    for (const KindKey& other : kind_keys) {
+    for (const KindKey& other : kind_keys()) {
         if (contains_word(other.kinds, kind)) continue;
         if (reader.has(other.key) && other_kinds == OtherKinds::refused)
             reader.error(other.key, fmt::format("does not apply to kind {}", kind));
@@ -190,7 +192,7 @@ void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_
 } // namespace
 
 bool has_meaning(std::string_view key, std::string_view kind) {
-    for (const KindKey& known : kind_keys) {
+    for (const KindKey& known : kind_keys()) {
         const bool is_it = key.starts_with(known.key) &&
                            (key.size() == known.key.size() || key[known.key.size()] == '.' ||
                             key[known.key.size()] == '[');
@@ -206,13 +208,13 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
     if (reader.empty()) return {};
     Modulation modulation;
     if (!reader.has("kind")) reader.missing("kind");
-    const auto kind = reader.find_choice("kind", kinds);
+    const auto kind = reader.find_choice("kind", words_of(field_of<Modulation>("kind")));
     const auto ramp_s = reader.find_number("ramp_ms", range_of<Modulation>("ramp_ms"));
     std::vector<Gain> more_gains;
     for (const Reader& gain : reader.tables("envelope"))
         more_gains.push_back(read_gain(gain));
     if (!kind) { // the applicable keys are unknown
-        for (const KindKey& known : kind_keys)
+        for (const KindKey& known : kind_keys())
             reader.allow(std::array{known.key});
         reader.finish();
         return modulation;

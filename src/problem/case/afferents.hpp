@@ -83,15 +83,6 @@ struct HandAfferents {
     bool operator==(const HandAfferents&) const = default;
 };
 
-template <class Walk, Is<HandAfferents> Places>
-void walk_fields(Walk& walk, Places& places) {
-    walk(places.part, {.text = "where"});
-    walk(places.digit, {.key = "digit",
-                        .range = Range::between(1.0, 5.0),
-                        .applies = places.part == "fingertip",
-                        .only_with = "where = \"fingertip\"",
-                        .meaning = "number of the digit; 1 is the thumb"});
-}
 /// One of each class at the points of a grid centred on the patch.
 struct GridAfferents {
     static constexpr const char* name = "grid";
@@ -100,17 +91,6 @@ struct GridAfferents {
     bool operator==(const GridAfferents&) const = default;
 };
 
-template <class Walk, Is<GridAfferents> Places>
-void walk_fields(Walk& walk, Places& grid) {
-    walk(grid.extent_m, {.key = "extent_mm",
-                         .range = Range::between(0.0, 1e4),
-                         .given = Given::required,
-                         .meaning = "size of a grid centred in the domain"});
-    walk(grid.pitch_m, {.key = "pitch_mm",
-                        .range = Range::between(1e-3, 1e4),
-                        .given = Given::required,
-                        .meaning = "spacing of the grid"});
-}
 /// A list of fibres, in the coordinates of the patch.
 struct AfferentList {
     static constexpr const char* name_in_jobs = "csv";
@@ -121,13 +101,6 @@ struct AfferentList {
 /// The meaning of its file, with the numbers of neurons of the classes.
 const char* meaning_of_afferent_file();
 
-template <class Walk, Is<AfferentList> Places>
-void walk_fields(Walk& walk, Places& list) {
-    walk(list.all, {.key = "file",
-                    .given = Given::by_hand,
-                    .fallback = "required with where = \"csv\"",
-                    .meaning = meaning_of_afferent_file()});
-}
 using AfferentPlaces = std::variant<HandAfferents, GridAfferents, AfferentList>;
 
 /// Pins move as the simulated surface does at their positions.
@@ -142,10 +115,6 @@ struct StressInput {
     static constexpr bool follows_skin = false, uses_stress = true;
     bool operator==(const StressInput&) const = default;
 };
-template <class Walk, Is<PinInput> Input>
-void walk_fields(Walk&, Input&) {}
-template <class Walk, Is<StressInput> Input>
-void walk_fields(Walk&, Input&) {}
 /// Minimum number of samples per cycle of the carrier: with fewer, harmonics of the rectified or
 /// squared carrier alias to low frequencies, and a carrier at a multiple of the sampling rate
 /// aliases to 0 Hz.
@@ -168,32 +137,6 @@ struct CarrierInput {
     bool operator==(const CarrierInput&) const = default;
 };
 
-template <class Walk, Is<CarrierInput> Input>
-void walk_fields(Walk& walk, Input& carrier) {
-    walk(carrier.wave,
-         {.key = "wave",
-          .meaning =
-              "how the displacement of the pins follows from the carrier c: c, max(c, 0) or c^2"});
-    walk(carrier.frequency_Hz, {.key = "frequency_kHz",
-                                .text = "carrier_Hz",
-                                .range = Range::between(0.1, 1000.0),
-                                .meaning = "frequency of the carrier"});
-    walk(carrier.amplitude_m, {.key = "amplitude_um",
-                               .range = Range::above(0.0),
-                               .given = Given::required,
-                               .meaning = "amplitude of the displacement"});
-    walk(carrier.sampling_Hz, {.key = "sampling_kHz",
-                               .range = Range::between(5.0, 1e5),
-                               .fallback = "5 samples per cycle, at least 5 kHz",
-                               .meaning = "samples per second"});
-    walk(carrier.am_frequency_Hz, {.key = "am_frequency_Hz",
-                                   .range = Range::between(0.0, 2000.0),
-                                   .meaning = "frequency of the amplitude modulation; 0: none"});
-    walk(carrier.am_depth, {.key = "am_depth",
-                            .range = Range::between(0.0, 1.0),
-                            .fallback = "1",
-                            .meaning = "depth of the amplitude modulation"});
-}
 using AfferentInput = std::variant<PinInput, StressInput, CarrierInput>;
 /// Whether pins move as the simulated skin does.
 inline bool follows_skin(const AfferentInput& input) {
@@ -229,84 +172,5 @@ struct AfferentOptions {
     Switch conduction_delay = Switch::off;
     bool operator==(const AfferentOptions&) const = default;
 };
-
-/// The fields of the response, which follow those of the places and of the input.
-template <class Walk, Is<AfferentOptions> Options>
-void walk_response(Walk& walk, Options& o) {
-    walk(o.silence_s, {.key = "silence_ms",
-                       .range = Range::between(0.0, 1e4),
-                       .meaning = "duration of rest before the motion, and of a smooth return to "
-                                  "rest after it; spikes outside the motion are discarded"});
-    walk(o.periods,
-         {.key = "periods",
-          .range = Range::between(1.0, 1e4),
-          .in_text = o.periods != AfferentOptions{}.periods,
-          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load in "
-                     "which spikes count, after [a run-in](../explanation/receptors.md"
-                     "#endless-loops)"});
-    walk(o.noise, {.key = "noise", .meaning = "noise of the neuron model"});
-    walk(o.conduction_delay,
-         {.key = "conduction_delay", .meaning = "conduction delays along the nerve"});
-}
-
-template <class Walk, Is<AfferentOptions> Options>
-void walk_fields(Walk& walk, Options& o) {
-    walk.choice(o.places, {.key = "where",
-                           .text = "where",
-                           .type = "word:palm|fingertip|hand|grid|csv",
-                           .fallback = "`\"palm\"`",
-                           .meaning = "`\"palm\"`, `\"fingertip\"`, `\"hand\"`: afferents at the "
-                                      "published densities; `\"grid\"`: one afferent of each class "
-                                      "at each grid point; `\"csv\"`: afferents from a file"});
-    walk(o.classes, {.key = "classes",
-                     .given = Given::by_hand,
-                     .meaning = "classes of afferents; for `\"csv\"`, the file specifies them",
-                     .least_count = 1});
-    walk(o.seed, {.key = "seed",
-                  .range = Range::between(0.0, 1e15),
-                  .meaning = "seed of the random positions and neurons"});
-    walk(o.patch_m, {.key = "patch_mm",
-                     .fallback = "middle of the palm or fingertip",
-                     .meaning = "position of the centre of the domain on the hand"});
-    walk(o.patch_rad, {.key = "patch_deg",
-                       .range = Range::between(-360.0, 360.0),
-                       .meaning = "angle by which the domain is rotated on the hand"});
-    walk(o.sheet, {.key = "skin",
-                   .given = Given::by_hand,
-                   .fallback = "`\"hand\"`; `\"flat\"` for `\"grid\"` and `\"csv\"`",
-                   .meaning = "propagation of waves: within the outline of the `\"hand\"`, or on "
-                              "an infinite `\"flat\"` sheet"});
-    walk.choice(o.input,
-                {.key = "input",
-                 .text = "input",
-                 .own_tables = true,
-                 .meaning =
-                     "`\"pins\"`: the simulated u_z at the pins; `\"stress\"`: the stress that "
-                     "the engine computes at each receptor; `\"carrier\"`: pins move as "
-                     "prescribed"});
-    walk(o.pins_m,
-         {.key = "pins_mm",
-          .text = "pins_{}_m",
-          .given = Given::by_hand,
-          .fallback = "at the foci or along the path, one FWHM apart; `[[0, 0]]` for a carrier",
-          .meaning = "positions `[[x, y], ...]` of the pins, at most 1000 (see "
-                     "[receptors](../explanation/receptors.md)); or `pin_line` or `pin_grid`",
-          .least_count = 1,
-          .most_count = 1000});
-    walk.key({.key = "pin_line",
-              .type = "table",
-              .fallback = "none",
-              .meaning = "instead of `pins_mm`: pins along a line, `{ from_mm, to_mm, count }`"});
-    walk.key(
-        {.key = "pin_grid",
-         .type = "table",
-         .fallback = "none",
-         .meaning = "instead of `pins_mm`: pins on a grid, `{ extent_mm, pitch_mm, center_mm }`"});
-    walk(o.pin_radius_m, {.key = "pin_radius_mm",
-                          .range = Range::above(0.0),
-                          .meaning = "radius of the pins; if pins overlap, half of their smallest "
-                                     "distance is used, with a warning"});
-    walk_response(walk, o);
-}
 
 } // namespace shearwake

@@ -5,7 +5,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "problem/case/afferents.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 #include "problem/case/toml_text.hpp"
 
 #include <algorithm>
@@ -54,6 +54,7 @@ public:
 
     void section(const char* table) { text_.table(table); }
     void key(const Field&) {}
+    void key(const auto&, const Field&) {}
 
     std::string take() { return text_.take(); }
     /// How many numbers are represented by hashes.

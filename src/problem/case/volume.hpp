@@ -42,38 +42,6 @@ inline bool records_tensors(const RecordOptions& record) {
                                [](VolumeField field) { return field != VolumeField::u; });
 }
 
-template <class Walk, Is<RecordOptions> Options>
-void walk_fields(Walk& walk, Options& o) {
-    walk.section("record");
-    walk(o.traces_m, {.key = "traces_mm",
-                      .text = "traces_{}_m",
-                      .given = Given::by_hand,
-                      .fallback = "[[0, 0]]",
-                      .meaning = "points whose u_z(t) and spectrum are stored"});
-    walk(o.snapshots_s, {.key = "snapshots_ms",
-                         .range = Range::above(0.0),
-                         .given = Given::by_hand,
-                         .fallback = "[`at_ms`]",
-                         .meaning = "times at which the surface is stored"});
-    walk(o.frames,
-         {.key = "frames", .meaning = "store every frame, with an .xdmf file for ParaView"});
-    walk(o.volumes_s, {.key = "volumes_ms",
-                       .range = Range::above(0.0),
-                       .given = Given::by_hand,
-                       .in_text = !o.volumes_s.empty(),
-                       .fallback = "none",
-                       .meaning = "times at which the whole volume is stored, with an .xdmf file "
-                                  "for ParaView; engines `spectral` and `pstd`"});
-    walk(o.volume_fields, {.key = "volume_fields",
-                           .given = Given::by_hand,
-                           .applies = !o.volumes_s.empty(),
-                           .only_with = "volumes_ms",
-                           .fallback = "[\"u\"]",
-                           .meaning = "fields that are stored at these times (`pstd`: only "
-                                      "`\"u\"`), see [case-files.md](case-files.md)",
-                           .least_count = 1});
-}
-
 struct Attribute {
     std::string name;
     std::variant<std::string, double, long> value;

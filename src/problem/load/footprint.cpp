@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
 #include "problem/load/array_field.hpp"
+#include "problem/load/load.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 #include "problem/load/acoustics/hologram.hpp"
 #include "problem/load/acoustics/lens.hpp"
 #include "problem/load/acoustics/patch.hpp"
-#include "problem/load/modulation.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -15,20 +14,14 @@
 
 namespace shearwake {
 
+struct Modulation;
+
 /// Unit-peak Gaussian of radiation pressure; sigma = FWHM / (2 sqrt(2 ln 2)).
 struct GaussianFootprint {
     static constexpr const char* name = "gaussian";
     double fwhm_m = 0.0;
     bool operator==(const GaussianFootprint&) const = default;
 };
-
-template <class Walk, Is<GaussianFootprint> Footprint>
-void walk_fields(Walk& walk, Footprint& f) {
-    walk(f.fwhm_m, {.key = "fwhm_mm",
-                    .range = Range::between(0.01, 1000.0),
-                    .given = Given::required,
-                    .meaning = "full width at half maximum"});
-}
 
 /// The radiation pressure of a flat array of ultrasonic pistons that is parallel to the skin and
 /// focused on it: the square of the pressure amplitude, divided by its peak when the array focuses
@@ -49,94 +42,6 @@ struct ArrayFootprint {
     Hologram hologram = Hologram::superposition;
     bool operator==(const ArrayFootprint&) const = default;
 };
-
-/// The keys from which config derives the peak pressure of an array.
-template <class Walk>
-void walk_pressure_keys(Walk& walk) {
-    walk.key(
-        {.key = "pressure_Pa_m",
-         .range = Range::above(0.0),
-         .type = "number",
-         .fallback = "`load.peak_Pa`",
-         .meaning =
-             "pressure of one piston on its axis, multiplied by the distance; replaces `peak_Pa`"});
-    walk.key(
-        {.key = "air_density_kg_m3",
-         .range = Range::above(0.0),
-         .type = "number",
-         .fallback = "1.184",
-         .meaning = "with `pressure_Pa_m`: density of air; the default is for 25 degrees Celsius"});
-}
-
-template <class Walk, Is<ArrayFootprint> Footprint>
-void walk_piston_fields(Walk& walk, Footprint& array) {
-    walk.key({.key = "preset",
-              .type = "word",
-              .fallback = "none",
-              .meaning =
-                  "`\"array-16x16\"`, or `\"array-249\"` (18 x 14 positions at 10.16 mm, three "
-                  "of them empty); supplies `elements`, `missing`, `pitch_mm` and `radius_mm`"});
-    walk.key({.key = "elements",
-              .range = Range::between(1, 100),
-              .given = Given::preset,
-              .type = "point",
-              .meaning = "number of pistons along x and y, such as `[16, 16]`"});
-    walk(array.columns, {.text = "columns"});
-    walk(array.rows, {.text = "rows"});
-    walk(array.pitch_m, {.key = "pitch_mm",
-                         .range = Range::between(1.0, 100.0),
-                         .given = Given::preset,
-                         .meaning = "distance between the centres of neighbouring pistons"});
-    walk(array.radius_m, {.key = "radius_mm",
-                          .range = Range::between(0.1, 50.0),
-                          .given = Given::preset,
-                          .meaning = "radius of a piston"});
-}
-
-template <class Walk, Is<ArrayFootprint> Footprint>
-void walk_fields(Walk& walk, Footprint& array) {
-    walk_piston_fields(walk, array);
-    walk(array.distance_m, {.key = "distance_mm",
-                            .range = Range::between(20.0, 2000.0),
-                            .given = Given::required,
-                            .meaning = "distance of the array from the skin"});
-    walk(array.center_m,
-         {.key = "center_mm", .meaning = "point of the skin below the centre of the array"});
-    walk_sound_fields(walk, array);
-    walk(array.missing,
-         {.key = "missing",
-          .text = "missing",
-          .given = Given::by_hand,
-          .type = "points",
-          .meaning = "`[[2, 2], ...]`, positions [column, row] without a piston, counted from 1"});
-    walk(array.phase_levels,
-         {.key = "phase_levels",
-          .range = Range::between(2, 65536),
-          .fallback = "phases are not rounded",
-          .meaning = "number of levels to which the phase of each piston is rounded"});
-    walk(array.update_rate_Hz,
-         {.key = "update_rate_kHz",
-          .range = Range::between(0.01, 1000.0),
-          .fallback = "continuous",
-          .meaning =
-              "rate at which the position of the focus is updated; it rests between updates"});
-    walk(array.hologram,
-         {.key = "hologram",
-          .in_text = array.hologram != Hologram::superposition,
-          .meaning =
-              "drives of the pistons for several `foci_mm`. `\"superposition\"`: the sum of "
-              "the drives for each focus; `\"gs\"`: phases by the algorithm of Gerchberg and "
-              "Saxton, all pistons at full amplitude; `\"wgs\"`: its weighted form, which "
-              "makes the foci equally strong"});
-    walk(array.reach_m,
-         {.key = "reach_mm",
-          .range = Range::between(5.0, 500.0),
-          .given = Given::by_hand,
-          .fallback = "4 FWHM",
-          .meaning = "distance from the focus beyond which the side lobes of the pattern are faded "
-                     "out, by the factor erfc(8 (r / reach - 1)) / 2"});
-    walk_pressure_keys(walk);
-}
 
 using Footprint = std::variant<GaussianFootprint, ArrayFootprint, LensFootprint>;
 

@@ -3,7 +3,6 @@
 
 #include "base/units.hpp"
 #include "problem/load/load_pattern.hpp"
-#include "problem/load/modulation.hpp"
 #include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>

@@ -1,16 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "problem/load/envelope.hpp"
 #include "problem/load/footprint.hpp"
-#include "problem/load/modulation.hpp"
+#include "problem/load/motion/trajectory.hpp"
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace shearwake {
+
+/// A modulation: trajectory, envelope and foci. `kind` is its usual name ("AM-STM"), which has no
+/// effect.
+struct Modulation {
+    std::string kind;
+    Trajectory trajectory;
+    Envelope envelope;
+    /// Simultaneous foci relative to the moving point; they share the power of the single focus
+    /// that is used if none are given.
+    std::vector<Vec2> foci_m = {};
+    bool operator==(const Modulation&) const = default;
+};
+
+/// The values of `am_wave` as the type of a key: the gains that are waves.
+const char* am_wave_type();
+
+/// Where the foci are at time t [m].
+std::vector<Vec2> foci(const Modulation& modulation, double t_s);
+
+/// The frequency of the first periodic part (envelope first, then trajectory), if there is one; a
+/// single repeated path is not periodic in this sense [Hz].
+std::optional<double> modulation_frequency_Hz(const Modulation& modulation);
 
 /// The cycle-averaged pressure acts: c(t) = 1.
 struct AveragedCarrier {
@@ -23,14 +47,6 @@ struct ResolvedCarrier {
     double frequency_Hz = 40e3;
     bool operator==(const ResolvedCarrier&) const = default;
 };
-template <class Walk, Is<AveragedCarrier> C>
-void walk_fields(Walk&, C&) {}
-template <class Walk, Is<ResolvedCarrier> C>
-void walk_fields(Walk& walk, C& carrier) {
-    walk(carrier.frequency_Hz, {.key = "carrier_kHz",
-                                .range = Range::between(1.0, 1000.0),
-                                .meaning = "f_c, the frequency of the ultrasound"});
-}
 using Carrier = std::variant<AveragedCarrier, ResolvedCarrier>;
 
 /// The frequency of the carrier; 0 if it is averaged [Hz].
@@ -50,27 +66,6 @@ struct Load {
     Modulation modulation;
     bool operator==(const Load&) const = default;
 };
-
-template <class Walk, Is<Load> L>
-void walk_fields(Walk& walk, L& load) {
-    walk.section("load");
-    walk(load.peak_Pa, {.key = "peak_Pa",
-                        .range = Range::above(0.0),
-                        .given = Given::by_hand,
-                        .fallback = "required",
-                        .meaning = "radiation pressure at the centre of the focus; for an array: "
-                                   "when it focuses on the point below its centre"});
-    walk.choice(load.footprint, {.key = "footprint.shape",
-                                 .text = "footprint",
-                                 .meaning = "shape of the pressure distribution"});
-    walk.choice(load.carrier,
-                {.key = "carrier",
-                 .text = "carrier",
-                 .meaning = "`\"averaged\"`: the force is averaged over the cycle of the "
-                            "ultrasound; `\"resolved\"`: it is multiplied by 1 + cos(2 pi f_c t)"});
-    walk.section("load.modulation");
-    walk_fields(walk, load.modulation);
-}
 
 /// e(t) c(t) at time t, also after the end of the path.
 double amplitude(const Load& load, double t_s);

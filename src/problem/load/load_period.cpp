@@ -2,7 +2,6 @@
 #include "problem/load/load.hpp"
 
 #include "base/units.hpp"
-#include "problem/load/modulation.hpp"
 #include "problem/load/motion/trajectory.hpp"
 
 #include <algorithm>

@@ -23,31 +23,6 @@ constexpr Range azimuth_range = Range::between(-360.0, 360.0);
 constexpr Range inclination_range = Range::between(-90.0, 90.0);
 constexpr Range roll_range = Range::between(-360.0, 360.0);
 
-template <class Walk, Is<Orientation> O>
-void walk_fields(Walk& walk, O& o) {
-    walk(o.azimuth_deg, {.key = "azimuth_deg",
-                         .text = "azimuth_deg",
-                         .range = azimuth_range,
-                         .given = Given::by_hand,
-                         .in_text = o.azimuth_deg != 0.0,
-                         .meaning = "turn about the vertical, from x towards y"});
-    walk(o.inclination_deg,
-         {.key = "inclination_deg",
-          .text = "inclination_deg",
-          .range = inclination_range,
-          .given = Given::by_hand,
-          .in_text = o.inclination_deg != 0.0,
-          .meaning = "tilt of the body's own x axis out of the horizontal plane, downwards"});
-    walk(o.roll_deg,
-         {.key = "roll_deg",
-          .text = "roll_deg",
-          .range = roll_range,
-          .given = Given::by_hand,
-          .in_text = o.roll_deg != 0.0,
-          .meaning = "turn of the body about its own x axis, from its y axis towards "
-                     "its z axis. The azimuth and the inclination then turn this axis"});
-}
-
 /// The axes of a body as unit vectors: the columns of its rotation matrix.
 struct BodyAxes {
     Vec3 x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};
@@ -71,15 +46,6 @@ struct Ellipsoid {
     bool operator==(const Ellipsoid&) const = default;
 };
 
-template <class Walk, Is<Ellipsoid> Shape>
-void walk_fields(Walk& walk, Shape& shape) {
-    walk(shape.semi_axes_m, {.key = "semi_axes_mm",
-                             .range = Range::above(0.0),
-                             .given = Given::required,
-                             .meaning = "semi-axes `[x, y, z]` along the body's own axes"});
-    walk_fields(walk, shape.orientation);
-}
-
 /// Bone or vessel. An axis that is not vertical has an azimuth, from x towards y, and an
 /// inclination, downwards; CylinderAxis::vertical has neither. Length 0 or infinity: the cylinder
 /// crosses the whole domain, and its axis has no inclination.
@@ -99,42 +65,6 @@ struct Cylinder {
     bool is_endless() const;
 };
 
-template <class Walk, Is<Cylinder> Shape>
-void walk_fields(Walk& walk, Shape& shape) {
-    walk(shape.axis, {.key = "axis",
-                      .given = Given::by_hand,
-                      .type = "word:x|y|z",
-                      .fallback = "required, or `azimuth_deg`",
-                      .meaning = "direction of the axis: `\"x\"`, `\"y\"` or `\"z\"` (vertical)"});
-    walk(shape.radius_m, {.key = "radius_mm",
-                          .range = Range::above(0.0),
-                          .given = Given::required,
-                          .meaning = "radius"});
-    walk(shape.length_m,
-         {.key = "length_mm",
-          .range = Range::above(0.0),
-          .zero_in_text = shape.is_endless(),
-          .fallback = "infinite",
-          .meaning = "length; without it, the cylinder crosses the whole domain. `check` warns if "
-                     "an infinitely long cylinder is not parallel to x or y, since its ends at the "
-                     "periodic edges do not match"});
-    walk(shape.azimuth_deg,
-         {.key = "azimuth_deg",
-          .text = "azimuth_deg",
-          .range = Range::between(-360.0, 360.0),
-          .given = Given::by_hand,
-          .zero_in_text = shape.axis == CylinderAxis::vertical,
-          .meaning = "direction of the axis along the surface, as an angle from x towards y"});
-    walk(shape.inclination_deg,
-         {.key = "inclination_deg",
-          .text = "inclination_deg",
-          .range = inclination_range,
-          .given = Given::by_hand,
-          .in_text = shape.inclination_deg != 0.0,
-          .meaning = "tilt of the axis out of the horizontal plane, downwards. Requires "
-                     "`azimuth_deg` and `length_mm`"});
-}
-
 /// Edges along its own axes.
 struct Box {
     static constexpr const char* name = "box";
@@ -142,15 +72,6 @@ struct Box {
     Orientation orientation = {};
     bool operator==(const Box&) const = default;
 };
-
-template <class Walk, Is<Box> Shape>
-void walk_fields(Walk& walk, Shape& shape) {
-    walk(shape.size_m, {.key = "size_mm",
-                        .range = Range::above(0.0),
-                        .given = Given::required,
-                        .meaning = "lengths `[x, y, z]` of the edges along the body's own axes"});
-    walk_fields(walk, shape.orientation);
-}
 
 /// A region in the layers that has a different material.
 struct Body {
@@ -164,74 +85,6 @@ struct Body {
     bool fixed = false; // and does not move
     bool operator==(const Body&) const = default;
 };
-
-template <class Walk, Is<Body> B>
-void walk_rigidity(Walk& walk, B& body) {
-    walk(body.rigid,
-         {.key = "rigid",
-          .in_text = body.rigid,
-          .meaning = "whether the body is rigid; only the density of its material matters then. It "
-                     "costs one additional solve per step, whatever its stiffness. Requires the "
-                     "engine `\"spectral\"`"});
-    walk(body.fixed, {.key = "fixed",
-                      .applies = body.rigid,
-                      .only_with = "rigid = true",
-                      .in_text = body.rigid && body.fixed,
-                      .meaning = "whether the rigid body is held in place; otherwise it moves and "
-                                 "turns with its mass. A body that reaches the rigid base is "
-                                 "always held"});
-}
-
-template <class Walk, Is<Body> B>
-void walk_fields(Walk& walk, B& body) {
-    walk.key({.key = "preset",
-              .type = "word",
-              .fallback = "none",
-              .meaning =
-                  "name of a preset that supplies the properties that are not given: "
-                  "`\"cortical-bone\"` (rho 1900 kg/m3, c_p 3517 m/s, c_s 1619 m/s, no loss; the "
-                  "isotropic mean of the stiffness of the tibia in Hoffmeister 2000)"});
-    walk(body.name,
-         {.key = "name", .fallback = "body 1 ...", .meaning = "name in messages and notes"});
-    walk.choice(body.shape, {.key = "shape", .text = "shape", .meaning = "shape of the body"});
-    walk(body.centre_m, {.key = "center_mm",
-                         .text = "centre_m",
-                         .given = Given::by_hand,
-                         .type = "point or triple",
-                         .fallback = "required",
-                         .meaning = "centre `[x, y, z]`, where z is the depth; or `[x, y]` "
-                                    "together with `depth_mm`, which can be swept as a number"});
-    walk.key({.key = "depth_mm",
-              .type = "number",
-              .fallback = "none",
-              .meaning = "z of the centre, where `center_mm` is `[x, y]`"});
-    walk(body.edge_m,
-         {.key = "edge_mm",
-          .range = Range::at_least(0.0),
-          .meaning =
-              "width of a smooth transition to the surroundings, half of it inside and half "
-              "outside the body; all derivatives are continuous. It must not exceed the smallest "
-              "width of the body. 0: a sharp surface, averaged over each cell of the grid"});
-    walk(body.density_kg_m3,
-         {.key = "density_kg_m3",
-          .range = Range::above(0.0),
-          .fallback = "that of the surrounding layer or map",
-          .meaning = "density; at least one of this and the three keys below must be given"});
-    walk(body.c_p_m_s, {.key = "c_p_m_s",
-                        .range = Range::above(0.0),
-                        .fallback = "that of the surrounding layer or map",
-                        .meaning = "speed of compressional waves"});
-    walk(body.c_s_m_s, {.key = "c_s_m_s",
-                        .range = Range::at_least(0.0),
-                        .fallback = "that of the surrounding layer or map",
-                        .meaning = "speed of shear waves; 0 is a fluid, which requires the engine "
-                                   "`\"pstd\"` and a value of `viscosity_Pa_s`, which may be 0"});
-    walk(body.viscosity_Pa_s, {.key = "viscosity_Pa_s",
-                               .range = Range::at_least(0.0),
-                               .fallback = "that of the surrounding layer or map",
-                               .meaning = "viscosity"});
-    walk_rigidity(walk, body);
-}
 
 inline bool is_fluid(const Body& body) {
     return body.c_s_m_s == 0.0;

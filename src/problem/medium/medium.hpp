@@ -40,40 +40,6 @@ struct StandardLinearSolid {
     double strength = 0.0;
     bool operator==(const StandardLinearSolid&) const = default;
 };
-template <class Walk, Is<Lossless> Loss>
-void walk_fields(Walk&, Loss&) {}
-template <class Walk, Is<KelvinVoigt> Loss>
-void walk_fields(Walk& walk, Loss& loss) {
-    walk(loss.viscosity_Pa_s, {.key = "viscosity_Pa_s",
-                               .range = Range::at_least(0.0),
-                               .given = Given::required,
-                               .meaning = "viscosity in mu = rho c_s^2 + i omega viscosity"});
-}
-template <class Walk, Is<FractionalKelvinVoigt> Loss>
-void walk_fields(Walk& walk, Loss& loss) {
-    walk(loss.tau_s,
-         {.key = "tau_us",
-          .range = Range::above(0.0),
-          .given = Given::required,
-          .meaning = "relaxation time tau in the shear modulus mu0 (1 + (i omega tau)^n)"});
-    walk(loss.exponent, {.key = "exponent",
-                         .range = Range::inside(0.0, 1.0),
-                         .given = Given::required,
-                         .meaning = "exponent n in the same formula"});
-}
-template <class Walk, Is<StandardLinearSolid> Loss>
-void walk_fields(Walk& walk, Loss& loss) {
-    walk(loss.tau_s, {.key = "tau_us",
-                      .range = Range::above(0.0),
-                      .given = Given::required,
-                      .meaning = "relaxation time tau in the shear modulus mu0 (1 + strength i "
-                                 "omega tau / (1 + i omega tau))"});
-    walk(loss.strength, {.key = "strength",
-                         .range = Range::above(0.0),
-                         .given = Given::required,
-                         .meaning = "strength in the same formula: the high-frequency limit of mu, "
-                                    "divided by mu0, minus 1"});
-}
 using ShearLoss = std::variant<Lossless, KelvinVoigt, FractionalKelvinVoigt, StandardLinearSolid>;
 
 /// One homogeneous layer. The last layer over a half-space has no thickness (0).
@@ -86,45 +52,6 @@ struct Layer {
     ShearLoss loss = Lossless{};
     bool operator==(const Layer&) const = default;
 };
-
-template <class Walk, Is<Layer> L>
-void walk_fields(Walk& walk, L& layer) {
-    walk.key(
-        {.key = "preset",
-         .type = "word",
-         .fallback = "none",
-         .meaning = "name of a preset that supplies the keys of the layer that are not given"});
-    walk(layer.name,
-         {.key = "name", .fallback = "layer 1 ...", .meaning = "name in messages and notes"});
-    walk(layer.thickness_m, {.key = "thickness_mm",
-                             .range = Range::above(0.0),
-                             .given = Given::by_hand,
-                             .fallback = "required; none for the last layer of a half-space",
-                             .meaning = "thickness"});
-    walk(layer.density_kg_m3, {.key = "density_kg_m3",
-                               .range = Range::above(0.0),
-                               .given = Given::required,
-                               .meaning = "density"});
-    walk(layer.c_p_m_s, {.key = "c_p_m_s",
-                         .range = Range::above(0.0),
-                         .given = Given::required,
-                         .meaning = "speed of compressional waves"});
-    walk(layer.c_s_m_s, {.key = "c_s_m_s",
-                         .range = Range::above(0.0),
-                         .given = Given::required,
-                         .meaning = "speed of shear waves"});
-    walk.choice(layer.loss,
-                {.key = "loss.law",
-                 .text = "loss",
-                 .meaning = "loss model of the layer, for example `{ law = \"fractional\", tau_us "
-                            "= 260.0, exponent = 0.27 }`, or "
-                            "`\"none\"`; a Kelvin-Voigt layer can give `viscosity_Pa_s` instead"});
-    walk.key({.key = "viscosity_Pa_s",
-              .range = Range::at_least(0.0),
-              .type = "number",
-              .fallback = "none",
-              .meaning = "instead of `loss`: `{ law = \"kelvin-voigt\", viscosity_Pa_s = ... }`"});
-}
 
 enum class Base { rigid, half_space };
 constexpr auto names_of(std::type_identity<Base>) {
@@ -143,31 +70,6 @@ struct Medium {
     /// Maps are compared by their content.
     friend bool operator==(const Medium& a, const Medium& b);
 };
-
-template <class Walk, Is<Medium> M>
-void walk_fields(Walk& walk, M& medium) {
-    walk.section("medium");
-    walk.key({.key = "preset",
-              .type = "word",
-              .fallback = "none",
-              .meaning = "name of a complete medium, instead of layers: `thesis-tissue`, "
-                         "`ecoflex`, `forearm`, `palm`, `fingertip`, `three-layer-skin`"});
-    walk(medium.base,
-         {.key = "base",
-          .given = Given::required,
-          .meaning =
-              "`\"rigid\"`: the last layer is bonded to a rigid base; `\"half-space\"`: the last "
-              "layer extends to infinity; omit its `thickness_mm`. Engine `\"layered\"` computes "
-              "this exactly; `\"spectral\"` and `\"pstd\"` end the layer with an absorber"});
-    walk(medium.map,
-         {.key = "map",
-          .given = Given::by_hand,
-          .fallback = "none",
-          .meaning = "HDF5 file of material properties; its path is relative to the job file"});
-    walk.each("medium.layer", medium.layers, {.meaning = "layers, from the surface downward"});
-    walk.each("medium.body", medium.bodies,
-              {.meaning = "bodies; where they overlap, the later one replaces the earlier one"});
-}
 
 /// mu(omega) [Pa]; omega [rad/s] may be complex with Im omega <= 0.
 std::complex<double> shear_modulus(const Layer& layer, std::complex<double> omega_rad_s);

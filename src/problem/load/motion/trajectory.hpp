@@ -15,14 +15,6 @@ struct Hold {
     bool operator==(const Hold&) const = default;
 };
 
-template <class Walk, Is<Hold> H>
-void walk_fields(Walk& walk, H& hold) {
-    walk(hold.at_m, {.key = "position_mm",
-                     .text = "at_m",
-                     .given = Given::required,
-                     .meaning = "position at which the focus rests"});
-}
-
 enum class SwingWave { sine, triangle };
 constexpr auto names_of(std::type_identity<SwingWave>) {
     return std::array{"sine", "triangle"};
@@ -39,31 +31,12 @@ struct Swing {
     bool operator==(const Swing&) const = default;
 };
 
-template <class Walk, Is<Swing> S>
-void walk_fields(Walk& walk, S& swing) {
-    walk(swing.amplitude_m, {.key = "amplitude_mm",
-                             .given = Given::required,
-                             .meaning = "amplitude `[x, y]`: a in a sin(2 pi f t + phase)"});
-    walk(swing.frequency_Hz, {.key = "frequency_Hz",
-                              .range = Range::between(1e-3, 1e5),
-                              .given = Given::required,
-                              .meaning = "frequency f"});
-    walk(swing.phase_rad, {.key = "phase_deg", .meaning = "phase"});
-    walk(swing.wave,
-         {.key = "wave",
-          .meaning = "`\"sine\"`, or `\"triangle\"`: back and forth at constant speed"});
-}
-
 /// Arc length s(t) = speed t.
 struct ConstantSpeed {
     double speed_m_s = 0.0;
     bool operator==(const ConstantSpeed&) const = default;
 };
 
-template <class Walk, Is<ConstantSpeed> Speed>
-void walk_fields(Walk& walk, Speed& speed) {
-    walk(speed.speed_m_s, {.text = "speed_m_s"});
-}
 /// Speed v(t) = mean + deviation sin(2 pi f t + phase); s(t) is its exact integral.
 struct OscillatingSpeed {
     double mean_m_s = 0.0;
@@ -73,25 +46,6 @@ struct OscillatingSpeed {
     bool operator==(const OscillatingSpeed&) const = default;
 };
 
-template <class Walk, Is<OscillatingSpeed> Speed>
-void walk_fields(Walk& walk, Speed& speed) {
-    walk(speed.mean_m_s, {.text = "speed_mean_m_s"});
-    walk(speed.deviation_m_s,
-         {.key = "speed_deviation_m_s",
-          .range = Range::at_least(0.0),
-          .given = Given::required,
-          .fallback = "required for SM-STM",
-          .meaning = "of SM-STM: dv in the speed v + dv sin(2 pi f t + phase)"});
-    walk(speed.frequency_Hz, {.key = "sm_frequency_Hz",
-                              .text = "speed_frequency_Hz",
-                              .range = Range::between(1e-3, 1e5),
-                              .given = Given::required,
-                              .fallback = "required for SM-STM",
-                              .meaning = "of SM-STM: frequency f of the speed"});
-    walk(speed.phase_rad, {.key = "sm_phase_deg",
-                           .text = "speed_phase_rad",
-                           .meaning = "of SM-STM: phase of the speed"});
-}
 /// The focus rests at one place after the other and jumps between them.
 struct Rests {
     std::vector<double> arcs_m; // the places, as arc lengths of the path
@@ -102,13 +56,6 @@ struct Rests {
     /// The number of the rest at a time within a pass.
     std::size_t at(double t_s) const;
 };
-
-template <class Walk, Is<Rests> R>
-void walk_fields(Walk& walk, R& rests) {
-    walk(rests.arcs_m, {.text = "rests_m", .most_in_text = 100});
-    walk(rests.ends_s, {.text = "rest_ends_s", .most_in_text = 100});
-    walk(rests.levels, {.text = "rest_levels", .most_in_text = 100});
-}
 
 using Motion = std::variant<ConstantSpeed, OscillatingSpeed, Rests>;
 
@@ -129,33 +76,6 @@ struct CornerPace {
     bool operator==(const CornerPace&) const = default;
 };
 
-template <class Walk, Is<CornerPace> Pace>
-void walk_fields(Walk& walk, Pace& pace) {
-    const bool in_text = pace != CornerPace{};
-    walk(pace.dwell_s,
-         {.key = "corner_dwell_ms",
-          .range = Range::at_least(0.0),
-          .in_text = in_text,
-          .meaning = "duration of the rest at each corner of the path, and at the ends of a path "
-                     "that is traversed back and forth (kinds with constant speed: STM, AM-STM, "
-                     "DTP, STP). A corner turns by 20 degrees or more; a closed path that starts "
-                     "at a corner begins with a rest"});
-    walk(pace.slow_within_m,
-         {.key = "corner_slow_mm",
-          .text = "corner_slow_within_m",
-          .range = Range::at_least(0.0),
-          .in_text = in_text,
-          .meaning = "distance before each corner over which the focus slows down to "
-                     "`corner_slow_to` times its speed, and distance after the corner over which "
-                     "it accelerates again, both at a constant rate"});
-    walk(pace.slow_to,
-         {.key = "corner_slow_to",
-          .range = Range::between(0.01, 1.0),
-          .in_text = in_text,
-          .meaning =
-              "speed at a corner, as a fraction of the speed elsewhere; see `corner_slow_mm`"});
-}
-
 /// The focus moves along a path.
 struct Travel {
     static constexpr const char* name_in_jobs = "path";
@@ -165,41 +85,6 @@ struct Travel {
     CornerPace corners;
     bool operator==(const Travel&) const = default;
 };
-
-template <class Walk, Is<Travel> T>
-void walk_fields(Walk& walk, T& travel) {
-    walk.choice(travel.path.shape, {.key = "path.shape",
-                                    .text = "mover",
-                                    .type = path_words,
-                                    .fallback = "required",
-                                    .meaning = "shape of the path"});
-    walk(travel.at_end,
-         {.key = "path.at_end",
-          .text = "at_end",
-          .given = Given::by_hand,
-          .fallback = "`\"repeat\"` for closed paths, `\"off\"` for open ones",
-          .meaning = "what happens at the end of the path: the focus is switched off, rests, "
-                     "starts again at the beginning (an open path with a jump), or turns back"});
-    walk.key({.key = "speed_m_s",
-              .range = Range::between(1e-6, 1000.0),
-              .given = Given::by_hand,
-              .type = "number",
-              .fallback = "required",
-              .meaning = "speed (its mean, if it oscillates); or `mach`, or `draw_frequency_Hz`"});
-    walk.key({.key = "mach",
-              .range = Range::between(1e-6, 1000.0),
-              .type = "number",
-              .fallback = "none",
-              .meaning = "instead of `speed_m_s`: the speed divided by c_s of the top layer"});
-    walk.key({.key = "draw_frequency_Hz",
-              .range = Range::between(1e-3, 1e5),
-              .type = "number",
-              .fallback = "none",
-              .meaning = "instead of `speed_m_s`: number of passes along the path per second, "
-                         "rests included (there and back is one pass)"});
-    walk.choice(travel.motion, {});
-    walk_fields(walk, travel.corners);
-}
 
 using Mover = std::variant<Hold, Swing, Travel>;
 /// The position of the focus over time. Parts ADD.

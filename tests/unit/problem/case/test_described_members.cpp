@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The description of an option struct contains all its members.
 #include "base/field.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -79,6 +79,7 @@ public:
     }
     void section(const char*) {}
     void key(const Field&) {}
+    void key(const auto&, const Field&) {}
 
     bool has_one_in(const auto& member) const {
         const auto from = reinterpret_cast<std::uintptr_t>(&member);

@@ -2,7 +2,7 @@
 // The descriptions of option structs: nothing of a struct may be missing, everything decides the
 // id.
 #include "base/field.hpp"
-#include "problem/case/case.hpp"
+#include "problem/case/case_fields.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -61,6 +61,7 @@ public:
     }
     void section(const char*) {}
     void key(const Field&) {}
+    void key(const auto&, const Field&) {}
 
     bool is_done() const { return is_done_; }
     const std::string& what() const { return what_; }
@@ -166,6 +167,7 @@ public:
     }
     void section(const char*) {}
     void key(const Field&) {}
+    void key(const auto&, const Field&) {}
 
     std::set<std::string> all;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/load/modulation.hpp"
+#include "problem/load/load.hpp"
 #include "problem/load/motion/trajectory.hpp"
 
 #include <catch2/catch.hpp>
