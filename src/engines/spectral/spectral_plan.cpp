@@ -82,14 +82,16 @@ Arrays arrays_of_stepper(const Case& c, const DepthMesh& mesh, const VariationPl
     const double levels = static_cast<double>(mesh.levels() - 1);
     const double pencil_lanes = most_rows(ny, ranks) * up(nx / 2.0, lane_count);
     const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Block);
-    const double per_cell = ((v.iterates ? 8.0 : 4.0) + (v.box ? 2.0 : 0.0)) * v.components + 3.0 +
+    const double per_cell = ((v.iterates ? 8.0 : 4.0) + (v.box ? 1.0 : 0.0)) * v.components + 3.0 +
                             (v.iterates ? v.components / 3.0 : 0.0); // implicit moduli
-    // With a box, the next step is predicted.
+    const double predicted_B = displacement_B * (1.0 + 1.0 / (3.0 * levels)) +
+                               v.components * v.fullest_cells * sizeof(double);
     Arrays arrays = {{"factors", pencil_lanes * factor_entries(mesh) * sizeof(Block)},
-                     {"displacement", (v.box ? 3.0 : 2.0) * displacement_B},
+                     {"displacement", 2.0 * displacement_B},
                      {"planes of strain", strain_planes_B(v, nx, ny, ranks)},
                      {"exchange of planes", exchanged_B(v, ny, ranks)},
                      {"box of elastic bodies", box_B(v, ranks)},
+                     {"prediction of the next step", v.box ? predicted_B : 0.0},
                      {"sponge", sponge_B(sponge, levels, most_rows(ny, ranks))},
                      {"strain and moduli of cells", per_cell * v.fullest_cells * sizeof(double)},
                      {"surfaces of bodies", v.surfaces * v.fullest_cells / std::max(v.cells, 1.0) *

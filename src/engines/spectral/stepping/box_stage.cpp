@@ -7,43 +7,72 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Predicts the change of a pencil and puts its strain into the planes; `scale` is the weight of
-/// the second difference. Prefetches the factor that is needed next.
-void predict(StepState& s, const Pencil& p, double scale, const Block* u, const Block* before,
-             const Block* needed) {
-    Block* change = s.predicted.change.data() + p.at * s.size();
-    Block* pressure = s.predicted.load.data() + p.at * parts;
-    s.put_forces(p, u, before, change, pressure, needed);
-    s.solve(p, change);
-    s.add_work(p, scale, u, before, change, pressure);
-    s.put_strain(p, change);
-}
-
-/// The pencils without the stress of the elastic bodies. Usually the previous step has predicted
+/// The pencils without the stress of the elastic bodies, d = B^-1 (f - K u - C (u - u-)/dt), the
+/// load f of the pencils and the strain of d at the cells. Usually the previous step has predicted
 /// them in its pass.
 class PredictedPencils : public Stage {
 public:
-    using Stage::Stage;
+    explicit PredictedPencils(StepState& state) : Stage(state) {
+        together(s_.team, [&] {
+            change_.resize(s_.now.size());
+            load_.resize(static_cast<std::size_t>(s_.vectors.pencils() * parts));
+            strain_.resize(s_.field.size());
+        });
+    }
 
     void advance() override {
         s_.load.sample(s_.step);
-        if (s_.predicted.valid) return;
-        s_.kinetic.clear();
-        s_.work.clear();
+        if (is_valid_) return;
+        s_.energy.clear();
         s_.each_pencil(
             {}, [](std::ptrdiff_t) {},
             [&](const Pencil& p) {
-                predict(s_, p, s_.scale(), s_.u(p), s_.u_before(p), s_.factor(p.at));
+                predict(p, s_.scale(), s_.u(p), s_.u_before(p), s_.factor(p.at));
             });
-        s_.planes.get(s_.predicted.strain);
-        s_.predicted.valid = true;
+        s_.planes.get(strain_);
+        is_valid_ = true;
     }
-    std::vector<engines::Allocation> arrays() const override { return s_.arrays(); }
+    std::vector<engines::Allocation> arrays() const override {
+        std::vector<engines::Allocation> all = s_.arrays();
+        all.push_back({"prediction of the next step",
+                       static_cast<double>((change_.size() + load_.size()) * sizeof(Block) +
+                                           strain_.size() * sizeof(double))});
+        return all;
+    }
     void save(StateWriter& state) const override { s_.save_displacement(state); }
     void restore(const StateReader& state) override {
         s_.restore_displacement(state);
-        s_.predicted.valid = false;
+        is_valid_ = false;
     }
+
+    const Block* change(const Pencil& p) const { return change_.data() + p.at * s_.size(); }
+    const Block* load(const Pencil& p) const { return load_.data() + p.at * parts; }
+    const StepState::Values& strain() const { return strain_; }
+
+    /// Begins the prediction of the next step in a pass over the pencils, unless the sponge will
+    /// change the displacement before it. Returns whether the pass predicts.
+    bool begin_next() {
+        is_valid_ = !s_.sponge_acts_at(s_.step + 1);
+        if (is_valid_) s_.load.sample(s_.step + 1);
+        return is_valid_;
+    }
+    /// Predicts the change of a pencil and puts its strain into the planes; `scale` is the weight
+    /// of the second difference. Prefetches the factor that is needed next.
+    void predict(const Pencil& p, double scale, const Block* u, const Block* before,
+                 const Block* needed) {
+        Block* change = change_.data() + p.at * s_.size();
+        Block* pressure = load_.data() + p.at * parts;
+        s_.put_forces(p, u, before, change, pressure, needed);
+        s_.solve(p, change);
+        s_.add_work(p, scale, u, before, change, pressure);
+        s_.put_strain(p, change);
+    }
+    void end_next() { s_.planes.get(strain_); }
+
+private:
+    bool is_valid_ = false; // for the current displacement
+    fft::AlignedVector<Block> change_, load_;
+    StepState::Values strain_;
 };
 
 /// With G = E B^-1 E^T, g = B^-1 (f - K u - C (u - u-)/dt) and the explicit stress s of the bodies,
@@ -52,22 +81,18 @@ public:
 /// predicts g of the next step while the factors are in the cache.
 class BoxStage : public Stage {
 public:
-    BoxStage(StepState& state, const BoxGrid& grid)
-        : Stage(state), iteration_(state), box_(state.field, grid, state.slabs, state.team) {
+    BoxStage(StepState& state, const BoxGrid& grid, PredictedPencils& predicted)
+        : Stage(state), predicted_(predicted), iteration_(state),
+          box_(state.field, grid, state.slabs, state.team) {
         box_.assemble(
             [&](std::ptrdiff_t plane, StrainPlanes& planes) { respond_to_plane(plane, planes); });
-        together(s_.team, [&] {
-            s_.predicted.change.resize(s_.now.size());
-            s_.predicted.load.resize(static_cast<std::size_t>(s_.vectors.pencils() * parts));
-            s_.predicted.strain.resize(s_.field.size());
-        });
     }
 
     void advance() override {
         s_.find_stress();
         box_.respond(s_.stress, s_.change, BoxResponse::Precision::full);
         for (std::size_t i = 0; i < s_.change.size(); ++i)
-            s_.change[i] += s_.predicted.strain[i];
+            s_.change[i] += predicted_.strain()[i];
         const auto with = [this](BoxResponse::Precision precision) {
             return [this, precision](const StepState::Values& stress, StepState::Values& strain) {
                 box_.respond(stress, strain, precision);
@@ -121,42 +146,38 @@ private:
 
     void complete_and_predict() {
         const double scale = s_.scale();
-        StepState::Prediction& predicted = s_.predicted;
         Block* response = s_.scratch.data();
         double work = 0.0;
-        s_.kinetic.clear();
-        s_.work.clear();
-        // The sponge of the next step changes the displacement.
-        predicted.valid = !s_.sponge_acts_at(s_.step + 1);
-        if (predicted.valid) s_.load.sample(s_.step + 1);
-        s_.each_pencil({.strain = predicted.valid}, [&](const Pencil& p) {
-            const Block *u = s_.u(p), *change = predicted.change.data() + p.at * s_.size();
+        s_.energy.clear();
+        const bool predicts = predicted_.begin_next();
+        s_.each_pencil({.strain = predicts}, [&](const Pencil& p) {
+            const Block* u = s_.u(p);
             Block* before = s_.u_before(p);
             std::fill_n(response, s_.size(), Block{});
             s_.add_planes_force(p, response);
             s_.solve(p, response);
-            s_.kernels.advance_by_sum(s_.size(), scale, u, change, response, before);
-            work += s_.work_of_change(p, scale, response, predicted.load.data() + p.at * parts);
-            if (!predicted.valid) return;
+            s_.kernels.advance_by_sum(s_.size(), scale, u, predicted_.change(p), response, before);
+            work += s_.work_of_change(p, scale, response, predicted_.load(p));
             // The factor of the next pencil, since this one is in the cache.
-            predict(s_, p, 1.0, before, u, s_.factor(std::min(p.at + 1, s_.vectors.pencils() - 1)));
+            if (predicts)
+                predicted_.predict(p, 1.0, before, u,
+                                   s_.factor(std::min(p.at + 1, s_.vectors.pencils() - 1)));
         });
-        s_.watch.add_work(scale * work);
-        if (predicted.valid) s_.planes.get(predicted.strain);
+        s_.energy.watch.add_work(scale * work);
+        if (predicts) predicted_.end_next();
     }
 
+    PredictedPencils& predicted_;
     StrainIteration iteration_;
     BoxResponse box_;
 };
 
 } // namespace
 
-std::unique_ptr<Stage> make_predicted_pencils(StepState& state) {
-    return std::make_unique<PredictedPencils>(state);
-}
-
-std::unique_ptr<Stage> make_variation_in_box(StepState& state, const BoxGrid& grid) {
-    return std::make_unique<BoxStage>(state, grid);
+BoxStages make_box_stages(StepState& state, const BoxGrid& grid) {
+    auto pencils = std::make_unique<PredictedPencils>(state);
+    auto variation = std::make_unique<BoxStage>(state, grid, *pencils);
+    return {std::move(pencils), std::move(variation)};
 }
 
 } // namespace shearwake::spectral

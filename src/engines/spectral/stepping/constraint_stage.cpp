@@ -17,7 +17,7 @@ public:
         s_.each_reaction([&](const Pencil& p, const Block* displacement) {
             work += s_.add_to_next(p, displacement);
         });
-        s_.watch.add_work(s_.scale() * work);
+        s_.energy.watch.add_work(s_.scale() * work);
         if (s_.varies()) s_.add_planes(s_.change);
     }
 

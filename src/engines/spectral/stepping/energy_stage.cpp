@@ -16,14 +16,16 @@ public:
     using Stage::Stage;
 
     void advance() override {
-        if (s_.watch.due(s_.step)) s_.watch.check(s_.step, 0.5 * s_.kinetic.mine());
-        s_.watch.add_work(s_.scale() * s_.work.mine());
+        if (s_.energy.watch.due(s_.step))
+            s_.energy.watch.check(s_.step, 0.5 * s_.energy.kinetic.mine());
+        s_.energy.watch.add_work(s_.scale() * s_.energy.work.mine());
         if (s_.field.variation().iterates)
-            s_.reference = std::max(s_.kinetic.of(s_.team), std::abs(s_.work.of(s_.team)));
+            s_.energy.reference =
+                std::max(s_.energy.kinetic.of(s_.team), std::abs(s_.energy.work.of(s_.team)));
     }
     std::vector<engines::Allocation> arrays() const override { return {}; } // a number per ky
-    void save(StateWriter& state) const override { s_.watch.save(state); }
-    void restore(const StateReader& state) override { s_.watch.restore(state); }
+    void save(StateWriter& state) const override { s_.energy.watch.save(state); }
+    void restore(const StateReader& state) override { s_.energy.watch.restore(state); }
 };
 
 /// The part of the energy that the cells add to that of the background, per area.
@@ -87,11 +89,11 @@ EnergyBalance energy_of(StepState& s) {
             viscous += inner(force, change); // C v/dt
             implicit += sum_of(s.vertical.implicit_form(s.factor(p.at), change, counted.part));
         });
-    s.watch.check(s.step, kinetic);
+    s.energy.watch.check(s.step, kinetic);
     const double bodies = s.team.is_root() ? s.bodies->twice_kinetic_J_m2() : 0.0;
     const double mine = 0.5 * (implicit - 0.5 * viscous + stored + bodies) + lateral;
     const double area_m2 = s.c.domain.extent_x_m() * s.c.domain.extent_y_m();
-    return {area_m2 * s.team.sum(mine), area_m2 * s.watch.work_J_m2()};
+    return {area_m2 * s.team.sum(mine), area_m2 * s.energy.watch.work_J_m2()};
 }
 
 } // namespace shearwake::spectral

@@ -9,7 +9,7 @@ namespace {
 /// bodies, rigid layers held, and u- becomes 2u - u- + d.
 class PencilStage : public Stage {
 public:
-    using Stage::Stage;
+    PencilStage(StepState& state, Sponge& sponge) : Stage(state), sponge_(sponge) {}
 
     void advance() override {
         s_.load.sample(s_.step);
@@ -17,10 +17,12 @@ public:
             s_.find_stress();
             s_.planes.set(s_.stress);
         }
-        s_.kinetic.clear();
-        s_.work.clear();
-        s_.each_pencil({}, [&](const Pencil& p) { advance(p); });
-        s_.sponge_in_pass = nullptr;
+        s_.energy.clear();
+        const bool is_damped = sponge_.acts_in_pass();
+        s_.each_pencil({}, [&](const Pencil& p) {
+            if (is_damped) sponge_.damp_in_pass(p);
+            advance(p);
+        });
         if (s_.varies()) s_.planes.get(s_.change);
     }
 
@@ -30,7 +32,6 @@ public:
 
 private:
     void advance(const Pencil& p) {
-        if (s_.sponge_in_pass) s_.sponge_in_pass(p);
         const double scale = s_.scale();
         const Block* u = s_.u(p);
         Block *before = s_.u_before(p), *force = s_.scratch.data();
@@ -44,12 +45,14 @@ private:
         s_.kernels.advance(s_.size(), scale, u, force, before);
         if (!s_.bodies->empty()) s_.bodies->evaluate(p.row, p.block, before);
     }
+
+    Sponge& sponge_;
 };
 
 } // namespace
 
-std::unique_ptr<Stage> make_pencils(StepState& state) {
-    return std::make_unique<PencilStage>(state);
+std::unique_ptr<Stage> make_pencils(StepState& state, Sponge& sponge) {
+    return std::make_unique<PencilStage>(state, sponge);
 }
 
 } // namespace shearwake::spectral

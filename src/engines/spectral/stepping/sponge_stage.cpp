@@ -83,12 +83,18 @@ namespace {
 /// spectrum of the footprint is below 3 % contain 1e-3 of the energy. The sponge then acts on the
 /// lower wave vectors alone, on planes with only as many points as these need. The returned energy
 /// of a pulse changes by less than 1 %.
-class SpongeStage : public Stage {
+class SpongeStage : public Sponge {
 public:
     explicit SpongeStage(StepState& state);
 
     void advance() override {
-        if (s_.sponge_acts_at(s_.step)) damp();
+        if (!s_.sponge_acts_at(s_.step)) return;
+        read_velocity();
+        if (!acts_in_pass()) damp();
+    }
+    void damp_in_pass(const Pencil& p) override {
+        if (p.block == 0) begin_row(p.row);
+        if (acts_on(p.row, p.block)) damp(p);
     }
     std::vector<engines::Allocation> arrays() const override {
         return {{"sponge", static_cast<double>(planes_.size() * sizeof(double))}};
@@ -104,14 +110,6 @@ private:
     }
 
     void damp() {
-        read_velocity();
-        if (s_.is_uniform()) {
-            s_.sponge_in_pass = [this](const Pencil& p) {
-                if (p.block == 0) begin_row(p.row);
-                if (acts_on(p.row, p.block)) damp(p);
-            };
-            return;
-        }
         s_.each_pencil(
             {}, [&](std::ptrdiff_t row) { begin_row(row); },
             [&](const Pencil& p) {
@@ -119,7 +117,6 @@ private:
                 s_.put_strain(p, s_.scratch.data());
                 if (!s_.bodies->empty()) s_.bodies->evaluate(p.row, p.block, s_.scratch.data());
             });
-        s_.predicted.valid = false;
         s_.planes.get(s_.change);
         constrain();
         for (std::size_t i = 0; i < s_.change.size(); ++i) {
@@ -213,10 +210,8 @@ private:
 };
 
 SpongeStage::SpongeStage(StepState& state)
-    : Stage(state), kernels_(simd::kernels<SpongeKernels>()), vectors_(s_.vectors) {
-    const auto [every, nx, ny] =
-        sponge_plan(s_.c, s_.is_uniform() ? Lateral::uniform : Lateral::varies, s_.step_s);
-    s_.sponge_every = every;
+    : Sponge(state), kernels_(simd::kernels<SpongeKernels>()), vectors_(s_.vectors) {
+    const auto [every, nx, ny] = s_.sponge;
     if (every == 0) return;
     vectors_ = s_.vectors.coarser(nx, ny);
     slabs_.emplace(nx, ny, s_.team, s_.slabs.planning());
@@ -253,7 +248,7 @@ SpongeStage::SpongeStage(StepState& state)
 
 } // namespace
 
-std::unique_ptr<Stage> make_sponge(StepState& state) {
+std::unique_ptr<Sponge> make_sponge(StepState& state) {
     return std::make_unique<SpongeStage>(state);
 }
 

@@ -13,8 +13,7 @@
 namespace shearwake::spectral {
 
 /// A part of a step. The order of the stages and the equation that they solve together are those of
-/// Stepper (stepper.hpp). Each stage has a file of its own and depends on the others only
-/// through StepState.
+/// Stepper (stepper.hpp).
 class Stage {
 public:
     explicit Stage(StepState& state) : s_(state) {}
@@ -58,17 +57,18 @@ std::unique_ptr<OutputStage> make_output(StepState& state, std::ptrdiff_t per_fr
 void put_plane_of_w(const StepState& state, double depth_m, double* plane);
 
 /// Removes a share of the velocity in the margin of the domain (sponge_stage.cpp).
-std::unique_ptr<Stage> make_sponge(StepState& state);
-/// Interval of the sponge in steps (0: no sponge) and the number of points of its planes.
-struct SpongePlan {
-    std::ptrdiff_t every = 0, nx = 0, ny = 0;
+class Sponge : public Stage {
+public:
+    using Stage::Stage;
+    /// Whether it leaves the pencils of this step to the pass of the next stage, when their factors
+    /// are in the cache. Not collective.
+    bool acts_in_pass() const { return s_.is_uniform() && s_.sponge_acts_at(s_.step); }
+    /// Damps a pencil in this pass, before the step advances it. Not collective.
+    virtual void damp_in_pass(const Pencil& p) = 0;
 };
-/// Whether the medium varies laterally.
-enum class Lateral { uniform, varies };
-/// The interval and the planes of the sponge of a case. Not collective.
-SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s);
+std::unique_ptr<Sponge> make_sponge(StepState& state);
 /// The pass over the pencils with the explicit forces (pencil_stage.cpp).
-std::unique_ptr<Stage> make_pencils(StepState& state);
+std::unique_ptr<Stage> make_pencils(StepState& state, Sponge& sponge);
 /// The kinetic energy and the work of the load, which must account for it (energy_stage.cpp).
 std::unique_ptr<Stage> make_energy(StepState& state);
 /// The forces that make the markers of the rigid bodies move rigidly (constraint_stage.cpp).
@@ -76,8 +76,10 @@ std::unique_ptr<Stage> make_constraint(StepState& state);
 /// The stress of elastic bodies at the next step, on complete planes (variation_stage.cpp).
 std::unique_ptr<Stage> make_variation(StepState& state);
 /// Instead of pencils and variation, where a box contains the elastic bodies (box_stage.cpp).
-std::unique_ptr<Stage> make_predicted_pencils(StepState& state);
-std::unique_ptr<Stage> make_variation_in_box(StepState& state, const BoxGrid& grid);
+struct BoxStages {
+    std::unique_ptr<Stage> pencils, variation;
+};
+BoxStages make_box_stages(StepState& state, const BoxGrid& grid);
 
 /// The energy that the scheme preserves (energy_stage.cpp), half a step before the current time,
 /// and the work of the load so far.

@@ -30,13 +30,16 @@ StepState::StepState(RigidPlan plan, const DepthMesh& of_depth, const fft::SlabT
       load(c, vectors, step_s, {c.scene.load, c.time.duration_s() + 2.0 * step_s}),
       bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team)),
       slab_bodies(c, mesh, vectors), planes(field.cells(), slabs, team, StrainPlanes::Corner{}),
-      kinetic(c.domain.ny / 2 + 1), work(c.domain.ny / 2 + 1),
+      sponge(sponge_plan(c, is_uniform() ? Lateral::uniform : Lateral::varies, step_s)),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
-      watch(team, step_s,
-            {.most_1 = most_kinetic_1,
-             .interval = field.variation().iterates ? 1 : 16,
-             .advice = watch_advice}) {
+      energy{.kinetic = RowSums(c.domain.ny / 2 + 1),
+             .work = RowSums(c.domain.ny / 2 + 1),
+             .watch = {team,
+                       step_s,
+                       {.most_1 = most_kinetic_1,
+                        .interval = field.variation().iterates ? 1 : 16,
+                        .advice = watch_advice}}} {
     together(team, [&] { allocate(); });
     // The energy of the scheme must be positive for all motion that the bodies permit; only light
     // ones reduce it. If so, the same holds for the implicit operator, which follows.
@@ -104,9 +107,9 @@ void StepState::put_forces(const Pencil& p, const Block* u, const Block* previou
     std::copy_n(pressure, parts, force + parts); // unknown 1 is W at the surface
     vertical.add_internal_force(vectors.waves(p.row, p.block).k, 1.0 / step_s, u, previous, force,
                                 needed);
-    kinetic.add(slabs.share().ky_start + p.row,
-                sum_of(vertical.twice_kinetic(1.0 / step_s, u, previous,
-                                              vectors.counted(p.row, p.block).part)));
+    energy.kinetic.add(slabs.share().ky_start + p.row,
+                       sum_of(vertical.twice_kinetic(1.0 / step_s, u, previous,
+                                                     vectors.counted(p.row, p.block).part)));
 }
 
 void StepState::add_planes_force(const Pencil& p, Block* force) {
@@ -131,11 +134,12 @@ double StepState::work_of(const Pencil& p, const Block* pressure, Motion motion)
 
 void StepState::add_work(const Pencil& p, double weight, const Block* u, const Block* previous,
                          const Block* d, const Block* pressure) {
-    work.add(slabs.share().ky_start + p.row,
-             work_of(p, pressure, [&](std::ptrdiff_t part, std::ptrdiff_t lane) { // (u+ - u-)/2
-                 return u[parts + part][lane] - previous[parts + part][lane] +
-                        0.5 * weight * d[parts + part][lane];
-             }));
+    energy.work.add(
+        slabs.share().ky_start + p.row,
+        work_of(p, pressure, [&](std::ptrdiff_t part, std::ptrdiff_t lane) { // (u+ - u-)/2
+            return u[parts + part][lane] - previous[parts + part][lane] +
+                   0.5 * weight * d[parts + part][lane];
+        }));
 }
 
 double StepState::work_of_change(const Pencil& p, double weight, const Block* displacement,
@@ -170,9 +174,8 @@ DistributedRows StepState::rows() const {
 }
 
 std::vector<engines::Allocation> StepState::arrays() const {
-    const std::size_t blocks = now.size() + before.size() + predicted.change.size();
     return {{"factors", static_cast<double>(factors_.size() * sizeof(Block))},
-            {"displacement", static_cast<double>(blocks * sizeof(Block))}};
+            {"displacement", static_cast<double>((now.size() + before.size()) * sizeof(Block))}};
 }
 
 void StepState::save_displacement(StateWriter& state) const {

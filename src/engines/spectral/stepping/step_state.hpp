@@ -27,6 +27,27 @@ struct StepStatistics {
     int most_iterations = 0; // maximum in one step
 };
 
+/// Interval of the sponge in steps (0: no sponge) and the number of points of its planes.
+struct SpongePlan {
+    std::ptrdiff_t every = 0, nx = 0, ny = 0;
+};
+/// Whether the medium varies laterally.
+enum class Lateral { uniform, varies };
+/// The interval and the planes of the sponge of a case. Not collective.
+SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s);
+
+/// The energy of a step.
+struct StepEnergy {
+    RowSums kinetic, work;  // per ky: twice the kinetic energy before the step, and its work
+    double reference = 0.0; // the larger of both, sum over all ranks, if steps iterate
+    engines::EnergyWatch watch;
+
+    void clear() {
+        kinetic.clear();
+        work.clear();
+    }
+};
+
 /// A pencil: the displacement over depth at a block of wave vectors of one ky.
 struct Pencil {
     std::ptrdiff_t row, block, at; // `at`: index among all pencils of this rank
@@ -64,37 +85,26 @@ public:
     std::unique_ptr<RigidBodies> bodies;
     SlabBodies slab_bodies; // rigid layers
     StrainPlanes planes;
+    const SpongePlan sponge;
 
     // What changes from step to step: u and the strain, each at the current and at the previous
-    // step. A step replaces the previous ones by the next ones.
+    // step. The pencils of a step replace the previous ones by the next ones, which `before`
+    // contains until the end of the step.
     std::ptrdiff_t step = 0;
     fft::AlignedVector<Block> now, before;
     Values strain, strain_before;
 
     // Of the current step.
-    Values change;          // strain of d, the next second difference of u
-    Values stress;          // work array
-    RowSums kinetic, work;  // per ky: twice the kinetic energy before the step, and its work
-    double reference = 0.0; // the larger of both, sum over all ranks, if steps iterate
-    engines::EnergyWatch watch;
+    Values change; // strain of d, the next second difference of u
+    Values stress; // work array
+    StepEnergy energy;
     StepStatistics statistics;
     fft::AlignedVector<Block> scratch; // of one pencil
-    /// What the sponge leaves to the pass of the next stage over the pencils, when their factors
-    /// are in the cache. May be empty.
-    std::function<void(const Pencil&)> sponge_in_pass;
-    std::ptrdiff_t sponge_every = 0; // its interval in steps; 0: no sponge
-    /// What a step would be without the elastic bodies, computed in advance (only with a box): d =
-    /// B^-1 (f - K u - C (u - u-)/dt), the load f of the pencils and the strain of d at the cells.
-    struct Prediction {
-        bool valid = false; // for the current displacement
-        fft::AlignedVector<Block> change, load;
-        Values strain;
-    } predicted;
 
     /// Whether the sponge changes u before this step. This depends on the step alone, so that a
     /// resumed run does the same.
     bool sponge_acts_at(std::ptrdiff_t n) const {
-        return sponge_every > 0 && n > 0 && n % sponge_every == 0;
+        return sponge.every > 0 && n > 0 && n % sponge.every == 0;
     }
     /// The next displacement becomes the current one. Not collective.
     void end_step();
@@ -137,7 +147,7 @@ public:
     using Reaction = std::function<void(const Pencil&, const Block* displacement)>;
     void each_reaction(const Reaction& use);
 
-    /// The factors and u, and what a step predicts. Not collective.
+    /// The factors and u. Not collective.
     std::vector<engines::Allocation> arrays() const;
     /// Save and restore u. Collective.
     void save_displacement(StateWriter& state) const;
@@ -146,7 +156,7 @@ public:
     // A pencil. Not collective.
 
     /// Sets `force` to the load and the background's forces, f - K u - C (u - u-)/dt, and
-    /// `pressure` to the load alone. Adds the kinetic energy to `kinetic`. Prefetches the factor
+    /// `pressure` to the load alone. Adds the kinetic energy to `energy`. Prefetches the factor
     /// that is needed next.
     void put_forces(const Pencil& p, const Block* u, const Block* before, Block* force,
                     Block* pressure, const Block* needed);
@@ -163,7 +173,7 @@ public:
         slab_bodies.constrain(p.row, p.block, background_solve(), force);
     }
     RigidBodies::Solve background_solve() const;
-    /// Adds the work of the load on the motion (u+ - u-)/2 to `work`.
+    /// Adds the work of the load on the motion (u+ - u-)/2 to `energy`.
     void add_work(const Pencil& p, double scale, const Block* u, const Block* before,
                   const Block* change, const Block* pressure);
     /// Work of the load `pressure` on half of `scale` times a displacement.

@@ -17,12 +17,16 @@ Stepper::Stepper(RigidPlan bodies, const DepthMesh& mesh, const fft::SlabTransfo
     if (state_.field.variation().iterates)
         box_ = box_grid(state_.c, mesh,
                         extent_of(state_.c.scene.medium, state_.c.domain).with(cells), step_s);
-    stages_.push_back(make_sponge(state_));
-    stages_.push_back(box_ ? make_predicted_pencils(state_) : make_pencils(state_));
+    auto sponge = make_sponge(state_);
+    BoxStages in_box;
+    if (box_) in_box = make_box_stages(state_, *box_);
+    auto pencils = box_ ? std::move(in_box.pencils) : make_pencils(state_, *sponge);
+    stages_.push_back(std::move(sponge));
+    stages_.push_back(std::move(pencils));
     stages_.push_back(make_energy(state_));
     if (!state_.bodies->empty()) stages_.push_back(make_constraint(state_));
-    if (state_.varies())
-        stages_.push_back(box_ ? make_variation_in_box(state_, *box_) : make_variation(state_));
+    if (box_) stages_.push_back(std::move(in_box.variation));
+    if (state_.varies() && !box_) stages_.push_back(make_variation(state_));
 }
 
 void Stepper::advance() {

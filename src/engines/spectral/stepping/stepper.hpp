@@ -28,7 +28,8 @@ namespace shearwake::spectral {
 ///   5. constraint  adds the response to the forces at the markers of rigid bodies to d;
 ///   6. variation   iterates for e, adds B^-1 E^T S e to d, and advances the strains.
 /// If a box contains the elastic bodies and there are no rigid ones, 3 yields d without elastic
-/// bodies, and 6 adds the response to their explicit and implicit stress together.
+/// bodies, and 6 adds the response to their explicit and implicit stress together. In the same
+/// pass, 6 usually does 3 of the next step.
 class Stepper : public engines::Marching {
 public:
     /// `per_frame`: number of steps of a frame; 0: without output. Throws CaseFailure on all

@@ -63,7 +63,7 @@ private:
             s_.bodies->add_to_next(s_.scale());
             s_.each_reaction(add);
         }
-        s_.watch.add_work(s_.scale() * work);
+        s_.energy.watch.add_work(s_.scale() * work);
     }
 
     StrainIteration iteration_;
@@ -87,8 +87,9 @@ int StrainIteration::solve(const StrainSolver::Responses& respond) {
     // motion and not to d; otherwise it would be too loose while a load begins and too strict after
     // it ends.
     const double points = static_cast<double>(s_.c.domain.nx * s_.c.domain.ny);
-    const StrainSolver::Outcome outcome = solver_->solve(
-        s_.change, points * s_.reference, std::get<SpectralOptions>(s_.c.solver).residual, respond);
+    const StrainSolver::Outcome outcome =
+        solver_->solve(s_.change, points * s_.energy.reference,
+                       std::get<SpectralOptions>(s_.c.solver).residual, respond);
     if (!outcome.converged)
         throw CaseFailure(fmt::format(
             "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "
@@ -111,8 +112,7 @@ std::vector<engines::Allocation> StrainIteration::arrays() const {
     const LateralVariation& v = s_.field.variation();
     std::size_t values = v.lambda.size() + v.mu.size() + v.viscosity.size() +
                          v.implicit_lambda.size() + v.implicit_mu.size() + v.implicit_mass.size();
-    for (const StepState::Values* each :
-         {&s_.strain, &s_.strain_before, &s_.stress, &s_.change, &s_.predicted.strain})
+    for (const StepState::Values* each : {&s_.strain, &s_.strain_before, &s_.stress, &s_.change})
         values += each->size();
     if (solver_) values += solver_->values();
     return {{"planes of strain", s_.planes.memory_B()},

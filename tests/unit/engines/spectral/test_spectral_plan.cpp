@@ -176,6 +176,7 @@ TEST_CASE("the stages allocate the arrays that are planned", "[spectral]") {
         if (!c.scene.medium.bodies.empty()) {
             c.scene.medium.bodies[0].shape = Ellipsoid{{4e-3, 3e-3, 2e-3}};
             expected.emplace_back("box of elastic bodies");
+            expected.emplace_back("prediction of the next step");
         }
     }
     SECTION("with a sponge") {
