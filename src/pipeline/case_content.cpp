@@ -128,20 +128,7 @@ VariableGroup sensation_group(const Case& c, const measures::SensationMap& map) 
     return group;
 }
 
-} // namespace
-
-std::vector<VariableGroup> case_content(const Case& c,
-                                        const std::vector<measures::DepthSeries>& depths,
-                                        const std::vector<measures::TraceSeries>& traces,
-                                        const std::optional<measures::MachFit>& mach,
-                                        const std::vector<double>& mean_u2) {
-    std::vector<VariableGroup> groups = {root_series(c, depths)};
-    add_columns(measures::summarise(c, depths, traces, mach, mean_u2), groups.front());
-    if (!traces.empty()) groups.push_back(trace_group(c, traces));
-    if (!mean_u2.empty()) groups.push_back(mean_group(c, mean_u2));
-    return groups;
-}
-
+/// The energies of a period as columns; none without them.
 std::vector<measures::Column> energy_columns(const engines::SolverReport& solver) {
     if (!solver.period_energy) return {};
     const engines::PeriodEnergy& energy = *solver.period_energy;
@@ -150,9 +137,38 @@ std::vector<measures::Column> energy_columns(const engines::SolverReport& solver
             measures::column_of("period_radiated_uJ", 1e6 * energy.radiated_J, {})};
 }
 
+} // namespace
+
+std::vector<VariableGroup> field_content(const Case& c,
+                                         const std::vector<measures::DepthSeries>& depths,
+                                         const std::vector<measures::TraceSeries>& traces,
+                                         const std::optional<measures::MachFit>& mach,
+                                         const std::vector<double>& mean_u2) {
+    std::vector<VariableGroup> groups = {root_series(c, depths)};
+    add_columns(measures::summarise(c, depths, traces, mach, mean_u2), groups.front());
+    if (!traces.empty()) groups.push_back(trace_group(c, traces));
+    if (!mean_u2.empty()) groups.push_back(mean_group(c, mean_u2));
+    return groups;
+}
+
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group) {
     for (const measures::Column& column : columns)
         group.add(column.name, {}, {column.value}, column.unit, column.long_name, column.note);
+}
+
+std::vector<VariableGroup> case_content(const Case& c, const SurfaceRecorder& recorder,
+                                        AfferentResult afferents) {
+    std::vector<VariableGroup> groups =
+        field_content(c, recorder.depths(), recorder.traces(), recorder.mach(), recorder.mean_u2());
+    add_columns(measures::sensation_columns(c, recorder.sensation()), groups.front());
+    if (!recorder.sensation().level_dB.empty())
+        groups.push_back(sensation_group(c, recorder.sensation()));
+    add_columns(energy_columns(recorder.solver()), groups.front());
+    add_columns(afferents.columns, groups.front());
+    for (VariableGroup& group : afferents.groups)
+        groups.push_back(std::move(group));
+    if (c.vibrometer) groups.push_back(vibrometer_group(c, recorder.scan_m()));
+    return groups;
 }
 
 std::string columns_in_samples(const VariableGroup& root) {

@@ -4,6 +4,7 @@
 #include "engines/engine.hpp"
 #include "measures/summary.hpp"
 #include "neural/hand/hand.hpp"
+#include "pipeline/afferent_result.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
@@ -14,17 +15,19 @@
 
 namespace shearwake::pipeline {
 
-/// The content of a case file in addition to its surface fields: series and scalars in the root
-/// group, the traces with their spectra in /traces, and the time mean of u_z^2 on the surface,
-/// unless empty, in /mean.
-std::vector<VariableGroup> case_content(const Case& c,
-                                        const std::vector<measures::DepthSeries>& depths,
-                                        const std::vector<measures::TraceSeries>& traces,
-                                        const std::optional<measures::MachFit>& mach,
-                                        const std::vector<double>& mean_u2);
+/// The content of a case file in addition to its surface fields, on rank 0: that of
+/// field_content(), the level of sensation in /sensation, the spikes and pins in their groups, and
+/// the velocities of a vibrometer in /vibrometer. Not collective.
+std::vector<VariableGroup> case_content(const Case& c, const SurfaceRecorder& recorder,
+                                        AfferentResult afferents);
 
-/// The energies of a period as columns; none without them.
-std::vector<measures::Column> energy_columns(const engines::SolverReport& solver);
+/// What follows from the frames: series and scalars in the root group, the traces with their
+/// spectra in /traces, and the time mean of u_z^2 on the surface, unless empty, in /mean.
+std::vector<VariableGroup> field_content(const Case& c,
+                                         const std::vector<measures::DepthSeries>& depths,
+                                         const std::vector<measures::TraceSeries>& traces,
+                                         const std::optional<measures::MachFit>& mach,
+                                         const std::vector<double>& mean_u2);
 
 /// Columns of the table as scalars of a group.
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/compute.hpp"
 
-#include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
-#include "pipeline/vibrometer.hpp"
 
 namespace shearwake::pipeline {
 namespace {
@@ -18,22 +16,13 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
         afferents = simulate_afferents(receptor_motion(planned, recorder, *receptors), *c.afferents,
                                        *receptors, team);
     CaseResults results{.solver = recorder.solver(),
-                        .afferents = std::move(afferents.notes),
+                        .afferents = afferents.notes,
                         .groups = {},
                         .mean_u2 = recorder.mean_u2(),
                         .surface = {}};
     on_root(team, [&] {
         results.surface = recorder.depths().front().frames;
-        results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
-                                      recorder.mean_u2());
-        add_columns(measures::sensation_columns(c, recorder.sensation()), results.groups.front());
-        if (!recorder.sensation().level_dB.empty())
-            results.groups.push_back(sensation_group(c, recorder.sensation()));
-        add_columns(energy_columns(recorder.solver()), results.groups.front());
-        add_columns(afferents.columns, results.groups.front());
-        for (VariableGroup& group : afferents.groups)
-            results.groups.push_back(std::move(group));
-        if (c.vibrometer) results.groups.push_back(vibrometer_group(c, recorder.scan_m()));
+        results.groups = case_content(c, recorder, std::move(afferents));
     });
     return results;
 }

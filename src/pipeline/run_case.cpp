@@ -138,10 +138,10 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
         if (has_volume) storage::write_volume_xdmf(path, writer.volume());
     });
     const std::vector<Attribute> attributes = case_attributes(planned, facts);
-    CaseOutcome outcome{.seconds = facts.wall_s,
-                        .needs = plan.needs,
+    CaseOutcome outcome{.needs = plan.needs,
                         .is_resumed = checkpoints.earlier_seconds() > 0.0,
                         .checksum = writer.commit(results.groups, attributes)};
+    outcome.seconds = checkpoints.earlier_seconds() + seconds_since(began);
     if (team.is_root()) outcome.digest = storage::digest_of(results.groups, attributes);
     outcome.solver = std::move(facts.solver);
     outcome.discovered = std::move(discovered);

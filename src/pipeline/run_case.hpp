@@ -39,7 +39,7 @@ struct JobFacts {
 
 /// The result of computing a case.
 struct CaseOutcome {
-    double seconds = 0.0; // over all runs
+    double seconds = 0.0; // over all runs, with the time to write the file
     engines::SolverReport solver;
     engines::Resources needs;
     bool is_resumed = false; // from a checkpoint, so that this run has computed a part of it

@@ -39,10 +39,10 @@ TEST_CASE("a mean map comes with the shape that was drawn, a line for each focus
     c.scene.load.modulation.foci_m = {{0.0, -0.01}, {0.0, 0.01}};
     const std::vector<measures::DepthSeries> depths = {
         {0.0, std::vector<measures::SurfaceSums>(224)}};
-    CHECK(pipeline::case_content(c, depths, {}, std::nullopt, {}).size() == 1); // no map, no group
+    CHECK(pipeline::field_content(c, depths, {}, std::nullopt, {}).size() == 1); // no map, no group
 
     const std::vector<double> mean_u2(48, 1e-12);
-    const VariableGroup mean = pipeline::case_content(c, depths, {}, std::nullopt, mean_u2).back();
+    const VariableGroup mean = pipeline::field_content(c, depths, {}, std::nullopt, mean_u2).back();
     CHECK(mean.name == "mean");
     CHECK(find(mean, "u_z_squared").values == mean_u2);
     // 25 mm in steps of a spacing of 10 mm at most: three.
