@@ -11,7 +11,7 @@
 
 namespace shearwake::schedule {
 
-/// The paths of an output folder, see docs/developer/architecture.md.
+/// The paths of an output folder.
 struct OutputFolder {
     std::filesystem::path root;
 

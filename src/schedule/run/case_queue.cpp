@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/text.hpp"
+#include "schedule/run/case_queue.hpp"
+
+#include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/cost/rates.hpp"
-#include "schedule/run/worker.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 
-#include <fmt/format.h>
-#include <thread>
-
-// How a team finds its next case.
 namespace shearwake::schedule {
 namespace {
-
-using namespace std::chrono_literals;
 
 /// Factor on the estimated time of a case, so that no case is started that cannot finish in time.
 constexpr double allowance = 1.2;
@@ -26,15 +21,21 @@ bool is_newer(const std::filesystem::path& file, std::filesystem::file_time_type
 
 } // namespace
 
-/// The next case for this team, or no_case, or no_case_yet while other runs compute the cases that
-/// are left. Called on the root of the team.
-long Worker::next() {
+CaseQueue::CaseQueue(const WorkList& list, RunState& state, CaseReporter& reporter,
+                     const Comm& world, const Comm& team)
+    : list_(list), state_(state), reporter_(reporter) {
+    together(world, [&] {
+        if (team.is_root()) claims_.emplace(list_.folder.locks(), list_.run);
+    });
+}
+
+long CaseQueue::next() {
     std::vector<std::size_t> refused;
     long found = no_case;
     while (found == no_case) {
-        look_for_folder();
-        if (stop_asked()) counters_.fetch_add(stopping, 1);
-        if (counters_.read(stopping) != 0) return no_case;
+        state_.look_for_folder(RunState::Look::soon);
+        if (state_.stop_asked()) state_.add(RunState::stopping);
+        if (state_.read(RunState::stopping) != 0) return no_case;
         std::optional<std::size_t> place = next_in_portions();
         const bool is_first_try = place.has_value();
         if (!place && deferred_.empty()) break;
@@ -49,11 +50,11 @@ long Worker::next() {
             if (answer == Claim::deferred) // the other run computes the rest of its portion as well
                 for (; portion_ < portion_end_; ++portion_)
                     deferred_.push_back(portion_);
-            if (answer == Claim::ended) leave_out(*place);
+            if (answer == Claim::ended) state_.end_case(*place, RunState::CaseEnd::left_out);
         } catch (const std::exception& error) { // the file system fails, or memory is lacking
-            counters_.fetch_add(begun, 1);
-            record(*list_.work.cases[*place], error.what(), storage::Cause::files);
-            leave_out(*place);
+            state_.add(RunState::begun);
+            reporter_.record_failed(*list_.work.cases[*place], error.what(), storage::Cause::files);
+            state_.end_case(*place, RunState::CaseEnd::left_out);
         }
     }
     deferred_.insert(deferred_.end(), refused.rbegin(), refused.rend());
@@ -61,10 +62,10 @@ long Worker::next() {
 }
 
 /// The next position in the portions; nothing when all of them are taken.
-std::optional<std::size_t> Worker::next_in_portions() {
+std::optional<std::size_t> CaseQueue::next_in_portions() {
     if (portion_ == portion_end_) {
         const std::vector<std::size_t>& all = list_.work.portions;
-        const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_portion, 1));
+        const auto taken = static_cast<std::size_t>(state_.add(RunState::next_portion));
         if (taken >= all.size()) return std::nullopt;
         portion_ = all[taken];
         portion_end_ = taken + 1 < all.size() ? all[taken + 1] : list_.work.cases.size();
@@ -73,16 +74,16 @@ std::optional<std::size_t> Worker::next_in_portions() {
 }
 
 /// Reserves a case for this team, if it can be begun now and no other run computes it or has
-/// computed it since this run began. On the root of the team.
-Worker::Claim Worker::claim(std::size_t place) {
+/// computed it since this run began.
+CaseQueue::Claim CaseQueue::claim(std::size_t place) {
     const PlannedCase& planned = *list_.work.cases[place];
     if (!in_time(place)) {
-        if (!has_ended_elsewhere(planned)) counters_.fetch_add(postponed, 1);
+        if (!count_if_ended_elsewhere(planned)) state_.add(RunState::postponed);
         return Claim::ended;
     }
     const storage::CaseClaims::Answer answer = claims_->claim(planned.id);
     if (answer == storage::CaseClaims::Answer::refused) return Claim::deferred;
-    if (has_ended_elsewhere(planned)) { // before it was released
+    if (count_if_ended_elsewhere(planned)) { // before it was released
         claims_->release(planned.id);
         return Claim::ended;
     }
@@ -92,15 +93,15 @@ Worker::Claim Worker::claim(std::size_t place) {
     return Claim::granted;
 }
 
-/// Whether another run has completed a case, or failed to, since this run began. Other runs may
-/// still be able to compute a case that failed because of files. On the root of the team.
-bool Worker::has_ended_elsewhere(const PlannedCase& planned) {
+/// Whether another run has completed a case, or failed to, since this run began; counts it then.
+/// Other runs may still be able to compute a case that failed because of files.
+bool CaseQueue::count_if_ended_elsewhere(const PlannedCase& planned) {
     // A file that has got its name since is complete; others are verified.
     const std::filesystem::path file = list_.folder.case_file(planned.id);
     std::error_code error;
     const auto written = std::filesystem::last_write_time(file, error);
     if (!error && (written >= list_.began || storage::is_complete(file, planned.id))) {
-        counters_.fetch_add(elsewhere, 1);
+        state_.add(RunState::elsewhere);
         return true;
     }
     if (!is_newer(list_.folder.failure(planned.id), list_.began)) return false;
@@ -110,31 +111,21 @@ bool Worker::has_ended_elsewhere(const PlannedCase& planned) {
         history->second.state != storage::CaseHistory::State::failed ||
         history->second.cause != storage::Cause::case_itself)
         return false;
-    counters_.fetch_add(begun, 1);
-    counters_.fetch_add(failed, 1);
-    if (list_.arguments.fail_fast) give_up();
+    state_.add(RunState::begun);
+    state_.add(RunState::failed);
+    if (list_.arguments.fail_fast) state_.give_up();
     return true;
-}
-
-/// All ranks of the team sleep, since ranks that wait for a message use their processors.
-void Worker::wait() {
-    if (world_.is_root() && reported_.insert("waits").second && !list_.arguments.quiet)
-        progress_.report(fmt::format("waiting for {} that other runs compute",
-                                     counted(deferred_.size(), "case")));
-    std::this_thread::sleep_for(500ms);
-    tick();
 }
 
 /// Whether a case may start now, according to its work minus the time that its checkpoint already
 /// contains. Without a measured time, only the case itself can show it.
-bool Worker::in_time(std::size_t index) {
+bool CaseQueue::in_time(std::size_t place) {
     if (!list_.deadline.exists()) return true;
-    const PlannedCase& planned = *list_.work.cases[index];
-    const auto work = static_cast<double>(counters_.read(work_done));
-    const double pace_s = // per unit of work
-        work > 0.0 ? seconds_since(began_) * list_.work.layout.teams / work
-                   : cost::recorded_rate_s(engine_name(planned.physics.solver)).value_or(0.0);
-    const double needed_s = allowance * list_.work.work[index] * pace_s;
+    const PlannedCase& planned = *list_.work.cases[place];
+    const std::optional<double> recorded_s =
+        cost::recorded_rate_s(engine_name(planned.physics.solver));
+    const double pace_s = state_.pace_s().value_or(recorded_s.value_or(0.0)); // per unit of work
+    const double needed_s = allowance * list_.work.work[place] * pace_s;
     const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
                                                   {planned.id, pipeline::program_git_id()});
     return list_.deadline.lets_begin(needed_s - before);
