@@ -185,6 +185,9 @@ struct PrefixedWalk {
     }
 };
 
+template <class Use>
+PrefixedWalk(const char*, Use) -> PrefixedWalk<Use>;
+
 /// The description of a key of `Struct` itself, if there is one.
 template <class Struct>
 std::optional<Field> described_field(std::string_view key) {

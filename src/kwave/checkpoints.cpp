@@ -21,11 +21,11 @@ namespace {
 /// Removes what killed processes have left of writing this file.
 void remove_parts(const fs::path& file) {
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(file.parent_path(), ignored))
-        if (const std::string process = storage::process_in(entry.path());
+    for (const std::string& name : storage::names_in(file.parent_path()))
+        if (const std::string process = storage::process_in(name);
             !process.empty() && storage::has_ended(process) &&
-            entry.path() == fmt::format("{}.{}.part", file.string(), process))
-            fs::remove(entry.path(), ignored);
+            name == fmt::format("{}.{}.part", file.filename().string(), process))
+            fs::remove(file.parent_path() / name, ignored);
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/run_case.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -184,9 +185,10 @@ double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner
 
 void remove_checkpoints(const fs::path& stem) {
     std::error_code ignored; // also where no case has ever written one
-    for (const auto& entry : fs::directory_iterator(stem.parent_path(), ignored))
+    for (const std::string& name : storage::names_in(stem.parent_path()))
         for (const fs::path& path : paths_of(stem)) // and the parts that a killed run has left
-            if (entry.path().string().starts_with(path.string())) fs::remove(entry.path(), ignored);
+            if (name.starts_with(path.filename().string()))
+                fs::remove(stem.parent_path() / name, ignored);
 }
 
 } // namespace shearwake::pipeline

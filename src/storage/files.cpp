@@ -5,8 +5,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <memory>
 #include <fstream>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -188,6 +190,15 @@ void append_line(const fs::path& path, std::string_view line, Flush flush) {
         if (flush == Flush::now) file.flush();
         file.commit();
     });
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+    std::vector<std::string> names;
+    const std::unique_ptr<DIR, int (*)(DIR*)> stream(::opendir(folder.c_str()), &::closedir);
+    while (const dirent* entry = stream ? ::readdir(stream.get()) : nullptr)
+        if (const std::string name = entry->d_name; name != "." && name != "..")
+            names.push_back(name);
+    return names;
 }
 
 void make_directory(const fs::path& path) {

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 #include <thread>
 
 namespace shearwake::storage {
@@ -67,6 +68,10 @@ enum class Flush { now, later };
 /// disk, is ended first.
 void append_line(const std::filesystem::path& path, std::string_view line,
                  Flush flush = Flush::now);
+
+/// The names in a folder, in any order; none if it cannot be read. Throws std::bad_alloc, where the
+/// iterator of the standard library ends the program.
+std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 void make_directory(const std::filesystem::path& path);
 

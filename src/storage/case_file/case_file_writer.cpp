@@ -238,11 +238,10 @@ void inherit_part(const std::filesystem::path& path) {
     const fs::path own = part_path(path);
     std::vector<fs::path> left; // OMPIO leaves files next to those that it has opened
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
-        if (const std::string name = entry.path().filename().string();
-            name.starts_with(path.filename().string() + ".") &&
+    for (const std::string& name : names_in(path.parent_path()))
+        if (name.starts_with(path.filename().string() + ".") &&
             !name.starts_with(own.filename().string()))
-            left.push_back(entry.path());
+            left.push_back(path.parent_path() / name);
     std::ranges::sort(left, std::greater(), [&](const fs::path& file) {
         return std::pair(file.extension() == ".part", fs::last_write_time(file, error));
     });

@@ -126,11 +126,9 @@ std::string id_of_file(const fs::path& file) {
 CaseIndex::CaseIndex(fs::path folder, Trust trust,
                      std::function<void(const VerifyProgress&)> report)
     : folder_(std::move(folder)), trust_(trust), report_(std::move(report)) {
-    std::error_code ignored;
-    for (const auto& file : fs::directory_iterator(folder_, ignored)) {
-        const std::string name = file.path().filename().string();
+    for (const std::string& name : names_in(folder_)) {
         if (!name.starts_with("index") || !name.ends_with(".jsonl") || is_stray(name)) continue;
-        std::istringstream lines(read_file(file.path()));
+        std::istringstream lines(read_file(folder_ / name));
         for (std::string text; next_line(lines, text);) {
             const std::optional<std::string> line = unseal(text);
             if (!line) {

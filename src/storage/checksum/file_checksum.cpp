@@ -187,12 +187,10 @@ bool find_recorded(const fs::path& path, ChecksumLine& line) {
     const std::string id = "\"id\":\"" + path.stem().string() + "\"",
                       name = fmt::format("\"{}\":\"", recorded_checksum);
     bool found = false;
-    std::error_code ignored;
-    for (const auto& entry :
-         fs::directory_iterator(fs::absolute(path).parent_path().parent_path(), ignored)) {
-        const std::string file = entry.path().filename().string();
+    const fs::path folder = fs::absolute(path).parent_path().parent_path();
+    for (const std::string& file : names_in(folder)) {
         if (!file.starts_with("journal") || !file.ends_with(".jsonl") || is_stray(file)) continue;
-        std::istringstream lines(read_file(entry.path()));
+        std::istringstream lines(read_file(folder / file));
         for (std::string text; next_line(lines, text);) {
             const std::size_t at = text.find(name);
             if (at == std::string::npos || text.find(id) == std::string::npos || !unseal(text))

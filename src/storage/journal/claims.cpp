@@ -69,10 +69,8 @@ bool has_created(const fs::path& file, const std::string& text) {
 
 std::vector<std::string> runs_in(const fs::path& locks) {
     std::vector<std::string> runs;
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(locks, ignored))
-        if (entry.path().extension() == ".run" && !is_stray(entry.path()))
-            runs.push_back(entry.path().stem().string());
+    for (const fs::path name : names_in(locks))
+        if (name.extension() == ".run" && !is_stray(name)) runs.push_back(name.stem().string());
     return runs;
 }
 

@@ -158,12 +158,9 @@ std::string journal_name(const std::string& run, const std::string& host) {
 
 JournalContents read_journals(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> paths;
-    std::error_code ignored; // a missing folder has none
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-        const std::string name = entry.path().filename().string();
+    for (const std::string& name : names_in(folder)) // a missing folder has none
         if (name.starts_with("journal") && name.ends_with(".jsonl") && !is_stray(name))
-            paths.push_back(entry.path());
-    }
+            paths.push_back(folder / name);
     std::ranges::sort(paths); // gives a deterministic order
     JournalContents all;
     for (const auto& path : paths) {
