@@ -9,7 +9,7 @@ function sensor_data = pstdElastic3Dshearwake(kgrid, medium, source, sensor, var
 %     'Python'     interpreter with NumPy and h5py (default 'python3')
 %   Time reversal and sensor.frequency_response are not supported. MATLAB and Octave.
 %   SPDX-License-Identifier: BSD-3-Clause
-own = struct('Ranks', 1, 'Precision', 'double', 'Program', '', 'Python', 'python3');
+own = struct('Ranks', 1, 'Precision', 'double', 'Program', '', 'Python', 'python3', 'Dimensions', 3);
 cast = 'off';
 recast = false;
 options = {};
@@ -33,6 +33,7 @@ if isempty(sensor)
     return
 end
 
+is_binary = own.Dimensions == 2 && isfield(sensor, 'mask') && isequal(size(sensor.mask), [kgrid.Nx, kgrid.Ny]);
 % The structures as plain fields: the object kWaveGrid can be read by MATLAB only.
 grid = struct();
 for name = {'Nx', 'Ny', 'Nz', 'dx', 'dy', 'dz', 'dt', 'Nt', 't_array'}
@@ -61,8 +62,8 @@ end
 % The Python package lies next to the folder of this file.
 package = fileparts(fileparts(mfilename('fullpath')));
 precisions = {'double', 'single'};
-command = sprintf('PYTHONSAFEPATH=1 PYTHONPATH=%s"${PYTHONPATH:+:$PYTHONPATH}" %s -m shearwake.kwave %s %s --ranks %d --precision %s 2>&1', ...
-    quoted(package), quoted(own.Python), quoted(file), quoted(folder), own.Ranks, precisions{1 + is_single});
+command = sprintf('PYTHONSAFEPATH=1 PYTHONPATH=%s"${PYTHONPATH:+:$PYTHONPATH}" %s -m shearwake.kwave %s %s --ranks %d --precision %s --dimensions %d 2>&1', ...
+    quoted(package), quoted(own.Python), quoted(file), quoted(folder), own.Ranks, precisions{1 + is_single}, own.Dimensions);
 if ~isempty(own.Program)
     command = sprintf('SHEARWAKE=%s %s', quoted(own.Program), command);
 end
@@ -92,7 +93,7 @@ for k = 1:numel(lines)
 end
 if isfield(sensor, 'record') || numel(results) > 1
     sensor_data = results;
-elseif isfield(sensor, 'mask') && size(sensor.mask, 1) == 6 && ismatrix(sensor.mask)
+elseif isfield(sensor, 'mask') && size(sensor.mask, 1) == 2 * own.Dimensions && ismatrix(sensor.mask) && ~is_binary
     sensor_data = results;
 else
     sensor_data = results.p;

@@ -107,8 +107,10 @@ h5::Id Reader::open(const std::string& name, Kind kind, const Shape& expected) c
     hsize_t values = 1;
     for (const hsize_t extent : shape)
         values *= extent;
-    const bool is_field = shape == Shape{n_[2], n_[1], n_[0]};
-    require_memory(name, static_cast<double>(width_of(dataset) * values) / (is_field ? ranks_ : 1));
+    const bool is_field = shape == field_shape();
+    require_memory(name,
+                   static_cast<double>(width_of(dataset) * values) /
+                       (is_field ? std::min<double>(ranks_, static_cast<double>(n_[0])) : 1.0));
     return dataset;
 }
 
@@ -179,24 +181,24 @@ pstd::Node Reader::node_of(std::ptrdiff_t index) const {
 
 /// One value, or this rank's planes and the next one.
 NodeValues Reader::field(const std::string& name) const {
-    const Shape one = {1, 1, 1}, all = {n_[2], n_[1], n_[0]};
+    const Shape one = {1, 1, 1}, all = field_shape();
     if (const h5::Id dataset = open(name, Kind::real); shape_of(dataset, name) == one)
         return {.values = reals(name, one)};
     const h5::Id dataset = open(name, Kind::real, all);
     const std::ptrdiff_t x0 = slabs_.x_start();
-    const hsize_t start[3] = {0, 0, static_cast<hsize_t>(x0)};
-    const Shape count = {n_[2], n_[1],
-                         slabs_.x_count() == 0 ? 0
-                                               : static_cast<hsize_t>(std::min(slabs_.x_count() + 1,
-                                                                               slabs_.nx() - x0))};
-    NodeValues field{
-        .values = {}, .x0 = x0, .nx = static_cast<std::ptrdiff_t>(count[2]), .ny = slabs_.ny()};
+    NodeValues field{.values = {},
+                     .x0 = x0,
+                     .nx = slabs_.x_count() == 0 ? 0
+                                                 : std::min(slabs_.x_count() + 1, slabs_.nx() - x0),
+                     .ny = slabs_.ny()};
     if (field.nx == 0) return field;
+    const Shape start = kwave_shape(slabs_.grid, pstd::Node{x0, 0, 0}),
+                count = kwave_shape(slabs_.grid, pstd::Node{field.nx, slabs_.ny(), slabs_.nz()});
     const h5::Id in_file(H5Dget_space(dataset.raw()), H5Sclose, "find a dataspace"),
         memory(H5Screate_simple(3, count.data(), nullptr), H5Sclose, "create a dataspace");
-    h5::check(
-        H5Sselect_hyperslab(in_file.raw(), H5S_SELECT_SET, start, nullptr, count.data(), nullptr),
-        "select a block");
+    h5::check(H5Sselect_hyperslab(in_file.raw(), H5S_SELECT_SET, start.data(), nullptr,
+                                  count.data(), nullptr),
+              "select a block");
     field.values =
         read_reals(dataset, name, count[0] * count[1] * count[2], memory.raw(), in_file.raw());
     check_finite(name, field.values, count, x0);
@@ -215,16 +217,22 @@ struct Material {
     bool lossy = false;
 };
 
-void check_values(const std::string& name, const NodeValues& field, const char* must,
-                  const auto& is_valid) {
+/// The indices of a node along the axes of k-Wave, from 1.
+std::string index_text(const pstd::Grid& grid, const Node& node) {
+    const Shape at = kwave_shape(grid, node);
+    return fmt::format("index ({}, {}, {})", at[2] + 1, at[1] + 1, at[0] + 1);
+}
+
+void check_values(const pstd::Grid& grid, const std::string& name, const NodeValues& field,
+                  const char* must, const auto& is_valid) {
     const std::size_t bad = field.values.find_if_not(is_valid);
     if (bad == field.values.size()) return;
     const auto at = static_cast<std::ptrdiff_t>(bad);
     const std::string where =
         field.values.size() == 1
             ? std::string()
-            : fmt::format(" at index ({}, {}, {})", at % field.nx + field.x0 + 1,
-                          at / field.nx % field.ny + 1, at / field.nx / field.ny + 1);
+            : " at " + index_text(grid, {at % field.nx + field.x0, at / field.nx % field.ny,
+                                         at / field.nx / field.ny});
     throw UsageError(
         fmt::format("{} is {:.7g}{}; it must be {}", name, field.values[bad], where, must));
 }
@@ -254,9 +262,8 @@ void survey(const Material& m, const pstd::Slabs& slabs, Input& input) {
                 const auto [low, high] = densities;
                 const double modulus = m.lambda(n) + 2.0 * m.mu(n);
                 if (!(modulus > 0.0))
-                    throw UsageError(fmt::format("lambda + 2 mu is {} at index ({}, {}, {}); it "
-                                                 "must be positive",
-                                                 modulus, x + 1, y + 1, z + 1));
+                    throw UsageError(fmt::format("lambda + 2 mu is {} at {}; it must be positive",
+                                                 modulus, index_text(input.setup.grid, n)));
                 const pstd::NodeMaterial heaviest{high, std::sqrt(modulus / high),
                                                   std::sqrt(m.mu(n) / high), here.chi_Pa_s,
                                                   here.eta_Pa_s};
@@ -276,27 +283,27 @@ void Reader::read_material() {
     Material& m = *material;
     m.lossy = flag("absorbing_flag", 1) == 1;
     m.x0 = slabs_.x_start();
-    m.x1 = std::min(m.x0 + slabs_.x_count() + 1, slabs_.nx());
+    m.x1 = slabs_.x_count() == 0 ? m.x0 : std::min(m.x0 + slabs_.x_count() + 1, slabs_.nx());
     const auto positive = [](double value) { return value > 0.0; };
     const auto not_negative = [](double value) { return value >= 0.0; };
     const auto moduli = [&](const std::string& name) {
         NodeValues values = field(name);
-        check_values(name, values, "0 or more", not_negative);
+        check_values(slabs_.grid, name, values, "0 or more", not_negative);
         return values;
     };
     m.lambda = field("lambda");
     m.mu = moduli("mu");
     for (std::size_t i = 0; i < 3; ++i) {
-        const std::string name = fmt::format("rho0_sg{}", axes[i]);
+        const std::string name = fmt::format("rho0_sg{}", axis(i));
         m.rho[i] = field(name);
-        check_values(name, m.rho[i], "positive", positive);
-        m.mu_sg[i] = moduli(fmt::format("mu_sg{}", planes[i]));
+        check_values(slabs_.grid, name, m.rho[i], "positive", positive);
+        m.mu_sg[i] = moduli(fmt::format("mu_sg{}", plane(i)));
     }
     if (m.lossy) {
         m.chi = field("chi");
         m.eta = moduli("eta");
         for (std::size_t i = 0; i < 3; ++i)
-            m.eta_sg[i] = moduli(fmt::format("eta_sg{}", planes[i]));
+            m.eta_sg[i] = moduli(fmt::format("eta_sg{}", plane(i)));
     }
     auto& setup = input_.setup;
     setup.absorption = m.lossy ? pstd::Absorption::kelvin_voigt : pstd::Absorption::none;

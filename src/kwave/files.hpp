@@ -22,7 +22,8 @@
 
 namespace shearwake::kwave {
 
-/// Both corners of a cuboid of sensor nodes, which belong to it; indices from 0.
+/// Both corners of a cuboid of sensor nodes, which belong to it; indices from 0, along the axes of
+/// k-Wave.
 struct Cuboid {
     pstd::Node first = {}, last = {};
     std::ptrdiff_t count(std::size_t axis) const { return last[axis] - first[axis] + 1; }
@@ -53,13 +54,14 @@ struct Input {
 };
 
 /// Reads the elastic input file that k-Wave's pstdElastic3D saves for a rank of a team, and
-/// validates all of it. Nothing is derived from speeds: densities and moduli of the staggered grid,
-/// profiles of the absorbing layer and scaled sources are those of the file. Real numbers have 32
-/// bits and the data_type "float", as in k-Wave, or 64 bits and the data_type "double", as
-/// scripts/import-kwave writes them. The sensor_mask_type 2, which k-Wave does not have either,
-/// adds the dataset sensor_mask_weights, (1, points, n): n nodes of sensor_mask_index make up a
-/// point. Throws UsageError whose message names the file, the dataset and its error, also before
-/// more than available_B are allocated. Not collective.
+/// validates all of it. A file with Nz = 1, which k-Wave does not write, is a plane of the scheme,
+/// without an absorbing layer along z. Nothing is derived from speeds: densities and moduli of the
+/// staggered grid, profiles of the absorbing layer and scaled sources are those of the file. Real
+/// numbers have 32 bits and the data_type "float", as in k-Wave, or 64 bits and the data_type
+/// "double", as scripts/import-kwave writes them. The sensor_mask_type 2, which k-Wave does not
+/// have either, adds the dataset sensor_mask_weights, (1, points, n): n nodes of sensor_mask_index
+/// make up a point. Throws UsageError whose message names the file, the dataset and its error, also
+/// before more than available_B are allocated. Not collective.
 Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B);
 
 using Shape = std::array<hsize_t, 3>; // (z, y, x)
@@ -68,6 +70,15 @@ enum class Kind { real, complex, integer };
 
 constexpr std::array axes = {"x", "y", "z"};
 constexpr std::array planes = {"xy", "xz", "yz"};
+
+/// Three values along the axes of the scheme, in the order of a dataset of k-Wave.
+template <class T>
+Shape kwave_shape(const pstd::Grid& grid, const std::array<T, 3>& along) {
+    Shape shape = {};
+    for (std::size_t a = 0; a < 3; ++a)
+        shape[2 - pstd::kwave_axis(grid, a)] = static_cast<hsize_t>(along[a]);
+    return shape;
+}
 
 /// The text of an attribute of fixed or variable length; nothing if it is missing or is not a text.
 std::optional<std::string> text_attribute(hid_t object, const char* name);
@@ -123,6 +134,24 @@ private:
     double number(const std::string& name, Sign sign = Sign::positive);
     std::vector<std::ptrdiff_t> indices(const std::string& name, hsize_t most) const;
     hsize_t node_count() const { return n_[0] * n_[1] * n_[2]; }
+    std::size_t kwave_axis(std::size_t axis) const {
+        return pstd::kwave_axis(input_.setup.grid, axis);
+    }
+    const char* axis(std::size_t of_scheme) const { return axes[kwave_axis(of_scheme)]; }
+    /// Each plane of a shear stress lacks another axis.
+    const char* plane(std::size_t of_scheme) const { return planes[2 - kwave_axis(2 - of_scheme)]; }
+    std::string field_name(pstd::Field field) const {
+        const std::size_t f = index_of(field);
+        return f < 3   ? std::string("u") + axis(f)
+               : f < 6 ? std::string("s") + axis(f - 3) + axis(f - 3)
+                       : std::string("s") + plane(f - 6);
+    }
+    Shape field_shape() const { return kwave_shape(input_.setup.grid, n_); }
+    Shape line_shape(std::size_t axis, hsize_t count) const {
+        Shape shape = {1, 1, 1};
+        shape[2 - kwave_axis(axis)] = count;
+        return shape;
+    }
     pstd::Node node_of(std::ptrdiff_t index) const;
 
     void check_kind();
@@ -140,7 +169,7 @@ private:
     double available_B_;
     mutable double required_B_ = 0.0;
     Input input_;
-    std::array<hsize_t, 3> n_ = {}; // along x, y, z
+    std::array<hsize_t, 3> n_ = {}; // along the axes of the scheme
     pstd::Slabs slabs_;
 };
 

@@ -19,8 +19,6 @@ using pstd::Node;
 /// Sizes above these are not plausible, and products of smaller ones do not overflow.
 constexpr std::uint64_t most_points = 1u << 20, most_steps = 1u << 30;
 
-constexpr std::array field_names = {"ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"};
-
 } // namespace
 
 // ---- the kind of file, and the grid
@@ -57,16 +55,16 @@ void Reader::check_kind() {
 
 void Reader::read_grid() {
     auto& grid = input_.setup.grid;
+    grid.is_plane = integer("Nz") == 1; // the order of the axes follows from it
     for (std::size_t a = 0; a < 3; ++a) {
-        const std::string name = fmt::format("N{}", axes[a]);
+        const std::string name = fmt::format("N{}", axis(a));
+        const std::uint64_t least = kwave_axis(a) == 2 ? 1 : 2;
         n_[a] = integer(name);
-        if (n_[a] < 2 || n_[a] > most_points)
-            throw UsageError(fmt::format("{} is {}; it must be 2 to {}{}", name, n_[a], most_points,
-                                         a == 2 && n_[a] == 1 ? ": elastic files are "
-                                                                "three-dimensional"
-                                                              : ""));
+        if (n_[a] < least || n_[a] > most_points)
+            throw UsageError(
+                fmt::format("{} is {}; it must be {} to {}", name, n_[a], least, most_points));
         grid.points[a] = static_cast<std::ptrdiff_t>(n_[a]);
-        grid.spacing_m[a] = number(fmt::format("d{}", axes[a]));
+        grid.spacing_m[a] = number(fmt::format("d{}", axis(a)));
     }
     grid.dt_s = number("dt");
     const std::uint64_t steps = integer("Nt");
@@ -80,13 +78,11 @@ void Reader::read_grid() {
 /// The differences between the operators of the file and those of the scheme must be rounding
 /// errors: 1e-5 of the largest value, where numbers of 32 bits have 6e-8.
 void Reader::check_operators() const {
-    const auto check = [&](const std::string& name, std::size_t axis, hsize_t count,
-                           double half_cells, bool derivative) {
-        Shape shape = {1, 1, 1};
-        shape[2 - axis] = 2 * count;
-        const Reals found = reals(name, shape, Kind::complex);
-        const auto n = static_cast<double>(n_[axis]);
-        const double d_m = input_.setup.grid.spacing_m[axis],
+    const auto check = [&](const std::string& name, std::size_t a, hsize_t count, double half_cells,
+                           bool derivative) {
+        const Reals found = reals(name, line_shape(a, 2 * count), Kind::complex);
+        const auto n = static_cast<double>(n_[a]);
+        const double d_m = input_.setup.grid.spacing_m[a],
                      largest = derivative ? std::numbers::pi / d_m : 1.0;
         for (std::size_t i = 0; i < count; ++i) {
             const auto m = static_cast<double>(i);
@@ -105,11 +101,12 @@ void Reader::check_operators() const {
         }
     };
     for (std::size_t a = 0; a < 3; ++a) {
-        const hsize_t half = n_[a] / 2 + 1, count = a == 0 ? half : n_[a];
-        const char* end = a == 0 ? "_r" : "";
-        check(fmt::format("dd{}_k_shift_pos{}", axes[a], end), a, count, 1.0, true);
-        check(fmt::format("dd{}_k_shift_neg{}", axes[a], end), a, count, -1.0, true);
-        check(fmt::format("{}_shift_neg_r", axes[a]), a, half, -1.0, false);
+        const bool is_x = kwave_axis(a) == 0;
+        const hsize_t half = n_[a] / 2 + 1, count = is_x ? half : n_[a];
+        const char* end = is_x ? "_r" : "";
+        check(fmt::format("dd{}_k_shift_pos{}", axis(a), end), a, count, 1.0, true);
+        check(fmt::format("dd{}_k_shift_neg{}", axis(a), end), a, count, -1.0, true);
+        check(fmt::format("{}_shift_neg_r", axis(a)), a, half, -1.0, false);
     }
 }
 
@@ -119,21 +116,21 @@ void Reader::read_layer() {
     auto& pml = input_.setup.pml;
     pml.reference_speed_m_s = input_.numbers["c_ref"];
     for (std::size_t a = 0; a < 3; ++a) {
-        const char* axis = axes[a];
+        const char* axis = this->axis(a);
         const std::string size = fmt::format("pml_{}_size", axis);
         pml.points[a] = static_cast<std::ptrdiff_t>(flag(size, n_[a] / 2));
         pml.strength_1[a] = number(fmt::format("pml_{}_alpha", axis), Sign::not_negative);
-        Shape shape = {1, 1, 1};
-        shape[2 - a] = n_[a];
+        const bool is_single = n_[a] == 1; // the z of a plane
         const auto profile = [&](const std::string& name) {
-            const Reals found = reals(name, shape);
+            const Reals found = reals(name, line_shape(a, n_[a]));
             std::vector<double> factors;
             for (std::size_t i = 0; i < found.size(); ++i) {
                 factors.push_back(found[i]);
-                if (factors[i] < 0.0 || factors[i] > 1.0)
-                    throw UsageError(fmt::format("{} is {:.7g} at index {}; factors of the "
-                                                 "absorbing layer must be 0 to 1",
-                                                 name, factors[i], i + 1));
+                if (factors[i] < (is_single ? 1.0 : 0.0) || factors[i] > 1.0)
+                    throw UsageError(fmt::format(
+                        "{} is {:.7g} at index {}; {}", name, factors[i], i + 1,
+                        is_single ? "it must be 1: a plane has no absorbing layer along z"
+                                  : "factors of the absorbing layer must be 0 to 1"));
             }
             return factors;
         };
@@ -147,10 +144,10 @@ void Reader::read_layer() {
 // ---- sources and sensor
 
 void Reader::read_sources(const std::string& letter, std::span<const Field> fields) {
+    pstd::Grid& grid = input_.setup.grid;
     std::vector<std::uint64_t> samples;
     for (const Field field : fields)
-        samples.push_back(
-            flag(fmt::format("{}_source_flag", field_names[index_of(field)]), most_steps));
+        samples.push_back(flag(fmt::format("{}_source_flag", field_name(field)), most_steps));
     if (std::all_of(samples.begin(), samples.end(), [](auto n) { return n == 0; })) return;
     const bool dirichlet = flag(letter + "_source_mode", letter == "u" ? 2 : 1) == 0;
     flag(letter + "_source_many", 1);
@@ -166,7 +163,7 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
         nodes.push_back(node_of(index));
     for (std::size_t i = 0; i < fields.size(); ++i) {
         if (samples[i] == 0) continue;
-        const std::string input = fmt::format("{}_source_input", field_names[index_of(fields[i])]);
+        const std::string input = fmt::format("{}_source_input", field_name(fields[i]));
         const hsize_t rows = shape_of(open(input, Kind::real), input)[2];
         if (rows != 1 && rows != at.size())
             throw UsageError(fmt::format("{} has {} series for {} source nodes; there must be one, "
@@ -180,9 +177,9 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
                             .scaling = pstd::SourceScaling::none,
                             .nodes = nodes,
                             .samples = static_cast<std::ptrdiff_t>(samples[i])};
-        // Dirichlet stresses: the file has one third of the value, which each part is set to. The
-        // other stresses and PlacedSource divide by three as well.
-        const double scale = is_velocity(fields[i]) ? 1.0 : 3.0;
+        // Dirichlet stresses: the file has one third of the value, in a plane one half, which each
+        // part is set to. The other stresses and PlacedSource divide by this number as well.
+        const double scale = is_velocity(fields[i]) ? 1.0 : grid.is_plane ? 2.0 : 3.0;
         source.values = [values, rows, scale](std::ptrdiff_t sample,
                                               std::span<const std::size_t> which,
                                               std::span<double> out) {
@@ -190,6 +187,8 @@ void Reader::read_sources(const std::string& letter, std::span<const Field> fiel
             for (std::size_t n = 0; n < which.size(); ++n)
                 out[n] = scale * (*values)[first + (rows == 1 ? 0 : which[n])];
         };
+        grid.moves_in_plane = grid.moves_in_plane && fields[i] != Field::ux &&
+                              fields[i] != Field::sxy && fields[i] != Field::sxz;
         input_.setup.sources.push_back(std::move(source));
     }
 }
@@ -225,15 +224,16 @@ void Reader::read_cuboids() {
         Cuboid cuboid;
         double of_cuboid = 1.0;
         for (std::size_t a = 0; a < 3; ++a) {
-            const std::uint64_t first = corners[6 * c + a], last = corners[6 * c + 3 + a];
+            const std::size_t k = kwave_axis(a);
+            const std::uint64_t first = corners[6 * c + k], last = corners[6 * c + 3 + k];
             if (first < 1 || last < first || last > n_[a])
                 throw UsageError(fmt::format(
                     "{}: cuboid {} has the corners {} and {} along {}; they must be ordered and 1 "
                     "to {}",
-                    name, c + 1, first, last, axes[a], n_[a]));
-            cuboid.first[a] = static_cast<std::ptrdiff_t>(first) - 1;
-            cuboid.last[a] = static_cast<std::ptrdiff_t>(last) - 1;
-            of_cuboid *= static_cast<double>(cuboid.count(a));
+                    name, c + 1, first, last, axes[k], n_[a]));
+            cuboid.first[k] = static_cast<std::ptrdiff_t>(first) - 1;
+            cuboid.last[k] = static_cast<std::ptrdiff_t>(last) - 1;
+            of_cuboid *= static_cast<double>(cuboid.count(k));
         }
         nodes += of_cuboid;
         input_.cuboids.push_back(cuboid);
@@ -243,8 +243,11 @@ void Reader::read_cuboids() {
     for (const Cuboid& cuboid : input_.cuboids)
         for (std::ptrdiff_t z = cuboid.first[2]; z <= cuboid.last[2]; ++z)
             for (std::ptrdiff_t y = cuboid.first[1]; y <= cuboid.last[1]; ++y)
-                for (std::ptrdiff_t x = cuboid.first[0]; x <= cuboid.last[0]; ++x)
-                    input_.sensor.nodes.push_back({x, y, z});
+                for (std::ptrdiff_t x = cuboid.first[0]; x <= cuboid.last[0]; ++x) {
+                    const Node at{x, y, z};
+                    input_.sensor.nodes.push_back(
+                        {at[kwave_axis(0)], at[kwave_axis(1)], at[kwave_axis(2)]});
+                }
 }
 
 Input Reader::input() {
@@ -256,11 +259,12 @@ Input Reader::input() {
     constexpr Field velocities[] = {Field::ux, Field::uy, Field::uz},
                     stresses[] = {Field::sxx, Field::syy, Field::szz,
                                   Field::sxy, Field::sxz, Field::syz};
+    input_.setup.grid.moves_in_plane = input_.setup.grid.is_plane;
     read_sources("u", velocities);
     read_sources("s", stresses);
     // The samples of sxx, syy and szz contain p0 already.
     if (flag("p0_source_flag", 1) == 1) {
-        open("p0_source_input", Kind::real, {n_[2], n_[1], n_[0]});
+        open("p0_source_input", Kind::real, field_shape());
         field("p0_source_input"); // throws if a value is not finite
     }
     read_sensor();

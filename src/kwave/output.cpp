@@ -148,9 +148,7 @@ void write_grid(const OutputFile& output, const std::string& name, const std::ve
             for (std::ptrdiff_t z = 0; z < nz; ++z, ++at)
                 turned[static_cast<std::size_t>((z * ny + y) * nx + x)] =
                     all[static_cast<std::size_t>(at)];
-    const hsize_t shape[] = {static_cast<hsize_t>(nz), static_cast<hsize_t>(ny),
-                             static_cast<hsize_t>(nx)};
-    write_dataset(output, name, shape, Numbers::real, turned.data());
+    write_dataset(output, name, kwave_shape(grid, grid.points), Numbers::real, turned.data());
 }
 
 } // namespace

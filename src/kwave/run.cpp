@@ -114,11 +114,16 @@ void describe(const Job& job, double required_B) {
     const Comm& world = job.world;
     const Input& input = job.input;
     const auto& grid = input.setup.grid;
+    const Shape shape = kwave_shape(grid, grid.points);
     const bool lossy = input.setup.absorption == pstd::Absorption::kelvin_voigt;
     print(world, fmt::format("{}: {} x {} x {} nodes, {} steps of {:.6g} s, {}, {} precision, {}",
-                             job.name(), grid.points[0], grid.points[1], grid.points[2], job.steps,
-                             grid.dt_s, lossy ? "Kelvin-Voigt" : "lossless", arguments.precision,
+                             job.name(), shape[2], shape[1], shape[0], job.steps, grid.dt_s,
+                             lossy ? "Kelvin-Voigt" : "lossless", arguments.precision,
                              counted(world.size(), "rank")));
+    if (grid.is_plane && world.size() > 1)
+        print(world, fmt::format("note: one of the {} ranks computes the plane of a file with "
+                                 "Nz = 1; the others are idle",
+                                 world.size()));
     if (const double faces = world.sum(input.fluid_faces); faces > 0.0)
         print(world, fmt::format("note: {:.0f} faces between fluid and solid nodes; the shear "
                                  "moduli next to them are those of the file",

@@ -192,7 +192,7 @@ class Errors(FilesTest):
                 ("source", {"uz": numpy.ones((7, 4))}, ("7 rows, but its mask has 3 nodes",)),
                 ("source", {"u_mode": "soft"}, ("soft", '"additive" or "dirichlet"')),
                 ("source", {"p0": ones, "s_mask": ones, "sxy": numpy.ones((1, 4))}, ("source.sxy cannot be combined with source.p0",)),
-                ("kgrid", {"Nz": 1}, ("at least 2",)), ("kgrid", {"dt": None}, ("kgrid.dt is missing",)),
+                ("kgrid", {"Ny": 1}, ("at least 2",)), ("kgrid", {"dt": None}, ("kgrid.dt is missing",)),
                 ("sensor", {"record": "q"}, ("sensor.record 'q' is unknown",))):
             with self.subTest(words=words):
                 self.changed(**{group: fields})

@@ -25,7 +25,7 @@ class Errors(KWaveTest):
         for name, value, *words in (
                 ("elastic_flag", 0, "acoustic"), ("nonlinear_flag", 1, "nonlinear_flag"), ("axisymmetric_flag", 1, "axisymmetric_flag"),
                 ("p_source_flag", 3, "time reversal"), ("transducer_source_flag", 1, "transducer"), ("absorbing_flag", 2, "absorbing_flag"),
-                ("nonuniform_grid_flag", 1, "nonuniform_grid_flag"), ("Nx", 1, "Nx is 1"), ("Nz", 1, "Nz", "three-dimensional"),
+                ("nonuniform_grid_flag", 1, "nonuniform_grid_flag"), ("Nx", 1, "Nx is 1"), ("Nz", 0, "Nz is 0"),
                 ("Nt", 0, "Nt is 0"), ("Nx", 29, "expected"), ("dx", 0.0, "dx is 0"), ("dt", numpy.nan, "dt contains nan"),
                 ("dt", 2e-4, "dt", "unstable"), ("dx", 1.01e-3, "ddx_k_shift_pos_r"), ("u_source_mode", 3, "u_source_mode"),
                 ("ux_source_flag", 41, "ux_source_input", "(1, 41, 1)"), ("mu", -1.0, "mu is -1"), ("rho0_sgy", 0.0, "rho0_sgy is 0"),

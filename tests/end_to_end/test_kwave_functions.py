@@ -60,10 +60,13 @@ class FunctionsTest(ProgramTest):
         os.environ.update(environment(), SHEARWAKE=str(PROGRAM))
 
     def compare(self, found, group, tolerance=TOLERANCE):
+        in_plane = "Nz" not in group.file.attrs
         for name, number, _, expected, scale in references(group):
             values = numpy.asarray((found[number] if isinstance(found, list) else found)[name]).T  # entire grids are in the first
             if name.endswith(("_final", "_all")):
-                values = values[::4, ::4, ::4]
+                values = values[(slice(None, None, 4),) * values.ndim]
+            elif in_plane and values.ndim == 3:
+                values = values[::6]
             numpy.testing.assert_allclose(values.reshape(expected.shape), expected, rtol=0.0, err_msg=name,
                                           atol=scale * (ROUNDED if expected.dtype == "f4" else tolerance))
 

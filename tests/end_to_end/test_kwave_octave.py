@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""pstdElastic3Dshearwake.m in Octave without k-Wave, and the command line of k-Wave's own function."""
+"""pstdElastic2Dshearwake.m and pstdElastic3Dshearwake.m in Octave without k-Wave, and the command line of k-Wave's own function."""
 import os
 import shutil
 import unittest
@@ -16,7 +16,7 @@ from test_kwave_functions import DATA, ROUNDED, FunctionsTest
 @unittest.skipUnless(shutil.which("octave-cli"), "octave-cli is not installed")
 class Octave(FunctionsTest):
     def octave(self, runs, script=""):
-        """The results of pstdElastic3Dshearwake for runs (case, group of the reference, further arguments) agree with k-Wave, in one
+        """The results of these functions for runs (case, group of the reference, further arguments) agree with k-Wave, in one
         process of Octave. Returns what the script stores in the struct `more`."""
         folder = self.folder / "it's a $HOME of \"\u00fc\" & more"  # marks that a shell would interpret
         folder.mkdir()
@@ -35,7 +35,7 @@ class Octave(FunctionsTest):
         for number, (case, _, *arguments) in enumerate(runs, 1):
             lines += [f"load('{DATA}/{case}_study.mat'); one = sensors{{{number}}}; sensor.record = one.record;",
                       "if isfield(one, 'mask'), sensor.mask = one.mask; end",
-                      f"found.run{number} = pstdElastic3Dshearwake({', '.join(['kgrid, medium, source, sensor, options{:}, own{:}', *arguments])});"]
+                      f"found.run{number} = pstdElastic{2 if case.endswith('_2d') else 3}Dshearwake({', '.join(['kgrid, medium, source, sensor, options{:}, own{:}', *arguments])});"]
         (folder / "all_runs.m").write_text("\n".join([*lines, script, "save('-v7', 'out.mat', 'found', 'more');"]), encoding="utf-8")
         self.call("octave-cli", "--quiet", "--eval", "all_runs", cwd=folder, variables={"TMPDIR": str(folder)})
         out = scipy.io.loadmat(folder / "out.mat", simplify_cells=True)
@@ -103,6 +103,41 @@ more.box = boxes(1).p;
         self.assertEqual(more["p"].shape, (12, 116))
         numpy.testing.assert_allclose(more["box"].T, corners, rtol=0, atol=ROUNDED * numpy.abs(corners).max())
         self.assertIn("options.PMLSize is 20", more["message"])
+
+    def test_planes_agree_without_kwave(self):
+        """Also a grid whose Nz and dz are 0, as those of kWaveGrid, the arguments of k-Wave's three examples, and as many nodes along x as
+        corners have numbers."""
+        more = self.octave([("layered_2d", "binary"), ("solids_2d", "corners"), ("p0_2d", "binary"),
+                            ("p0_2d", "cartesian_nearest", "'CartInterp', 'nearest'")], """
+kgrid.Nz = 0; kgrid.dz = 0;
+sensor = struct('mask', ones(51, 45));
+more.p = size(pstdElastic2Dshearwake(kgrid, medium, source, sensor, options{:}, own{:}));
+simple = struct('sound_speed_compression', 1800, 'sound_speed_shear', 1200, 'density', 1000);
+run = @(source, sensor, varargin) pstdElastic2Dshearwake(kgrid, simple, source, sensor, varargin{:}, own{:});
+marked = false(51, 45);
+marked(20, :) = 1;
+more.layered = class(run(source, sensor, 'PlotScale', [-0.75, 0.75, -0.15, 0.15], 'PlotPML', false, 'DisplayMask', marked, 'DataCast', 'single'));
+every = struct('u_mask', ones(51, 45), 'ux', 1e-6 * reshape(double(marked), [], 1));
+places = struct('mask', zeros(51, 45), 'record', {{'u'}});
+places.mask([25, 30], 22) = 1;
+waves = run(every, places, 'PlotScale', 'auto', 'PMLSize', [20, 2], 'PMLAlpha', 0, 'PlotPML', false);
+more.waves = size(waves.ux);
+burst = struct('s_mask', double(marked), 'sxx', -1e6 * sin(1:20), 'syy', -1e6 * sin(1:20));
+most = run(burst, struct('record', {{'u_max_all'}}), 'PMLSize', 10, 'PMLAlpha', 2, 'PlotPML', false, 'PMLInside', false, ...
+    'PlotScale', [-1, 1] * 1e6, 'DisplayMask', 'off', 'DataCast', 'single');
+more.most = [size(most.ux_max_all), numel(fieldnames(most))];
+kgrid.Nx = 4;
+medium = struct('sound_speed_compression', 1600, 'sound_speed_shear', 700, 'density', 1000);
+more.small = size(pstdElastic2Dshearwake(kgrid, medium, struct('p0', ones(4, 45)), struct('mask', ones(4, 45)), 'PMLSize', 1, own{:}));
+try
+    pstdElastic3Dshearwake(kgrid, medium, source, sensor, own{:});
+catch err
+    more.message = err.message;
+end
+""")
+        self.assertEqual([list(more["p"]), list(more["small"])], [[51 * 45, 200], [180, 200]])
+        self.assertEqual([more["layered"], list(more["waves"]), list(more["most"])], ["single", [2, 200], [51, 45, 2]])
+        self.assertIn("kgrid is not three-dimensional", more["message"])
 
     @pytest.mark.long
     def test_all_cases_agree_without_kwave(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a saved simulation for analysis/matlab/pstdElastic3Dshearwake.m: python -m shearwake.kwave FILE FOLDER.
+"""Runs a saved simulation for the functions in analysis/matlab: python -m shearwake.kwave FILE FOLDER.
 
 FILE has the structures that scripts/import-kwave reads. FOLDER receives NUMBER.bin, numbers of 64 bits with the first index
 fastest, and index.txt with a line for each of them: name, number of the cuboid (1 without cuboids), size along each axis."""
@@ -19,6 +19,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="shearwake.kwave")
     parser.add_argument("file", type=Path)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--dimensions", type=int, choices=[2, 3], default=3)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--precision", choices=["double", "single"], default="double")
     chosen = parser.parse_args()
@@ -32,7 +33,7 @@ def main() -> int:
                                      "options")
         if options.number("UseSG", 1.0) == 0.0:
             raise BadInput("options.UseSG must be true: the grid is staggered")
-        found = solve(parts, notes, "F", chosen.ranks, None, chosen.precision, quiet=False)
+        found = solve(parts, notes, "F", chosen.ranks, None, chosen.precision, quiet=False, dimensions=chosen.dimensions)
     except (BadInput, ShearwakeError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -18,7 +18,7 @@ def first_node(bad: Any, study: Simulation) -> str:
     """The first node where `bad` is true, counted from 1 in the grid of kgrid; empty for uniform values."""
     if not np.ndim(bad):
         return ""
-    node = np.argwhere(bad)[0] - study.first + 1
+    node = (np.argwhere(bad)[0] - study.first + 1)[:study.dimensions]
     return f" at node ({', '.join(str(int(n)) for n in node)})"
 
 

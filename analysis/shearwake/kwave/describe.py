@@ -17,25 +17,25 @@ def extent(nodes: np.ndarray, study: Study) -> str:
         return "none"
     at = nodes - study.first + 1
     ranges = [f"{axis} {low}" if low == high else f"{axis} {low} to {high}"
-              for axis, low, high in zip("xyz", at.min(axis=0), at.max(axis=0))]
+              for axis, low, high in zip("xyz"[:study.dimensions], at.min(axis=0), at.max(axis=0))]
     return f"{counted(len(nodes), 'node')}, {', '.join(ranges)}"
 
 
-def triple(values: np.ndarray) -> str:
-    """Three values, or one if they are equal."""
+def of_axes(values: np.ndarray) -> str:
+    """The values of the axes, or one if they are equal."""
     return f"{values[0]:g}" if len(set(values)) == 1 else ", ".join(f"{value:g}" for value in values)
 
 
 def grid_lines(study: Study) -> list[str]:
     """The size, the absorbing layer and the resolved frequencies."""
-    points = study.points - 2 * study.first
-    size = " x ".join(f"{mm:.6g}" for mm in 1e3 * points * study.spacing_m)
+    used = slice(study.dimensions)
+    size = " x ".join(f"{mm:.6g}" for mm in (1e3 * (study.points - 2 * study.first) * study.spacing_m)[used])
     if np.all(study.layer_points == 0.0) or np.all(study.layer_strength == 0.0):
         layer = "none"
     else:
-        layer = f"PMLSize {triple(study.layer_points)}, {'outside' if np.any(study.first) else 'inside'} the grid"
-    return [f"size: {size} mm, spacing {triple(1e3 * study.spacing_m)} mm",
-            f"absorbing layer (PML): {layer}, PMLAlpha {triple(study.layer_strength)}, "
+        layer = f"PMLSize {of_axes(study.layer_points[used])}, {'outside' if np.any(study.first) else 'inside'} the grid"
+    return [f"size: {size} mm, spacing {of_axes(1e3 * study.spacing_m[used])} mm",
+            f"absorbing layer (PML): {layer}, PMLAlpha {of_axes(study.layer_strength[used])}, "
             f"MultiAxialPMLRatio {study.layer_ratio:g}",
             f"maximum supported frequency: {supported_frequency_Hz(study):.4g} Hz"]
 
@@ -54,8 +54,9 @@ def lines_of(study: Study) -> list[str]:
 
 
 def summary_of(name: object, study: Study) -> str:
-    points = study.points - 2 * study.first
-    outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first)}" if np.any(study.first) else ""
+    used = slice(study.dimensions)
+    points = (study.points - 2 * study.first)[used]
+    outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first[used])}" if np.any(study.first) else ""
     return (f"{name}: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
             f"{counted(study.steps, 'step')} of {1e6 * study.time_step_s:.6g} us, "
             f"{counted(len(study.sources), 'source')}, {counted(len(study.sensor_nodes), 'sensor node')}")

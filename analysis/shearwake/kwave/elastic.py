@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""pstdElastic3D of k-Wave as a Python function, which runs the program `shearwake kwave`."""
+"""pstdElastic2D and pstdElastic3D of k-Wave as Python functions, which run the program `shearwake kwave`."""
 from __future__ import annotations
 
 import os
@@ -13,9 +13,10 @@ import numpy as np
 
 from .. import program
 from .layout import write_input
+from .plane import in_space, is_plane
 from .record import GRID, NAMES, SENSOR, flags_of
 from .structures import BadInput, Structure
-from .study import KNOWN, Study, three
+from .study import KNOWN, Study
 
 AXES = "xyz"
 Results = dict[str, np.ndarray] | list[dict[str, np.ndarray]]  # a list has one dictionary per cuboid
@@ -71,7 +72,7 @@ def grid_structure(kgrid: Any) -> Structure:
         for name, of_all in (("N", "N"), ("d", "spacing")):
             value = attribute(kgrid, name + axis)
             everything = attribute(kgrid, of_all)
-            if value is None and np.size(everything) == 3:
+            if value is None and number < np.size(everything) <= 3 and everything is not None:
                 value = np.ravel(everything)[number]
             fields[name + axis] = None if value is None else np.asarray(float(value))
     for name in ("dt", "Nt", "t_array"):
@@ -97,25 +98,29 @@ def in_c_order(source: Structure) -> None:
                 source.values[field] = series[rank]
 
 
-def results_of(records: Iterable[str]) -> list[str]:
+def results_of(records: Iterable[str], axes: str) -> list[str]:
     """The names of the results of some records."""
     names = []
     for record in records:
         if record == "u_split_field":
-            names += [f"u{a}_split_{part}" for a in AXES for part in "ps"]
+            names += [f"u{a}_split_{part}" for a in axes for part in "ps"]
         else:
-            names += [f"{record[0]}{a}{record[1:]}" for a in AXES] if record[0] in "uI" else [record]
+            names += [f"{record[0]}{a}{record[1:]}" for a in axes] if record[0] in "uI" else [record]
     return names
 
 
 def read_results(file: h5py.File, study: Study, records: Iterable[str], order: str) -> Results:
     """A dictionary of the output file, or one for each cuboid."""
     grid = tuple(slice(f, f + n) for f, n in zip(study.first, study.points - 2 * study.first))
-    names = results_of(sorted(records))
-    grids = {name: file[name][()].T[grid] for name in names if name.endswith(GRID)}
+    names = results_of(sorted(records), AXES[:study.dimensions])
+
+    def in_dimensions(values: h5py.Dataset) -> np.ndarray:
+        return values[()].T if study.dimensions == 3 else values[()].T[:, :, 0]
+    grid = grid[:study.dimensions]
+    grids = {name: in_dimensions(file[name])[grid] for name in names if name.endswith(GRID)}
     names = [name for name in names if name not in grids]
     if study.cuboids is not None:
-        results = [{name: file[name][str(number)][()].T for name in names} for number in range(1, len(study.cuboids) + 1)]
+        results = [{name: in_dimensions(file[name][str(number)]) for name in names} for number in range(1, len(study.cuboids) + 1)]
         results[0].update(grids)
         return results
     found = {name: file[name][0].T for name in names}  # (point, time); one time for statistics
@@ -204,8 +209,9 @@ def study_options(options: dict[str, Any], simulation_options: Any) -> tuple[Str
     given = {**of_simulation_options(simulation_options), **options}
     if "smooth_p0" in options and "smooth" not in options:
         given.pop("smooth", None)
-    if given.pop("save_only", None):
-        raise BadInput("save_only is not supported")
+    for name in MUST_BE_OFF:
+        if given.pop(name, None):
+            raise BadInput(f"{name} is not supported")
     fields: dict[str, Any] = {}
     for keyword, name in OPTIONS.items():
         value = given.pop(keyword, None)
@@ -219,9 +225,13 @@ def study_options(options: dict[str, Any], simulation_options: Any) -> tuple[Str
 
 
 def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int = 1, launch: Sequence[str] | None = None,
-          precision: str = "double", quiet: bool = True, progress: bool = False) -> Results:
-    """The results of structures with the fields of pstdElastic3D. Rows of sources and of the sensor are in C or F (Fortran) order
-    of their masks. Raises BadInput and ProgramError."""
+          precision: str = "double", quiet: bool = True, progress: bool = False, dimensions: int = 3) -> Results:
+    """The results of structures with the fields of pstdElastic3D or, in two dimensions, pstdElastic2D. Rows of sources and of the
+    sensor are in C or F (Fortran) order of their masks. Raises BadInput and ProgramError."""
+    if is_plane(parts["kgrid"]) != (dimensions == 2):
+        raise BadInput(f"kgrid is not {'two' if dimensions == 2 else 'three'}-dimensional")
+    if dimensions == 2:
+        parts = in_space(parts)
     given = parts.pop("sensor", None) or Structure({}, "sensor")
     records = {"u" if name == "u_staggered" else name for name in given.texts("record", ["p"])}
     if unknown := records - set(NAMES):
@@ -234,8 +244,8 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
         sensor["mask"] = np.ones([max(1, int(parts["kgrid"].number(f"N{axis}"))) for axis in AXES])
     study = Study({**parts, "sensor": Structure(sensor, "sensor")}, notes)
     if not quiet:
-        sizes = three(study.layer_points, "PMLSize")
-        print(f"absorbing layer: {sizes[0]:g}, {sizes[1]:g}, {sizes[2]:g} points, {'outside' if np.any(study.first) else 'inside'} the grid")
+        sizes = ", ".join(f"{size:g}" for size in study.layer_points[:dimensions])
+        print(f"absorbing layer: {sizes} points, {'outside' if np.any(study.first) else 'inside'} the grid")
         for text in [f"warning: {warning}" for warning in study.warnings] + study.notes:
             print(text)
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
@@ -276,6 +286,30 @@ def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, si
     order = "C" if simulation_options is None and execution_options is None else "F"
     if attribute(sensor, "sound_speed_shear") is not None:
         medium, source, sensor, order = sensor, medium, source, "F"
+    return simulated(3, order, (kgrid, medium, source, sensor), options, (simulation_options, execution_options), ranks, launch, precision,
+                     quiet, progress)
+
+
+def pstd_elastic_2d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, *, ranks: int = 1, launch: Sequence[str] | None = None,
+                    precision: str = "double", quiet: bool = False, progress: bool | None = None, **options: Any) -> Results:
+    """Runs a simulation of k-Wave's pstdElastic2D with the program shearwake: plane strain in the plane x-y.
+
+    The arguments are those of pstd_elastic_3d in its newest order, without the axis z: Nx, Ny, dx, dy; arrays (Nx, Ny); ux, uy, sxx,
+    syy and sxy; a mask of the sensor with the shape of the grid, corners of rectangles (4, C), x1, y1, x2, y2 counted from 1, or
+    points (2, N) in m. pml_size is 20 unless given; one or two numbers. The pressure is -(sxx + syy)/2.
+
+    Returns the same results as pstd_elastic_3d without those of z: values of the entire grid (Nx, Ny), of rectangles (Cx, Cy, Nt).
+    A rank computes the plane alone; more ranks have no use.
+
+    Raises ValueError for faults of the arguments, and ShearwakeError if the program fails."""
+    return simulated(2, "C", (kgrid, medium, source, sensor), options, (None, None), ranks, launch, precision, quiet, progress)
+
+
+def simulated(dimensions: int, order: str, objects: Sequence[Any], options: dict[str, Any], deprecated: Sequence[Any], ranks: Any,
+              launch: Sequence[str] | None, precision: str, quiet: bool, progress: bool | None) -> Results:
+    """The results of (kgrid, medium, source, sensor). `deprecated` has simulation_options and execution_options. Raises ValueError and
+    ShearwakeError."""
+    (kgrid, medium, source, sensor), (simulation_options, execution_options) = objects, deprecated
     try:
         fields, others = study_options(options, simulation_options)
         dtype, cast = others.pop("dtype", None), others.pop("data_cast", None)
@@ -287,6 +321,6 @@ def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, si
             raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}")
         parts = {"kgrid": grid_structure(kgrid), "medium": structure(medium, "medium"), "source": structure(source, "source"),
                  "sensor": structure(sensor or {}, "sensor"), "options": fields}
-        return solve(parts, [], order, ranks, launch, precision, quiet, not quiet if progress is None else progress)
+        return solve(parts, [], order, ranks, launch, precision, quiet, not quiet if progress is None else progress, dimensions)
     except BadInput as error:
         raise ValueError(str(error)) from error

@@ -2,7 +2,7 @@
 """The elastic input file of k-Wave, which pstdElastic3D writes with 'SaveToDisk', with real numbers of 64 bits.
 
 Their data_type is "double", where k-Wave writes "float" for 32 bits. The sensor_mask_type 2 adds sensor_mask_weights, (1, points, n),
-for points that are weighted sums of n nodes each."""
+for points that are weighted sums of n nodes each. A plane, which k-Wave does not write, has Nz = 1 and no layer along z."""
 from __future__ import annotations
 
 from datetime import datetime
@@ -92,7 +92,9 @@ def indices(study: Study, nodes: np.ndarray) -> np.ndarray:
 
 
 def put_sources(study: Study, integers: dict[str, Any], reals: dict[str, Any]) -> None:
-    """The scaled series, of which stresses go into each split part by a third."""
+    """The scaled series, of which stresses go into each split part by a third, in a plane by a half. Without scaling k-Wave does not
+    divide them either."""
+    parts = study.dimensions if study.scaled else 1
     for field in FIELDS:
         integers[f"{field}_source_flag"] = 0
     for source in study.sources:
@@ -103,7 +105,7 @@ def put_sources(study: Study, integers: dict[str, Any], reals: dict[str, Any]) -
         integers.update({f"{field}_source_flag": series.shape[1], f"{kind}_source_index": indices(study, source["nodes"]),
                          f"{kind}_source_mode": (2 if kind == "u" else 1) if is_additive else 0})
         integers[f"{kind}_source_many"] = max(int(len(series) > 1), integers.get(f"{kind}_source_many", 0))
-        reals[f"{field}_source_input"] = (series if kind == "u" else series / 3.0)[:, :, None]
+        reals[f"{field}_source_input"] = (series if kind == "u" else series / parts)[:, :, None]
     integers["p0_source_flag"] = int(study.p0_Pa is not None)
     if study.p0_Pa is not None:
         reals["p0_source_input"] = study.p0_Pa

@@ -17,17 +17,19 @@ from .checks import check_layer_nodes
 from .describe import lines_of, summary_of
 from .files import structures
 from .layout import write_input
+from .plane import in_space, is_plane
 from .record import flags_of
 from .structures import BadInput
 from .study import Study
 
 DESCRIPTION = """\
-Converts a simulation of k-Wave (pstdElastic3D) to the input file that k-Wave itself writes with 'SaveToDisk', with
-numbers of 64 bits, and prints the command that runs it. Errors name the field of k-Wave to change."""
+Converts a simulation of k-Wave (pstdElastic3D, pstdElastic2D) to the input file that k-Wave itself writes with
+'SaveToDisk' in three dimensions, with numbers of 64 bits, and prints the command that runs it. A plane has Nz = 1.
+Errors name the field of k-Wave to change."""
 
 EPILOG = """\
 structures in FILE (all fields: docs/how-to/kwave.md):
-  kgrid    Nx, Ny, Nz, dx, dy, dz, dt, Nt (a struct, not the object kWaveGrid)
+  kgrid    Nx, Ny, Nz, dx, dy, dz, dt, Nt (a struct, not the object kWaveGrid); without Nz and dz a plane
   medium   sound_speed_compression, sound_speed_shear, density; optionally absorption
   source   u_mask with ux, uy, uz; s_mask with sxx ... syz; p0
   sensor   mask, record (optional)
@@ -87,7 +89,8 @@ def output_of(chosen: argparse.Namespace) -> Path:
 def main() -> int:
     chosen = options()
     try:
-        study = Study(*structures(chosen.file))
+        parts, notes = structures(chosen.file)
+        study = Study(in_space(parts) if is_plane(parts["kgrid"]) else parts, notes)
         check_layer_nodes(study)
         out = output_of(chosen)
         with complete(out) as part:

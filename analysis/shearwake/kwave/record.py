@@ -29,7 +29,8 @@ def recorded_fields(record: Iterable[str]) -> list[str]:
 
 
 def read_sensor(study: Simulation, sensor: Structure, nodes_of: Callable[[np.ndarray, str], tuple[np.ndarray, np.ndarray]]) -> None:
-    """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each."""
+    """Nodes of the sensor in the order of its rows. With weights (point, 8), the points are sums of eight nodes each, in a plane
+    of four."""
     study.sensor_fields = recorded_fields(sensor.texts("record", ["p"]))
     study.sensor_nodes, study.sensor_weights, study.cuboids = np.zeros((0, 3), dtype=int), None, None
     start = sensor.number("record_start_index", 1.0)
@@ -68,8 +69,10 @@ def read_corners(study: Simulation, mask: np.ndarray) -> None:
     check_inside(study, mask.reshape(2, 3, -1).transpose(0, 2, 1).reshape(-1, 3) - 1.0)
     study.cuboids = mask.reshape(6, -1).T.astype(int) - 1
     if np.any(study.cuboids[:, 3:] < study.cuboids[:, :3]):
-        raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be x1, y1, z1, x2, "
-                       "y2, z2 with x1 <= x2, y1 <= y2 and z1 <= z2, as in k-Wave")
+        axes = "xyz"[:study.dimensions]
+        raise BadInput("sensor.mask contains a cuboid whose second corner lies before the first; they must be "
+                       f"{', '.join(f'{axis}{corner}' for corner in (1, 2) for axis in axes)} with "
+                       f"{', '.join(f'{axis}1 <= {axis}2' for axis in axes[:-1])} and {axes[-1]}1 <= {axes[-1]}2, as in k-Wave")
     study.sensor_nodes = np.concatenate([
         np.stack([i.ravel(order="F") for i in np.meshgrid(
             *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
@@ -94,9 +97,9 @@ def read_points(study: Simulation, from_centre: np.ndarray) -> None:
     at = from_centre + centre
     if not np.all((at > -1e-9) & (at < points - 1 + 1e-9)):  # also for NaN
         raise BadInput("sensor.mask has points outside of the grid")
-    low = np.clip(np.floor(at + 1e-9).astype(int), 0, points - 2)
+    low = np.clip(np.floor(at + 1e-9).astype(int), 0, np.maximum(points - 2, 0))
     share = np.clip(at - low, 0.0, 1.0)  # 1e-9 of a cell is a rounding error of the coordinates
-    corners = np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1).T
+    corners = np.array(np.meshgrid(*[range(min(2, n)) for n in points], indexing="ij")).reshape(3, -1).T
     study.sensor_nodes = (low[:, None, :] + corners).reshape(-1, 3) + study.first
     study.sensor_weights = np.prod(np.where(corners, share[:, None, :], 1.0 - share[:, None, :]), axis=2)
     study.notes.append("sensor.mask: values at Cartesian points are interpolated linearly between nodes")

@@ -123,3 +123,8 @@ class Simulation:
     options: Structure
     notes: list[str]
     warnings: list[str]
+
+    @property
+    def dimensions(self) -> int:
+        """Two for a plane, whose grid has one node along z."""
+        return 2 if self.points[2] == 1 else 3

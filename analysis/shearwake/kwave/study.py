@@ -53,16 +53,17 @@ def three(value: Any, name: str, integer: bool = False) -> np.ndarray:
 
 
 def grid_of(points: Iterable[float]) -> tuple[int, ...]:
-    """The shape of a grid for messages."""
-    return tuple(int(n) for n in points)
+    """The shape of a grid for messages; that of a plane has two numbers."""
+    shape = tuple(int(n) for n in points)
+    return shape[:2] if shape[2:] == (1,) else shape
 
 
 def shape_hint(values: np.ndarray, points: Iterable[float]) -> str:
     """What may be wrong with an array that does not have the shape of the grid."""
-    shape = grid_of(points)
-    if values.shape == shape[::-1]:
+    shape, found = grid_of(points), grid_of(values.shape)
+    if found == shape[::-1]:
         return "; its indices are in reverse order: HDF5 files that were not written by MATLAB need array.T"
-    if sorted(values.shape) == sorted(shape):
+    if sorted(found) == sorted(shape):
         return f"; its axes are permuted: they must be in the order x, y, z, as in {shape}"
     if values.size == math.prod(shape):
         return (f"; it has the right number of values: reshape it to {shape}, in Python with order='F' if x is the "
@@ -87,6 +88,8 @@ def largest_factor(number: int) -> int:
 def smoothed(values: np.ndarray, restores_maximum: bool = False) -> np.ndarray:
     """The values filtered in wave number space by k-Wave's window: a Blackman window over the distance from the origin,
     interpolated linearly between as many points as the longest axis has. An even axis is periodic, an odd one symmetric."""
+    if values.shape[2:] == (1,):  # a plane
+        return smoothed(values[..., 0], restores_maximum)[..., None]
     shape = values.shape
     points = [n if n % 2 else n + 1 for n in shape]
     most = max(points)
@@ -114,6 +117,7 @@ class Study(Simulation):
         self.read_times(parts["kgrid"])
         check_plausible(self)
         self.enlarge_if_layer_is_outside()
+        self.smooth_medium()
         check_time_step(self)
         self.sources, self.p0_Pa = [], None
         self.read_sources(parts["source"])
@@ -124,9 +128,8 @@ class Study(Simulation):
 
     def read_grid(self, kgrid: Structure) -> None:
         self.points = np.array([kgrid.number(f"N{axis}") for axis in "xyz"])
-        if np.any(self.points < 2) or np.any(self.points != np.floor(self.points)):
-            raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2: only three-dimensional "
-                           "simulations can be imported")
+        if np.any(self.points < [2, 2, 1]) or np.any(self.points != np.floor(self.points)):
+            raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2")
         self.points = self.points.astype(int)
         self.spacing_m = np.array([kgrid.number(f"d{axis}") for axis in "xyz"])
         if np.any(self.spacing_m <= 0):
@@ -162,7 +165,7 @@ class Study(Simulation):
         """The times of makeTime in k-Wave, with the number that pstdElastic3D gives it."""
         speeds = np.concatenate([np.ravel(self.medium[name]) for name in ("c_p_m_s", "c_s_m_s")])
         speeds = speeds[speeds > 0.0]
-        end_s = float(np.linalg.norm(self.points * self.spacing_m) / np.min(speeds))
+        end_s = float(np.linalg.norm((self.points * self.spacing_m)[:self.dimensions]) / np.min(speeds))
         self.time_step_s = float(PSTD_CFL * np.min(self.spacing_m) / np.max(speeds))
         count = end_s / self.time_step_s
         is_recurring = count != round(count) and abs(count - round(count)) <= np.finfo(float).eps * count  # rem(end, dt) is 0
@@ -197,8 +200,9 @@ class Study(Simulation):
         if not 0 < least <= most:
             raise BadInput("options.PMLRange must be two whole numbers above 0 in ascending order")
         sizes = range(least, most + 1)
-        found = np.array([min(sizes, key=lambda size: largest_factor(int(points) + 2 * size)) for points in self.points], dtype=float)
-        self.notes.append("options.PMLSize: \"auto\" is, as in k-Wave, " + ", ".join(f"{size:g}" for size in found))
+        found = np.array([min(sizes, key=lambda size: largest_factor(int(points) + 2 * size)) if points > 1 else 0 for points in self.points],
+                         dtype=float)
+        self.notes.append("options.PMLSize: \"auto\" is, as in k-Wave, " + ", ".join(f"{size:g}" for size in found[:self.dimensions]))
         return found
 
     def check_layer(self) -> None:
@@ -226,10 +230,8 @@ class Study(Simulation):
         def values(field: str) -> np.ndarray:
             found = medium.array(field)
             if found.shape not in ((), tuple(self.points)):
-                raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
+                raise BadInput(f"medium.{field} has the shape {grid_of(found.shape)}; it must be one number, or have the "
                                f"shape {grid_of(self.points)} of the grid{shape_hint(found, self.points)}")
-            if found.shape and self.smooths[{"density": 2}.get(field, 1)] and not field.startswith("alpha"):
-                found = smoothed(found)
             check_range(found, f"medium.{field}", self, positive=field in ("density", "sound_speed_compression"))
             return found
 
@@ -243,11 +245,8 @@ class Study(Simulation):
             if not all(absorbs):
                 raise BadInput("medium.alpha_coeff_compression and medium.alpha_coeff_shear must be specified "
                                "together")
-            # dB/(MHz^2 cm) as Np (rad/s)^-2 m^-1
-            neper = 100.0 * (1e-6 / (2.0 * math.pi)) ** 2 / (20.0 * math.log10(math.e))
-            eta = 2.0 * rho * c_s ** 3 * values("alpha_coeff_shear") * neper
-            chi = 2.0 * rho * c_p ** 3 * values("alpha_coeff_compression") * neper - 2.0 * eta
-            self.medium.update(eta_Pa_s=eta, chi_Pa_s=chi)
+            # of compressional waves chi + 2 eta; without the density and the speeds, which may be smoothed later
+            self.medium.update(eta_Pa_s=values("alpha_coeff_shear"), chi_Pa_s=values("alpha_coeff_compression"))
         self.reference_speed_m_s = float(np.max(c_p))
         if "sound_speed_ref" in medium:
             try:
@@ -262,7 +261,23 @@ class Study(Simulation):
             if self.reference_speed_m_s <= 0.0:
                 raise BadInput(f"medium.sound_speed_ref is {self.reference_speed_m_s:g}; it must be greater than 0")
         check_medium(self)
-        self.count_fluid_faces(c_s == 0.0)
+        if not self.smooths[1]:
+            self.count_fluid_faces(c_s == 0.0)
+
+    def smooth_medium(self) -> None:
+        """Smooths speeds and density if that is asked for, on the enlarged grid as in k-Wave, and completes the viscosities."""
+        medium = self.medium
+        for number, name, field in ((1, "c_p_m_s", "sound_speed_compression"), (1, "c_s_m_s", "sound_speed_shear"),
+                                    (2, "density_kg_m3", "density")):
+            if self.smooths[number] and medium[name].shape:
+                medium[name] = smoothed(medium[name])
+                check_range(medium[name], f"medium.{field} (smoothed)", self, positive=name != "c_s_m_s")
+        if self.is_lossy:
+            # dB/(MHz^2 cm) as Np (rad/s)^-2 m^-1
+            neper = 100.0 * (1e-6 / (2.0 * math.pi)) ** 2 / (20.0 * math.log10(math.e))
+            eta, modulus = (2.0 * medium["density_kg_m3"] * medium[speed] ** 3 * medium[alpha] * neper
+                            for speed, alpha in (("c_s_m_s", "eta_Pa_s"), ("c_p_m_s", "chi_Pa_s")))
+            medium.update(eta_Pa_s=eta, chi_Pa_s=modulus - 2.0 * eta)
 
     def count_fluid_faces(self, fluid: np.ndarray) -> None:
         """Notes the faces at which pstdElastic3D has another shear modulus: 0 where the fluid lies on the side of the lower index."""
@@ -288,7 +303,7 @@ class Study(Simulation):
         """Nodes of a mask, in k-Wave's order with x fastest, and their labels."""
         given = tuple(self.points - 2 * self.first)
         if mask.shape != given:
-            raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, "
+            raise BadInput(f"{name} has the shape {grid_of(mask.shape)}; it must be that of the grid, "
                            f"{grid_of(given)}{shape_hint(mask, given)}")
         bad = (mask != np.floor(mask)) | (mask < 0.0)
         if np.any(bad):
@@ -320,7 +335,7 @@ class Study(Simulation):
                               "that varies with time and the times \"auto\"")
         if "p0" in source and np.any(source.array("p0")):
             if any(field in source for field in ("sxx", "syy", "szz")):
-                self.notes.append("source.p0 replaces sxx, syy and szz, as in k-Wave")
+                self.notes.append("source.p0 replaces the normal stresses of the source, as in k-Wave")
                 self.sources = [one for one in self.sources if one["field"] not in ("sxx", "syy", "szz")]
             if shear := [one["field"] for one in self.sources if one["field"] in FIELDS[6:]]:
                 raise BadInput(f"source.{shear[0]} cannot be combined with source.p0, whose nodes replace source.s_mask in pstdElastic3D")
@@ -372,6 +387,6 @@ class Study(Simulation):
         nodes, _ = self.nodes_of(np.where((p0 != 0.0) | everywhere, 1.0, 0.0), "source.p0")
         self.p0_Pa = np.pad(p0, [(n, n) for n in self.first])
         weights = -0.5 * p0[tuple((nodes - self.first).T)]
-        for field in ("sxx", "syy", "szz"):
+        for field in FIELDS[3:3 + self.dimensions]:
             self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights,
                                  "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2)), "is_initial": True})

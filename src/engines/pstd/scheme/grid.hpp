@@ -12,8 +12,19 @@ struct Grid {
     std::array<std::ptrdiff_t, 3> points = {};
     std::array<double, 3> spacing_m = {};
     double dt_s = 0.0;
+    /// A single node along x, with the rules of k-Wave's two-dimensional code for pressure and
+    /// sources.
+    bool is_plane = false;
+    /// Of a plane: nothing moves along x, so that ux, sxy and sxz remain 0 and are not computed.
+    bool moves_in_plane = false;
     bool operator==(const Grid&) const = default;
 };
+
+/// The axis of k-Wave that is this axis of the scheme. The axes x, y and z of a plane are z, x and
+/// y of k-Wave, so that its rows are as long as those of a box.
+inline std::size_t kwave_axis(const Grid& grid, std::size_t axis) {
+    return grid.is_plane ? (axis + 2) % 3 : axis;
+}
 
 /// Storage indices of a node along x, y, z.
 using Node = std::array<std::ptrdiff_t, 3>;

@@ -23,7 +23,7 @@ template <class Real>
 PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
                                  const FieldState<Real>& state, const MaterialOfNode& material,
                                  double first_node_c_p_m_s)
-    : source_(source) {
+    : source_(source), is_in_plane_(slabs.grid.is_plane) {
     const Grid& grid = slabs.grid;
     // As in k-Wave, stresses are scaled with dx along every axis.
     const double d_m = grid.spacing_m[is_velocity(source.field) ? index_of(source.field) : 0];
@@ -54,6 +54,9 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
             };
             if (is_stored(0) || is_stored(1) || is_stored(2))
                 place.part[0] = run->offset + node[2] - run->begin;
+            if (is_in_plane_ && !is_velocity(source.field) && parts.count == 3 && run->face < 0 &&
+                parts.axes[1] == 0)
+                place.part[0] = -1; // of d/dx
             if (run->face < 0 && parts.count == 3)
                 place.part[1] = run->second + node[2] - run->begin;
             place.has_own_part = run->face >= 0 && is_stored(0);
@@ -84,9 +87,10 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
             place.before = static_cast<double>(total);
             continue;
         }
-        const double value = values_[i] * place.scale, third = value / 3.0;
+        const double value = values_[i] * place.scale, share = value / (is_in_plane_ ? 2.0 : 3.0);
         const Real was = total;
-        const double into_total = velocity ? value : third * static_cast<double>(parts.count);
+        const double into_total =
+            velocity || is_in_plane_ ? value : share * static_cast<double>(parts.count);
         double others = 0.0; // sum of the other parts of a prescribed velocity
         for (std::size_t p = 0; p < place.part.size(); ++p) {
             if (place.part[p] < 0) continue;
@@ -96,9 +100,9 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
             else if (velocity)
                 others += static_cast<double>(part);
             else if (source_.mode == SourceMode::additive)
-                part += static_cast<Real>(third);
+                part += static_cast<Real>(share);
             else
-                part = static_cast<Real>(third);
+                part = static_cast<Real>(share);
         }
         // A prescribed velocity keeps its other parts (the stepper stores all of them there); its
         // own part is the difference.

@@ -38,6 +38,7 @@ private:
     };
     double work_factor(const Slabs& slabs, const MaterialOfNode& material, const Node& node) const;
     Source source_; // without its nodes
+    bool is_in_plane_;
     std::vector<std::size_t> which_;
     std::vector<Place> places_;
     std::vector<double> values_;

@@ -16,10 +16,10 @@ namespace {
 
 template <class Real>
 double pressure_at(const Stepper<Real>& stepper, std::size_t at) {
-    return -(static_cast<double>(stepper.total(Field::sxx)[at]) +
-             static_cast<double>(stepper.total(Field::syy)[at]) +
-             static_cast<double>(stepper.total(Field::szz)[at])) /
-           3.0;
+    const auto stress = [&](Field f) { return static_cast<double>(stepper.total(f)[at]); };
+    const double syy = stress(Field::syy), szz = stress(Field::szz);
+    return stepper.slabs().grid.is_plane ? -(syy + szz) / 2.0
+                                         : -(stress(Field::sxx) + syy + szz) / 3.0;
 }
 
 template <class Real>
@@ -102,7 +102,7 @@ Recorder::Recorder(const SensorPoints& points, const Slabs& slabs,
                    const std::set<std::string>& records, std::ptrdiff_t first_step,
                    std::ptrdiff_t steps)
     : points_(points), slabs_(slabs), first_step_(first_step), samples_(steps - first_step + 1),
-      records_(records_of(records)), order_(points.nodes.size()), now_(quantity_count) {
+      records_(records_of(records, slabs.grid)), order_(points.nodes.size()), now_(quantity_count) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     const auto x_of = [&](std::size_t node) { return points.nodes[node][0]; };
     std::stable_sort(order_.begin(), order_.end(),

@@ -22,7 +22,9 @@ struct SensorPoints {
 };
 
 /// Records fields of the scheme at the points of a sensor, and extremes of the entire grid, in
-/// every step from a first one on. The names of records are those of sensor.record of k-Wave.
+/// every step from a first one on. The names of records are those of sensor.record of k-Wave; in a
+/// plane the axes are those of k-Wave as well, the pressure is -(sxx + syy)/2 with these axes, and
+/// without motion along z there are no records of z.
 class Recorder {
 public:
     /// Indices of quantities: pressure, velocities at their staggered points and at the nodes,
@@ -72,7 +74,7 @@ public:
     void restore(const StateReader& state); // collective
 
 private:
-    static std::vector<Record> records_of(const std::set<std::string>& names);
+    static std::vector<Record> records_of(const std::set<std::string>& names, const Grid& grid);
     DistributedRows rows(const Record& record) const;
     template <class Real>
     void find_values(const Stepper<Real>& stepper, const Comm& team);

@@ -42,12 +42,16 @@ void move_half_a_sample(std::span<double> series) {
 
 } // namespace
 
-std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& names) {
+std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& names,
+                                                   const Grid& grid) {
     std::vector<Record> records;
     const auto add = [&](std::size_t quantity, std::size_t count, Statistic statistic,
                          const std::string& suffix = "", bool is_output = true) {
         for (std::size_t q = quantity; q < quantity + count; ++q) {
-            const std::string name = quantities[q] + suffix;
+            const std::size_t axis = (q - velocity) % 3; // of a vector
+            if (q != pressure && axis == 0 && grid.moves_in_plane) continue;
+            const std::size_t named = q == pressure ? q : q - axis + kwave_axis(grid, axis);
+            const std::string name = quantities[named] + suffix;
             const auto known = std::find_if(records.begin(), records.end(),
                                             [&](const Record& one) { return one.name == name; });
             if (known == records.end()) records.push_back({name, q, statistic, is_output, {}});
@@ -80,7 +84,7 @@ double Recorder::memory_B(const SensorPoints& points, const Grid& grid,
         grid_points *= static_cast<double>(n);
     const auto count = static_cast<double>(points.size());
     double values = 0.0;
-    for (const Record& record : records_of(records)) {
+    for (const Record& record : records_of(records, grid)) {
         if (record.is_series())
             values += count * static_cast<double>(samples);
         else if (!record.is_grid())

@@ -21,8 +21,9 @@ enum class SourceScaling { none, kwave, kwave_of_first_node };
 /// that field. Additive: the scaled value is added to a velocity; to a normal stress it is added
 /// with one third in each of its three parts, to a shear stress with one third in each of its two
 /// parts. Dirichlet: the own part of a velocity (d/dx for ux) is set to the value while its other
-/// parts evolve; each part of a stress is set to one third of the value. Whole: the total of a
-/// velocity is set to the value by adjusting its own part. Nothing is applied after the last
+/// parts evolve; each part of a stress is set to one third of the value. In a plane two parts of a
+/// stress have one half each, and the part of d/dx of a normal stress has nothing. Whole: the total
+/// of a velocity is set to the value by adjusting its own part. Nothing is applied after the last
 /// sample.
 struct Source {
     Field field = Field::uz;

@@ -163,6 +163,7 @@ void SplitAxis<Real>::along_x(std::size_t number, const Task& task, const Part& 
 
 template <class Real>
 void SplitAxis<Real>::differentiate(std::span<const Task> tasks) {
+    if (slabs_.grid.is_plane) return; // the derivatives remain 0
     const bool alone = slabs_.ranks == 1;
     const auto of_a_field =
         static_cast<std::size_t>(parts_.back().offset + sum(parts_.back().sent));

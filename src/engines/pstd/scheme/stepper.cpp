@@ -163,10 +163,11 @@ template <class Real>
 void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
     const std::ptrdiff_t ny = slabs_.ny(), pitch = slabs_.pitch;
     const auto plane = [&](Field f) { return state(f).total.data() + x * ny * pitch; };
-    along_y(back, plane(Field::sxy), 0);
+    const bool along_x = !slabs_.grid.moves_in_plane;
+    if (along_x) along_y(back, plane(Field::sxy), 0);
     along_y(forward, plane(Field::syy), 1);
     along_y(back, plane(Field::syz), 2);
-    along_z(back, plane(Field::sxz), 3);
+    if (along_x) along_z(back, plane(Field::sxz), 3);
     along_z(back, plane(Field::syz), 4);
     along_z(forward, plane(Field::szz), 5);
     // Field by field: few streams of memory at a time.
@@ -187,7 +188,7 @@ void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
     const auto gx = [&](std::size_t task) {
         return [=, this](std::ptrdiff_t y) { return split_axis_.row(task, x, y); };
     };
-    update(Field::ux, gx(0), g(0), g(3)); // parts in the order of parts_of
+    if (along_x) update(Field::ux, gx(0), g(0), g(3)); // parts in the order of parts_of
     update(Field::uy, g(1), gx(1), g(4));
     update(Field::uz, g(5), gx(2), g(2));
 }
@@ -197,10 +198,11 @@ void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
 template <class Real>
 void Stepper<Real>::derive_velocities(std::ptrdiff_t x) {
     const auto derive = [&](const Real* ux, const Real* uy, const Real* uz, std::size_t first) {
-        along_y(forward, ux, first);
+        const bool along_x = !slabs_.grid.moves_in_plane;
+        if (along_x) along_y(forward, ux, first);
         along_y(back, uy, first + 1);
         along_y(forward, uz, first + 2);
-        along_z(forward, ux, first + 3);
+        if (along_x) along_z(forward, ux, first + 3);
         along_z(forward, uy, first + 4);
         along_z(back, uz, first + 5);
     };
@@ -263,8 +265,10 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
             update_shear(row_of(state(field), parts_of(field), slabs_, at), rates);
         }
     };
-    shear(Field::sxy, ex(1), e(0));
-    shear(Field::sxz, ex(2), e(3));
+    if (!slabs_.grid.moves_in_plane) {
+        shear(Field::sxy, ex(1), e(0));
+        shear(Field::sxz, ex(2), e(3));
+    }
     shear(Field::syz, e(2), e(4));
 }
 
