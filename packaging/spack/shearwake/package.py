@@ -25,7 +25,7 @@ class Shearwake(CMakePackage):
     depends_on("nlohmann-json@3.11:")
     depends_on("xxhash@0.8:")
     depends_on("python@3.11:", type="run")
-    for module in ("numpy", "h5py", "matplotlib", "xxhash", "scipy", "xarray", "pandas", "tomli-w"):
+    for module in ("numpy", "h5py", "matplotlib", "xxhash", "scipy", "xarray", "netcdf4", "pandas", "tomli-w"):
         depends_on(f"py-{module}", type="run")
 
     generator("ninja")
