@@ -248,24 +248,31 @@ def format_number(value: float) -> str:
 def format_interval(study: dict[str, Any]) -> str:
     (low, high), unit = study["reported"], f" {study['unit']}" if study["unit"] else ""
     text = f"{low:g} to {high:g}" if math.isfinite(high - low) else f"at least {low:g}" if math.isfinite(low) else f"at most {high:g}"
-    return f"{study['statement']} [{text}{unit}{', our choice' if study['chosen'] == 'us' else ''}]"
+    return f"{text}{unit}{', our choice' if study['chosen'] == 'us' else ''}"
 
 
 def format_row(r: Result) -> str:
     study, (share, error) = r.study, r.share()
-    authors = re.match(r".*?\d{4}", study["source"])
     unit = f" {study['unit']}" if study["unit"] else ""
     low, median, high = (format_number(float(np.quantile(r.values, q))) for q in (0.1, 0.5, 0.9))
     springs = "none" if r.springs is None else f"{format_number(r.springs)}{unit}, {'' if r.springs_met else 'not '}met"
-    axis = "" if r.shift is None else f"; half of the axis: {100 * r.shift:.0f} %"
-    return (f"| [{study['name']}]({study['link']}), {authors[0] if authors else study['source']} (`{study['job']}`, "
-            f"`{study['quantity']}`) | {study['measured']} | {format_interval(study)} | {median} ({low} to {high}){unit}{axis} | "
-            f"{100 * share:.0f} ± {100 * error:.0f} % | {'met' if r.met else 'not met'} | {springs} | {study.get('why', '')} |")
+    return (f"| {study['name']} | {format_interval(study)} | {median} ({low} to {high}){unit} | {100 * share:.0f} ± {100 * error:.0f} % | "
+            f"{'met' if r.met else 'not met'} | {springs} |")
+
+
+def format_details(r: Result) -> str:
+    study, authors = r.study, re.match(r".*?\d{4}", r.study["source"])
+    axis = "" if r.shift is None else f" Half of the axis: {100 * r.shift:.0f} %."
+    why = f" {study['why']}." if "why" in study else ""
+    return (f"* **{study['name']}** ([{authors[0] if authors else study['source']}]({study['link']}); `{study['job']}`, "
+            f"`{study['quantity']}`): {study['measured']}. Reported: {study['statement']}.{axis}{why}")
 
 
 def format_table(results: list[Result]) -> str:
-    head = "| study | measured | reported [interval] | predicted, median (10 to 90 % of the skins) | skins inside | verdict | springs | why |"
-    return "\n".join([head, "|---" * 8 + "|", *(format_row(r) for r in sorted(results, key=lambda r: (r.met, r.springs_met)))])
+    """One short row per result, and the details below."""
+    ordered = sorted(results, key=lambda r: (r.met, r.springs_met))
+    head = "| result | interval | predicted, median (10 to 90 % of the skins) | skins inside | verdict | springs |"
+    return "\n".join([head, "|---" * 6 + "|", *map(format_row, ordered), "", *map(format_details, ordered)])
 
 
 def sum_over_places(folder: Path, rows: list[Row], kind: str) -> np.ndarray:
