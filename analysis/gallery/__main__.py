@@ -5,11 +5,12 @@ Usage: scripts/draw-figures [--keep] [NAME...]    all, or those of some jobs: sc
 
 Runs each job into out/JOB unless its cases are complete, draws its report, and stores the figures that
 show its result as PNG below 150 KB. The name `modulations` draws those of docs/explanation/modulations.md.
-With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib; `quickstart` also Chromium, which
-draws the report of README.md.
+With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib. Chromium, where it is installed, draws
+the report of README.md.
 SHEARWAKE names another program than build/shearwake.
 """
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -157,7 +158,7 @@ def draw_job(job: str, use_existing: bool) -> None:
     if not use_existing:
         run(job, out)
     pictures: dict[Path, Any] = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
-    if job == "quickstart":
+    if job == "quickstart" and shutil.which("chromium"):
         pictures[DOCS / "gallery" / "report.png"] = photograph
     for page, figures in PAGES.items():
         for name, (its_job, figure) in figures.items():
