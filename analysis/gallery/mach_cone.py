@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from shearwake import wake
+from shearwake import figure_style, wake
 from shearwake.report import style
 from shearwake.report.figures.fig_surface import Snapshot, snapshot
 from shearwake.report.load import load
@@ -74,6 +74,7 @@ def draw_folder(folder: Path, picture: Path) -> None:
     shots = [s for c in load(folder).cases if c.is_complete and (s := snapshot(c))]
     if not shots:
         raise ValueError(f"{folder} contains no complete case with a snapshot")
+    figure_style.reset()
     figure = draw(shots[0])
     figure.savefig(picture, dpi=DPI, facecolor="white")
     plt.close(figure)

@@ -11,12 +11,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import h5py
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
+from .. import figure_style
 from .dispersion import curves, line_coordinates
 
 USAGE, ENVIRONMENT = 2, 6
@@ -88,6 +86,7 @@ def main(folder: Path) -> int:
         about = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
         with h5py.File(folder / "fit.h5", "r", locking=False) as file:
             fit = {name: file[name][()] for name in ("x", "y", "time", "measured", "predicted", "residual_rms", "weight")}
+        figure_style.reset()
         draw_residuals(folder, fit, about["is_line"])
         draw_correlations(folder, about)
         if about["is_line"]:

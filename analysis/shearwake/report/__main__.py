@@ -20,6 +20,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
+from .. import figure_style
 from ..errors import NotAnOutputFolder
 from . import layout, style, warnings_of
 from .figure import Figure
@@ -155,6 +156,7 @@ def selected(selection: Selection, ids: Sequence[str]) -> Selection:
 def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path, str, list[str], Selection]:
     """Returns the path of the page, the summary, the figures that could not be drawn, and the cases. Raises
     NotAnOutputFolder, NoCase."""
+    figure_style.reset()
     progress = Progress()
     selection = load(directory, progress.show)
     some = selected(selection, only)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from .. import figure_style
 from .style import GREY, INK, PALETTE, halo, plt
 
 ENVIRONMENT = 6
@@ -100,6 +101,7 @@ def main(arguments: Any) -> Any:
     try:
         with open(arguments[0], encoding="utf-8") as file:
             data = json.load(file)
+        figure_style.reset()
         draw(data, arguments[1])
     except (OSError, ValueError) as error:
         print(f"modulation: {error}", file=sys.stderr)

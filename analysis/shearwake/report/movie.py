@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import figure_style
 from ..case import Case
 from ..inputs import case_files
 from ..plan import first_line
@@ -199,6 +200,7 @@ def state(case: Case, times_s: Any, indices: Any, part: Any) -> None:
 
 def write(case_path: Path, name: Path, slow_down: float | None, width_px: int) -> list[Path]:
     """Writes NAME.mp4, if this ffmpeg has an encoder, and NAME.gif, and returns their paths. Raises CannotWrite."""
+    figure_style.reset()
     case = read(case_path)
     if not shutil.which("ffmpeg"):
         raise CannotWrite("a movie needs ffmpeg; install the Debian package ffmpeg, for example with scripts/setup")

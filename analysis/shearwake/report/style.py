@@ -5,8 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,12 +15,12 @@ from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
 from .. import wake
+from ..figure_style import INK
 from .words import SUPERSCRIPTS, number
 
 WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
 PDF = True  # for papers; tests draw faster without
-INK = "#222222"
 GREY = "#707070"  # a contrast of 4.9 on white
 # Okabe and Ito (2008), without yellow, which is hardly visible on white.
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
@@ -31,17 +29,6 @@ DIVERGING = "RdBu_r"
 DIRECT_LABELS = 8  # largest number of lines with a legend; more lines have a colour bar
 CURVES = 8  # largest number of curves in a panel; more are drawn as heat maps and small multiples
 
-plt.rcParams.update({
-    "font.family": "DejaVu Sans", "font.size": 9.5, "axes.labelsize": 9.5, "axes.titlesize": 9.5,
-    "xtick.labelsize": 9, "ytick.labelsize": 9, "legend.fontsize": 9, "axes.edgecolor": "#666666",
-    "axes.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False,
-    "text.color": INK, "axes.labelcolor": INK, "xtick.color": "#444444", "ytick.color": "#444444",
-    "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.axisbelow": True,
-    "legend.frameon": False, "lines.linewidth": 1.6, "axes.unicode_minus": True,
-    "pdf.fonttype": 42, "mathtext.default": "regular", "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-4, 5), "figure.max_open_warning": 0,
-    "axes.titley": 1.0,  # Matplotlib would measure all tick labels to find a place
-})
 halo = wake.halo
 
 

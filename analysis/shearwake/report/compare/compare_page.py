@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from ... import wake
+from ... import figure_style, wake
 from ...case import Case
 from .. import layout, load, style
 from ..words import number
@@ -71,6 +71,7 @@ def picture(result: dict[str, Any], pairs: list[tuple[Case, Case]]) -> bytes:
     field = max(chosen["fields"], key=lambda f: f["largest_um"])  # relative L2 is large while the skin hardly moves
     x, y, u, v = visible(*surfaces(pairs[result["pairs"].index(chosen)], field["time_ms"]), field["at_mm"])
     common, own = (max(float(np.abs(values).max()) for values in part) or 1.0 for part in ((u, v), (u - v,)))
+    figure_style.reset()
     width = 1.4 * style.WIDTH_in
     height = min(0.29 * width * np.ptp(y) / np.ptp(x), 0.8 * width) + 2.2  # titles and colour bars
     figure, made = plt.subplots(1, 3, layout="constrained", sharey=True, figsize=(width, height))
