@@ -21,6 +21,3 @@ lines = ["Metadata-Version: 2.1", "Name: shearwake", f"Version: {version}", f"Su
          f"Requires-Python: {project['requires-python']}", *(f"Requires-Dist: {needed}" for needed in project["dependencies"])]
 (made / "METADATA").write_text("\n".join(lines) + "\n", encoding="utf-8")
 (made / "INSTALLER").write_text("cmake\n", encoding="utf-8")
-points = [f"[{group}]\n" + "".join(f"{name} = {target}\n" for name, target in entries.items())
-          for group, entries in project["entry-points"].items()]
-(made / "entry_points.txt").write_text("\n".join(points), encoding="utf-8")

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import checksum, parameters, stored
 from .errors import HOW, NotRecorded, NotValid, level_of_caller, suggestion, warn_of_invalid
+from .keys import axis_label
 from .plan import Column, Table, first_line
 
 if TYPE_CHECKING:
@@ -373,10 +374,8 @@ class Case:
     def _repr_html_(self) -> str:
         """Settings, and the values of the table, for notebooks."""
         import pandas as pd
-        units = {column.name: column.unit for column in self.columns} if self.status == "complete" else {}
-        rows = [*((key, value, "") for key, value in self.settings.items()),
-                *((name, value, units.get(name, "")) for name, value in self.values.items())]
-        table = pd.DataFrame(rows, columns=["name", "value", "unit"]).to_html(index=False)
+        rows = [(axis_label(name), value) for name, value in (*self.settings.items(), *self.values.items())]
+        table = pd.DataFrame(rows, columns=["name", "value"]).to_html(index=False)
         state = self.status if self.validity != 0.0 else "complete, not valid"
         return f"<p><b>Case {html.escape(self.id)}</b>: {html.escape(state)}</p>{table}"
 

@@ -13,7 +13,7 @@ import xarray as xr
 from . import stored
 from .case import Case, SweepInterface
 from .errors import HOW, NotRecorded, suggestion
-from .keys import cf_unit, follows, short_keys, split_unit
+from .keys import cf_unit, described, follows, label, short_keys, split_unit, typed
 from .lazy import Cells, Columns, axis_of, lazy, union
 
 MAIN = {"traces": "u_z", "surface": "u_z", "mean": "u_z_squared"}  # the variable that the name of a group stands for
@@ -37,8 +37,16 @@ def values_of(cases: Sequence[Case], key: str) -> list[Any]:
     return sorted(found) if is_number else found
 
 
+def typed_array(values: Sequence[Any]) -> np.ndarray:
+    """Swept values with their types in the job: numbers, bool, text, or objects, which are tuples for lists."""
+    found = np.empty(len(values), dtype=object)
+    for n, value in enumerate(values):
+        found[n] = typed(value)
+    return found if any(isinstance(value, tuple) for value in found) else np.array(found.tolist())
+
+
 def key_attributes(key: str) -> dict[str, str]:
-    return {"key": key, "long_name": key, **({"units": cf_unit(unit)} if (unit := split_unit(key)[1]) else {})}
+    return {"key": key, "long_name": label(key), **({"units": cf_unit(unit)} if (unit := split_unit(key)[1]) else {})}
 
 
 def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
@@ -54,11 +62,11 @@ def grid_of(sweep: SweepInterface, cases: Sequence[Case]) -> Grid:
     cells = np.full([len(values[key]) for key in keys], None, dtype=object)
     for case in cases:
         cells[tuple(place[key][case.settings.get(key)] for key in keys)] = case
-    coordinates = {names[key]: xr.Variable([names[key]], values[key], key_attributes(key)) for key in keys}
+    coordinates = {names[key]: xr.Variable([names[key]], typed_array(values[key]), key_attributes(key)) for key in keys}
     for key in sweep.swept_keys:
         if chief[key] != key:
             of = {case.settings.get(chief[key]): case.settings.get(key) for case in cases}
-            coordinates[names[key]] = xr.Variable([names[chief[key]]], [of[value] for value in values[chief[key]]],
+            coordinates[names[key]] = xr.Variable([names[chief[key]]], typed_array([of[value] for value in values[chief[key]]]),
                                                   key_attributes(key))
     return Grid(cells, [names[key] for key in keys], coordinates)
 
@@ -171,7 +179,7 @@ def add_named(builder: Builder, sweep: SweepInterface, name: str) -> None:
     column = next((c for c in sweep.columns if c.name == name), None)
     if column is not None:
         cells = Columns(builder.grid.cells, functools.partial(value_of, name))
-        builder.variables[name] = lazy(cells, builder.grid.dims, {"units": cf_unit(column.unit), "long_name": column.meaning})
+        builder.variables[name] = lazy(cells, builder.grid.dims, described(name, column.unit, column.meaning))
         return
     group, _, variable = name.partition("/")
     if variable:

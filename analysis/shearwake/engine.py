@@ -19,7 +19,7 @@ import numpy as np
 from . import program
 from .errors import Diagnostic, NotRecorded, ProgramError, suggestion, warn_of_invalid
 from .job import Job, Source
-from .keys import cf_unit
+from .keys import described
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +71,7 @@ class Evaluation:
         groups (`traces/u_z`) are in `arrays`."""
         import xarray as xr
         variables = {entry["name"]: (entry["dimensions"], self.arrays[entry["name"]],
-                                     {"units": cf_unit(entry["units"]), "long_name": entry["meaning"]})
+                                     described(entry["name"], entry["units"], entry["meaning"]))
                      for entry in self.message["arrays"] if "/" not in entry["name"]}
         if not variables:
             raise NotRecorded("the case has no arrays")

@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Keys of a job: their short forms, their units, and access to them in nested tables."""
+"""Keys of a job and columns of a table: their labels, units and short forms, and access to keys in nested tables."""
 from __future__ import annotations
 
+import contextlib
+import csv
 import functools
 import re
 import tomllib
+from pathlib import Path
 from typing import Any, Iterable, Mapping, Sequence
 
-UNITS = ("kg_m3", "g_cm3", "m_s", "mm_s", "cm_s", "km_s", "Pa_s", "mPa_s", "kHz", "Hz", "MHz", "kPa", "MPa", "Pa", "mm", "um",
-         "nm", "cm", "m", "ms", "us", "ns", "s", "deg", "rad", "mN", "N", "dB")
+with (Path(__file__).parent / "labels.csv").open(encoding="utf-8", newline="") as _file:  # which the program contains too
+    _ROWS = list(csv.reader(_file))
+UNITS = {name: (shown, cf) for kind, name, shown, *rest in _ROWS if kind == "unit" for cf in rest}
+LABELS = {name: label for kind, name, label, *_ in _ROWS if kind == "name"}
+PATTERNS = [(re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>.+?)", name)), label) for name, label in LABELS.items() if "{" in name]
 
 
 def split_unit(key: str) -> tuple[str, str]:
@@ -24,13 +30,44 @@ def follows(settings: Iterable[Mapping[str, Any]], key: str, other: str) -> bool
     return len(pairs) == len({value for value, _ in pairs})
 
 
+@functools.cache
+def label(name: str) -> str:
+    """The label of a key, a column or a quantity over time, without its unit: "medium.layer[1].c_s_m_s" -> "shear-wave speed, layer 1",
+    "eta_period_1" -> "efficiency η". Words of a name without a label are those of the name."""
+    last = re.sub(r".*\.(?=[A-Za-z])", "", name)  # not the point of a depth, as in "eta_at_1_z1.5mm"
+    for end, extended in ((r"_error", "{}, error"), (r"_z([-+\d.e]+)mm", r"{}, z = \1 mm")):
+        if found := re.fullmatch("(.+)" + end, last):
+            return extended.replace(r"\1", found[found.lastindex or 1]).format(label(found[1]))
+    word = split_unit(last)[0]
+    text = LABELS.get(last) or LABELS.get(word)
+    if text is None:
+        matches = ((pattern.fullmatch(last), shown) for pattern, shown in PATTERNS)
+        text = next((shown.format(**match.groupdict()) for match, shown in matches if match), word.replace("_", " "))
+    place = re.search(r"\b(layer|body)\W*(\d+)", name)
+    return f"{text}, {place[1]} {place[2]}" if place else text
+
+
+def shown_unit(name: str) -> str:
+    """The unit of a key or of a column as in figures: "µm" of "peak_um", empty for a number."""
+    last = re.sub(r"_error$|_z[-+\d.e]+mm$", "", name)
+    return UNITS.get(split_unit(last)[1], ("",))[0]
+
+
+def axis_label(name: str) -> str:
+    """The label with its unit: "AM frequency (Hz)"."""
+    unit = shown_unit(name)
+    return f"{label(name)} ({unit})" if unit else label(name)
+
+
+def described(name: str, unit: str, meaning: str) -> dict[str, str]:
+    """The attributes of a variable of xarray: a short `long_name`, a sentence as `description`, and `units`."""
+    found = {"long_name": label(name), "description": meaning, "units": cf_unit(unit)}
+    return {attribute: text for attribute, text in found.items() if text}
+
+
 def cf_unit(unit: str) -> str:
-    """A unit of a key or of a table column in the notation of CF and UDUNITS: "m_s" and "m/s" -> "m s-1", "kg_m3" -> "kg m-3"."""
-    if unit in ("Pa_s", "mPa_s"):  # the only products among the units of keys
-        return unit.replace("_", " ")
-    above, _, below = unit.replace("_", "/").partition("/")
-    name, power = (below.rstrip("0123456789"), below.lstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")) if below else ("", "")
-    return {"deg": "degree"}.get(above, above) + (f" {name}-{power or 1}" if name else "")
+    """A unit of a key, a column or a case file in a notation that UDUNITS and pint read: "mm2" -> "mm^2", "kg_m3" -> "kg/m^3"."""
+    return UNITS[unit][1] if unit in UNITS else re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", unit)
 
 
 def short_keys(keys: Sequence[str]) -> dict[str, str]:
@@ -47,6 +84,14 @@ def by_short_key(keys: Sequence[str], short: Mapping[str, Any]) -> dict[str, Any
         if word not in full:
             raise KeyError(f"{word} is not swept; the swept keys are {', '.join(full) or 'none'}")
     return {full[word]: value for word, value in short.items()}
+
+
+def typed(value: Any) -> Any:
+    """A swept value with its type in the job: true and false, which settings contain as text, as bool, and lists as tuples."""
+    if isinstance(value, str) and (value in ("true", "false") or value.startswith("[")):
+        with contextlib.suppress(tomllib.TOMLDecodeError):
+            value = tomllib.loads(f"value = {value}")["value"]
+    return tuple(map(typed, value)) if isinstance(value, (list, tuple)) else value
 
 
 @functools.cache

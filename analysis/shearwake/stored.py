@@ -14,6 +14,7 @@ import numpy as np
 
 from .checksum import Damaged
 from .inputs import open_self_contained, require_regular
+from .keys import described
 
 
 @contextlib.contextmanager
@@ -128,6 +129,5 @@ def describe(group: str, name: str, item: h5py.Dataset) -> Item:
     prefix = "" if group == "/" else group + "/"
     keys = [list(dim.keys()) for dim in item.dims]
     dims = tuple(found[0] if found else (name if item.ndim == 1 else f"{name}_{n}") for n, found in enumerate(keys))
-    described = {new: text(item.attrs[old]) for old, new in (("units", "units"), ("long_name", "long_name"))
-                 if old in item.attrs}
-    return Item(prefix + name, dims, tuple(prefix + dim for dim in dims), item.shape, described)
+    unit, meaning = (text(item.attrs.get(attribute, b"")) for attribute in ("units", "long_name"))
+    return Item(prefix + name, dims, tuple(prefix + dim for dim in dims), item.shape, described(name, unit, meaning))

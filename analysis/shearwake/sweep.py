@@ -14,7 +14,7 @@ from . import program, stored
 from .case import Case
 from .checksum import Damaged
 from .errors import NotAnOutputFolder, NotRecorded, warn_of_invalid
-from .keys import by_short_key, split_unit
+from .keys import axis_label, by_short_key, split_unit, typed
 from .plan import Column, Table, first_line, labels_of, read_plan, read_table
 from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
 
@@ -88,7 +88,7 @@ class Sweep:
         for key in wanted:
             if key not in self.swept_keys:
                 raise KeyError(f"{key} is not swept; the swept keys are {', '.join(self.swept_keys) or 'none'}")
-        return [case for case in self.cases if all(case.settings.get(key) == value for key, value in wanted.items())]
+        return [case for case in self.cases if all(typed(case.settings.get(key)) == typed(value) for key, value in wanted.items())]
 
     def case(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> Case:
         """The only case with these values of swept keys, see select(). Raises KeyError if there is none or more."""
@@ -204,7 +204,7 @@ class Sweep:
 
     def _repr_html_(self) -> str:
         """The first rows of the table, for notebooks."""
-        return f"<p><b>{html.escape(self.title or self.name)}</b>: {html.escape(repr(self))}</p>" + self.table.head(10).to_html()
+        return f"<p><b>{html.escape(self.title or self.name)}</b>: {html.escape(repr(self))}</p>" + self.table.head(10).rename(columns=axis_label).to_html()
 
     def verify(self) -> dict[str, str]:
         """Verifies all case files. Returns the damage of each damaged case, whose status is "damaged" from now on."""

@@ -2,6 +2,7 @@
 #include "reduce/table.hpp"
 
 #include "base/error.hpp"
+#include "base/labels.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "measures/measure_table.hpp"
@@ -124,7 +125,7 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
         if (const auto found = table.find(name)) chosen.push_back(*found);
     std::string text = "|", rule = "|";
     for (const std::size_t i : chosen) {
-        text += " " + one_line(table.columns[i]) + " |";
+        text += " " + one_line(axis_label(table.columns[i])) + " |";
         rule += " --- |";
     }
     text += "\n" + rule + "\n";

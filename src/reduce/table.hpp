@@ -55,8 +55,9 @@ std::string csv(const Table& table);
 /// A title or a name as one line of Markdown.
 std::string markdown_text(const std::string& text);
 
-/// A pipe table of the named columns, in that order, numbers with four digits; names that the table
-/// does not have are ignored. The sentences to which the column "note" refers follow the table.
+/// A pipe table of the named columns with their labels, in that order, numbers with four digits;
+/// names that the table does not have are ignored. The sentences to which the column "note" refers
+/// follow the table.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
 
 /// The first `most` rows of the named columns as aligned text, with short names of swept keys.

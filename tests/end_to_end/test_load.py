@@ -24,7 +24,7 @@ class Loads(ProgramTest):
         def ids(text):
             (self.folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
             output = self.shearwake("plan", "job.toml").output
-            return [line.split()[0] for line in output.splitlines() if "am_frequency_Hz" in line]
+            return [line.split()[0] for line in output.splitlines() if "AM frequency" in line]
         self.write_points("")
         self.write_job(without_reference(CSV))
         first = ids("x_mm,y_mm\n-14,0\n0,0\n0,8\n")

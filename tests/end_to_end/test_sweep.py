@@ -234,7 +234,7 @@ class Sweep(ProgramTest):
             (SWEEP, '"medium.body[1].c_s_m_s" = [6, 7]\n"medium.layer[1].c_s_m_s" = [4, 5]\n"load.peak_Pa" = [10, 20]'),
             ('x = "load.modulation.am_frequency_Hz"\n', "")))
         self.contains(self.shearwake("plan", "job.toml").output,
-                      "medium.body[1].c_s_m_s = 6, medium.layer[1].c_s_m_s = 4, peak_Pa = 10")
+                      "shear-wave speed, body 1 = 6 m/s; shear-wave speed, layer 1 = 4 m/s; peak pressure = 10 Pa")
 
     def test_quiet_prints_only_errors(self):
         self.write_job()

@@ -45,4 +45,4 @@ class Variation(ProgramTest):
         text = without_reference(SPECTRAL, BONE)
         text = text.replace("[sweep]\n", '[sweep]\n"medium.body[1].depth_mm" = [10, 12, 14]\n')
         self.write_job(text)
-        self.contains(self.shearwake("plan", "job.toml").output, "depth_mm = 14, am_frequency_Hz = 1000", "9 cases")
+        self.contains(self.shearwake("plan", "job.toml").output, "depth, body 1 = 14 mm; AM frequency = 1000 Hz", "9 cases")

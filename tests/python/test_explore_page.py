@@ -136,7 +136,7 @@ class ExplorePage(PageTest):
         self.assertTrue(page.wait("document.querySelectorAll('#sweep-table tbody tr').length === 2"),
                         page.run("document.getElementById('sweep-state').textContent"))
         self.assertEqual(page.run("document.querySelector('#sweep-table td').textContent"), "4.000")
-        self.assertEqual(page.run("explorer.sweeps.curve.plot.axes[0].label"), "Speed (m/s)")
+        self.assertEqual(page.run("explorer.sweeps.curve.plot.axes[0].label"), "Focus speed (m/s)")
         curve = page.run("explorer.sweeps.curve.plot.data.map(values => Array.from(values))")
         self.assertEqual(curve[0], [4, 8])
         self.assertEqual(len(curve[1]), 2)
@@ -164,17 +164,17 @@ class ExplorePage(PageTest):
         page = self.open()
         rows = "Array.from(document.querySelectorAll('#numbers dt'), (e, i) => [e.textContent, document.querySelectorAll('#numbers dd')[i].textContent])"
         labels = [label for label, _ in page.run(rows)]
-        self.assertEqual(labels[:3], ["Energy at the focus", "Strength at the focus (RMS)", "Spread (vibrating area)"])
+        self.assertEqual(labels[:3], ["Efficiency η", "Focal rms", "Area that vibrates"])
         page.run("document.getElementById('pin').click()")
         page.run(f"{MOVE}('peak', 200)")
         texts = dict(page.run(rows))
-        self.assertRegex(texts["Strength at the focus (RMS)"], r"^[\d.]+ µm, 100 % more than pin 1$")  # the load is linear
-        self.assertRegex(texts["Energy at the focus"], "%, as pin 1$")
-        self.assertRegex(texts["Level of sensation on the shape"], "threshold, 6.0 dB more than pin 1$")
+        self.assertRegex(texts["Focal rms"], r"^[\d.]+ µm, 100 % more than pin 1$")  # the load is linear
+        self.assertRegex(texts["Efficiency η"], "%, as pin 1$")
+        self.assertRegex(texts["Level of sensation on the path"], "threshold, 6.0 dB more than pin 1$")
         page.run("document.getElementById('pin').click(); document.querySelector('.pinned input').click()")
-        self.assertIn("100 % more than pin 1", dict(page.run(rows))["Strength at the focus (RMS)"])
+        self.assertIn("100 % more than pin 1", dict(page.run(rows))["Focal rms"])
         self.use(page, "s.am = 400; s.steady = false; s.duration = 40")
-        self.assertRegex(dict(page.run(rows))["Level of sensation on the shape"], "in another band or duration than pin 1$|^unknown: ")
+        self.assertRegex(dict(page.run(rows))["Level of sensation on the path"], "in another band or duration than pin 1$|^unknown: ")
         self.assertNotIn("–", "".join(text for _, text in page.run(rows)))
         self.assertIn("into the skin", page.run("document.getElementById('scale-high').textContent"))
         self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))

@@ -14,7 +14,6 @@ import pytest
 
 from study import AM, FWHM, InFolder, job, program, shearwake
 
-from shearwake.backend import Backend  # noqa: E402
 from shearwake.checksum import sealed  # noqa: E402
 
 OPENED = []
@@ -56,7 +55,7 @@ class Reading(InFolder):
         self.assertEqual(data["eta_t"].dims, ("am_frequency_Hz", "depth", "time"))
         self.assertEqual(data["traces"].dims, ("am_frequency_Hz", "trace", "time"))
         self.assertEqual(data["am_frequency_Hz"].values.tolist(), [400.0, 500.0, 1000.0])
-        self.assertEqual(data["am_frequency_Hz"].attrs, {"key": AM, "long_name": AM, "units": "Hz"})
+        self.assertEqual(data["am_frequency_Hz"].attrs, {"key": AM, "long_name": "AM frequency", "units": "Hz"})
         self.assertEqual(data["traces"].attrs["units"], "m")
         for frequency in (400.0, 500.0, 1000.0):
             one = data.sel(am_frequency_Hz=frequency)

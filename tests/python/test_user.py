@@ -11,7 +11,6 @@ import xarray as xr
 from scipy.optimize import minimize_scalar
 
 import shearwake
-from shearwake.backend import Backend
 from shearwake.keys import cf_unit
 from study import AM, InFolder, job
 
@@ -30,7 +29,7 @@ class User(InFolder):
         cls.sweep = job().run()
 
     def test_a_study_from_the_first_to_the_last_line(self):
-        data = xr.open_dataset("out/" + self.sweep.name, engine=Backend, names=["eta_period_1", "eta_t"])
+        data = self.sweep.dataset("eta_period_1", "eta_t")
         selected = data["eta_period_1"].sel(am_frequency_Hz=float(data["am_frequency_Hz"][1]))
         self.assertEqual(float(selected), self.sweep.cases[1].value("eta_period_1"))
         self.assertEqual(len(data["eta_period_1"].plot()), 1)
@@ -45,11 +44,15 @@ class User(InFolder):
     def test_datasets_have_cf_attributes_a_quality_flag_and_integer_labels(self):
         data = self.sweep.dataset("eta_period_1", "traces")
         self.assertEqual(data["am_frequency_Hz"].attrs["units"], "Hz")
-        self.assertEqual(data["am_frequency_Hz"].attrs["long_name"], AM)
+        self.assertEqual(data["am_frequency_Hz"].attrs["long_name"], "AM frequency")
+        self.assertEqual(data["am_frequency_Hz"].attrs["key"], AM)
+        self.assertEqual(data["eta_period_1"].attrs["long_name"], "efficiency η")
+        self.assertIn("inside the focal disc", data["eta_period_1"].attrs["description"])
+        self.assertEqual(self.sweep.dataset("mean")["mean"].attrs["units"], "m^2")
         self.assertEqual(data["valid"].attrs["standard_name"], "quality_flag")
         self.assertIn("valid", data.data_vars)
-        self.assertEqual([cf_unit(unit) for unit in ("m_s", "kg_m3", "Pa_s", "m/s", "mm2", "deg", "1")],
-                         ["m s-1", "kg m-3", "Pa s", "m s-1", "mm2", "degree", "1"])
+        self.assertEqual([cf_unit(unit) for unit in ("m_s", "kg_m3", "Pa_s", "m/s", "mm2", "m2", "deg", "1")],
+                         ["m/s", "kg/m^3", "Pa s", "m/s", "mm^2", "m^2", "degree", "1"])
         for found in (data, self.sweep.cases[0].dataset("traces")):
             self.assertEqual(found["trace"].dtype.kind, "i")
 

@@ -227,7 +227,7 @@ class Page(HTMLParser):
             self.rows[-1][-1]["text"] += data
 
     def column(self, name):
-        names = [cell["text"] for cell in self.rows[0]]
+        names = [cell["title"] for cell in self.rows[0]]
         return [row[names.index(name)] for row in self.rows[1:]]
 
 

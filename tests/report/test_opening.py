@@ -118,7 +118,7 @@ class OpeningTest(Pages):
         for width, page in self.both():
             self.assertEqual(page.run('document.querySelector("#chart-eta").getAttribute("aria-label")'),
                              "Reconstruction efficiency against AM frequency")
-            self.assertIn("efficiency η (1) against AM frequency (Hz)",
+            self.assertIn("efficiency η against AM frequency (Hz)",
                           page.run('document.querySelector("#chart-eta .uplot[role=img]").getAttribute("aria-label")'))
             button = 'document.querySelector("#chart-eta .legend button")'
             self.assertEqual(page.run(f'{button}.getAttribute("aria-pressed")'), "true")

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from .. import program
+from ..keys import LABELS, label
 from ..script_json import script_json
 
 HERE = Path(__file__).resolve().parent
@@ -47,7 +48,7 @@ def keys_of() -> dict[str, dict]:
     schema = json.loads(program.call(["schema"]).stdout)
     tables = {name: table["properties"] for name, table in schema["properties"].items() if "properties" in table}
     return {"presets": tables["medium"]["preset"]["x-presets"], "receptors": tables["afferents"]["classes"]["x-classes"],
-            "ranges": ranges(schema)}
+            "ranges": (limits := ranges(schema)), "labels": {name: label(name) for name in (*limits, *LABELS)}}
 
 
 def first_job() -> str:

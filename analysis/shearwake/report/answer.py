@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from .. import keys
 from ..case import Case
 from ..keys import job_tables
 from . import layout
@@ -20,11 +21,6 @@ SENTENCE = re.compile(r"(?<=[.?!])\s+(?=[A-Z0-9])")
 NOTICEABLE_dB = 2.3  # just noticeable difference of the level (src/measures/sensation.hpp)
 FELT = re.compile(r"\b(felt|feels?|perceiv|perception|perceptible|sensation|strong)", re.IGNORECASE)
 RECEPTORS = re.compile(r"\b(receptor|mechanoreceptor|afferent|spike|fire|firing|nerve)", re.IGNORECASE)
-NAMES = {"eta_period_1": "the efficiency η", "eta_at_1": "the efficiency η at the instant", "focal_rms_um": "the focal rms",
-         "peak_um": "the largest displacement", "ipr_abs_period_mm2": "the spread",
-         "participation_period_mm2": "the area that vibrates", "felt_path_dB": "the level of sensation on the path",
-         "felt_peak_dB": "the peak level of sensation", "felt_area_mm2": "the area above the threshold of perception"}
-UNITS = {"1": "", "um": "µm", "mm2": "mm²", "degree": "°"}
 
 
 @dataclass(frozen=True)
@@ -71,9 +67,14 @@ def quantity(selection: Selection, column: str) -> Quantity:
         of = quantity(selection, found.over_reference_of)
         return Quantity(column, f"the ratio of {of.name} to that of {reference_name(selection)}", "", of.seeks_most)
     if column.endswith(RATE):
-        return Quantity(column, f"the firing rate of all {column.removesuffix(RATE)} afferents together", "spikes/s", True)
-    unit = "%" if column.startswith("eta_") else UNITS.get(found.unit, found.unit) if found else ""
-    return Quantity(column, NAMES.get(column, column), unit, column.startswith("eta_") or column in ("felt_path_dB", "felt_peak_dB"))
+        return Quantity(column, f"the {keys.label(column)} together", "spikes/s", True)
+    unit = "%" if column.startswith("eta_") else keys.shown_unit(column)
+    return Quantity(column, f"the {keys.label(column)}", unit, column.startswith("eta_") or column in ("felt_path_dB", "felt_peak_dB"))
+
+
+def column_label(selection: Selection, column: str) -> str:
+    """The label of a column with its unit, in which the kind of the reference stands for it: 'focal rms relative to plain STM'."""
+    return keys.axis_label(column).replace("the reference", layout.reference_name(layout.all_references(selection)))
 
 
 def reference_name(selection: Selection) -> str:

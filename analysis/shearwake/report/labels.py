@@ -4,6 +4,7 @@ import re
 from typing import Any
 
 from ..case import Case
+from ..keys import label
 from . import words
 from .load import Selection, remembered
 
@@ -49,8 +50,8 @@ def name(selection: Selection, key: str) -> str:
     """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
     and SM frequencies that are swept together have a common name, since a case has only one of them."""
     shown = displayed_key(selection, key)
-    title = with_body_name(selection, key, words.key_name(shown))
-    alike = [k for k in selection.sweep.swept_keys if k != key and words.key_name(displayed_key(selection, k)) == title]
+    title = with_body_name(selection, key, label(shown))
+    alike = [k for k in selection.sweep.swept_keys if k != key and label(displayed_key(selection, k)) == title]
     if shown != key or all(c.settings.get(k) == c.settings.get(key) for k in alike for c in swept_cases(selection)):
         return title
     return f"{title}, {key.split('.')[-2]}" if "." in key else title
@@ -74,8 +75,8 @@ def axis_label(selection: Selection, key: str) -> str:
     """The name of a key, with its unit if the values are numbers."""
     if all(is_number(v) and (key, v) not in labels(selection) for v in values_of(selection, key)):
         return words.axis_label(displayed_key(selection, key), name(selection, key))
-    label = name(selection, key)
-    return label[:1].upper() + label[1:]
+    text = name(selection, key)
+    return text[:1].upper() + text[1:]
 
 
 def setting_text(selection: Selection, key: str, value: Any) -> str:

@@ -7,9 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from ..case import Case
+from ..keys import label
 from . import layout, warnings_of
 from .load import Selection
-from .words import key_name, listed
+from .words import listed
 
 
 def is_numerical(key: str) -> bool:
@@ -74,7 +75,7 @@ def settings_that_differ(cases: list[Case]) -> Any:
     count = {2: "two"}.get(len(cases), str(len(cases)))
     if keys == ["solver.engine"]:
         return f"the {count} engines"
-    return f"the {count} settings of {listed(map(key_name, keys))}" if keys else f"the {count} cases"
+    return f"the {count} settings of {listed(map(label, keys))}" if keys else f"the {count} cases"
 
 
 def sweeps_numbers_only(selection: Selection) -> bool:

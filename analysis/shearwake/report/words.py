@@ -1,49 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Formats keys, units and numbers for figures and their captions."""
-import functools
 import math
 import re
 import tomllib
 from collections.abc import Iterable
 
-from .. import keys
+from ..keys import label, shown_unit, split_unit
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-NAMES = {
-    "am_frequency": "AM frequency", "sm_frequency": "SM frequency", "am_depth": "AM depth",
-    "am_phase": "AM phase", "am_on": "AM acts on", "sm_phase": "SM phase",
-    "draw_frequency": "draw frequency", "speed": "focus speed", "mach": "Mach number v/c_s",
-    "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
-    "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
-    "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
-    "modulation_frequency": "modulation frequency", "modulation_phase": "phase", "focal_radius": "focal radius",
-    "focal_radius_fwhm": "focal radius in FWHM",
-}
 
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 
-@functools.cache
-def split_unit(key: str) -> tuple[str, str]:
-    """The last part of a dotted key without its unit, and the unit as on an axis ('' if it has none)."""
-    word, unit = keys.split_unit(key)
-    shown = {"Pa_s": "Pa s", "mPa_s": "mPa s", "um": "µm", "us": "µs", "deg": "°"}.get(unit)
-    return word, shown or unit.replace("_", "/").replace("3", "³")
-
-
-@functools.cache
-def key_name(key: str) -> str:
-    """'medium.layer[1].c_s_m_s' -> 'shear-wave speed, layer 1'."""
-    word, _ = split_unit(key)
-    name = NAMES.get(word, word.replace("_", " "))
-    place = re.search(r"\b(layer|body)\W*(\d+)", key)
-    return f"{name}, {place.group(1)} {place.group(2)}" if place else name
-
-
 def axis_label(key: str, title: str = "") -> str:
-    """'AM frequency (Hz)'; the title replaces the name of the key."""
-    name, unit = title or key_name(key), split_unit(key)[1]
+    """'AM frequency (Hz)'; the title replaces the label of the key."""
+    name, unit = title or label(key), shown_unit(key)
     name = name[:1].upper() + name[1:]
     return f"{name} ({unit})" if unit else name
 
@@ -81,7 +52,7 @@ def amount_text(key: str, value: str | float) -> str:
             count = value.count("[") - 1
             return "1 focus" if count == 1 else f"{count} foci"
         return table_text(value) if value.startswith("{") else value
-    unit = split_unit(key)[1]
+    unit = shown_unit(key)
     gap = "" if unit in ("", "°") else "\u00a0"
     return f"{number(float(value), 6)}{gap}{unit}"
 
@@ -114,7 +85,7 @@ def table_text(value: str) -> str:
     words = [entries.pop("preset", shape)] if "preset" in entries or shape else []
     for key, entry in entries.items():
         is_number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
-        name = {"fwhm": "FWHM"}.get(split_unit(key)[0], key_name(key))
+        name = {"fwhm": "FWHM"}.get(split_unit(key)[0], label(key))
         words.append(f"{name} {value_text(key, entry) if is_number else entry}")
     return ", ".join(words)
 

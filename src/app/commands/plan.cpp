@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands/commands.hpp"
 #include "base/json.hpp"
+#include "base/labels.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/registry/check.hpp"
@@ -37,22 +38,15 @@ struct PlanArguments : schedule::JobArguments {
 
 using Json = nlohmann::ordered_json;
 
-/// The last word of a key, or the complete key if another swept key ends in the same word.
-std::string label_of(const std::string& key, const std::vector<Setting>& settings) {
-    const std::string ending = key.substr(key.rfind('.') + 1);
-    const auto with_ending = std::ranges::count_if(settings, [&](const Setting& other) {
-        return other.key.substr(other.key.rfind('.') + 1) == ending;
-    });
-    return with_ending > 1 ? key : ending;
-}
-
+/// "AM frequency = 100 Hz; AM depth = 0.5".
 std::string settings_of(const PlannedCase& planned) {
     std::string text = planned.is_reference ? "reference" : "";
     for (const Setting& setting : planned.settings) {
         const std::string value =
             std::visit([](const auto& v) { return fmt::format("{}", v); }, setting.value);
-        text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
-                            label_of(setting.key, planned.settings), value);
+        const std::string unit = unit_label(setting.key);
+        text += fmt::format("{}{} = {}{}{}", text.empty() ? "" : "; ", label_of(setting.key), value,
+                            unit.empty() ? "" : " ", unit);
     }
     return text;
 }

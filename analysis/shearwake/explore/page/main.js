@@ -171,7 +171,7 @@ class Explorer {
     if (!isNumber(level) && note) {
       const unknown = element("dd", {textContent: `unknown: ${note}`});
       unknown.dataset.column = "felt_path_dB";
-      rows.push([element("dt", {textContent: "Level of sensation on the shape"}), unknown]);
+      rows.push([element("dt", {textContent: labelOf("felt_path_dB")}), unknown]);
     }
     const [fitted, theory] = ["mach_angle_deg", "mach_angle_theory_deg"].map(name => this.result.column(name).value);
     if (isNumber(fitted) && isNumber(theory))

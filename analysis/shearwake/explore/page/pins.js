@@ -12,13 +12,13 @@ const ratio = (value, other) => other ? `${rounded(100 * Math.abs(value / other 
 
 // The worded results: what is read, how it and a difference are written, and which value is best.
 const RESULTS = [
-  {label: "Energy at the focus", column: "eta", value: first("eta_period_1", "eta_at_1"), text: value => `${rounded(100 * value)} %`,
+  {label: labelOf("eta_period_1"), column: "eta", value: first("eta_period_1", "eta_at_1"), text: value => `${rounded(100 * value)} %`,
     difference: (value, other) => `${(100 * Math.abs(value - other)).toFixed(1)} points`, best: Math.max},
-  {label: "Strength at the focus (RMS)", column: "focal_rms", value: first("focal_rms_um", "peak_um"), text: value => `${rounded(value)} µm`,
+  {label: labelOf("focal_rms_um"), column: "focal_rms", value: first("focal_rms_um", "peak_um"), text: value => `${rounded(value)} µm`,
     difference: ratio},
-  {label: "Spread (vibrating area)", column: "participation", value: first("participation_period_mm2", "participation_at_mm2"),
+  {label: labelOf("participation_period_mm2"), column: "participation", value: first("participation_period_mm2", "participation_at_mm2"),
     text: value => `${rounded(value)} mm²`, difference: ratio, best: Math.min},
-  {label: "Level of sensation on the shape", column: "felt_path_dB", value: first("felt_path_dB"),
+  {label: labelOf("felt_path_dB"), column: "felt_path_dB", value: first("felt_path_dB"),
     text: value => `${rounded(Math.abs(value))} dB ${value < 0 ? "below" : "above"} threshold`,
     difference: (value, other) => `${Math.abs(value - other).toFixed(1)} dB`, best: Math.max, noticeable: JND_dB},
   {label: `Receptors (${VIBRATION_NAMES})`, column: "rate", value: total(...VIBRATION.map(({name}) => `${name}_total_rate_Hz`)),

@@ -11,6 +11,9 @@ const RECEPTORS = Object.entries(CONFIGURATION.receptors).map(([name, properties
 const VIBRATION = RECEPTORS.filter(one => !one.feels_static);
 const VIBRATION_NAMES = VIBRATION.map(one => one.name).join(" and ");
 
+// The label of a key or of a column, as in tables and figures.
+const labelOf = name => CONFIGURATION.labels[name].replace(/^./, letter => letter.toUpperCase());
+
 // A slider stays within the limits of its keys. Some exist only with one alternative, such as the shape of a path.
 function limited(sliders, keysOf) {
   for (const [name, slider] of Object.entries(sliders))
@@ -18,6 +21,7 @@ function limited(sliders, keysOf) {
       const [least, most] = CONFIGURATION.ranges[key][slider.alternative ?? ""];
       slider.min = Math.max(slider.min, least ?? slider.min);
       slider.max = Math.min(slider.max, most ?? slider.max);
+      slider.label ??= labelOf(key);
     }
   return sliders;
 }

@@ -17,20 +17,20 @@ const SWEPT_FREQUENCY = {"AM": "load.modulation.am_frequency_Hz", "AM-STM": "loa
 // One entry per slider; `shows` decides whether the setting has an effect.
 const MOVES = s => s.kind.includes("STM");
 const SLIDERS = limited({
-  speed: {label: "Speed", unit: "m/s", min: 0.5, max: 15, step: 0.1, shows: MOVES, key: "load.modulation.speed_m_s"},
+  speed: {unit: "m/s", min: 0.5, max: 15, step: 0.1, shows: MOVES, key: "load.modulation.speed_m_s"},
   radius: {label: "Radius of the circle", unit: "mm", min: 3, max: 30, step: 0.5, shows: s => MOVES(s) && s.path === "circle",
     key: "load.modulation.path.radius_mm", alternative: "circle"},
   length: {label: "Length of the line", unit: "mm", min: 10, max: 90, step: 1, shows: s => MOVES(s) && s.path === "line"},
   am: {label: "Modulation frequency", unit: "Hz", min: 20, max: 1000, step: 5, shows: s => s.kind !== "STM"},
-  depth: {label: "Modulation depth", unit: "", min: 0, max: 1, step: 0.05, shows: s => s.kind.startsWith("AM"),
+  depth: {unit: "", min: 0, max: 1, step: 0.05, shows: s => s.kind.startsWith("AM"),
     key: "load.modulation.am_depth"},
-  dv: {label: "Speed deviation", unit: "m/s", min: 0, max: 5, step: 0.1, shows: s => s.kind === "SM-STM",
+  dv: {unit: "m/s", min: 0, max: 5, step: 0.1, shows: s => s.kind === "SM-STM",
     key: "load.modulation.speed_deviation_m_s"},
-  lm: {label: "Amplitude of the motion", unit: "mm", min: 0.5, max: 10, step: 0.1, shows: s => s.kind === "LM",
+  lm: {unit: "mm", min: 0.5, max: 10, step: 0.1, shows: s => s.kind === "LM",
     key: "load.modulation.lm_amplitude_mm"},
-  fwhm: {label: "Size (FWHM)", unit: "mm", min: 3, max: 15, step: 0.1, shows: s => s.focus === "gaussian",
+  fwhm: {unit: "mm", min: 3, max: 15, step: 0.1, shows: s => s.focus === "gaussian",
     key: "load.footprint.fwhm_mm", alternative: "gaussian"},
-  peak: {label: "Peak pressure on the skin", unit: "Pa", min: 10, max: 300, step: 5, shows: s => s.focus === "gaussian",
+  peak: {unit: "Pa", min: 10, max: 300, step: 5, shows: s => s.focus === "gaussian",
     key: "load.peak_Pa"},
   distance: {label: "Distance of the array", unit: "mm", min: 120, max: 300, step: 5, shows: s => s.focus === "array",
     key: "load.footprint.distance_mm", alternative: "array"},
@@ -39,9 +39,9 @@ const SLIDERS = limited({
   duration: {label: "Duration", unit: "ms", min: 4, max: 40, step: 1, shows: s => !s.steady},
 }, (name, slider) => name === "am" ? Object.values(SWEPT_FREQUENCY) : slider.key ? [slider.key] : []);
 const LAYER_SLIDERS = limited({
-  thickness_mm: {label: "Thickness", unit: "mm", min: 0.1, max: 40, step: 0.1},
-  c_s_m_s: {label: "Shear-wave speed", unit: "m/s", min: 1, max: 40, step: 0.1},
-  viscosity_Pa_s: {label: "Viscosity", unit: "Pa s", min: 0, max: 10, step: 0.1},
+  thickness_mm: {unit: "mm", min: 0.1, max: 40, step: 0.1},
+  c_s_m_s: {unit: "m/s", min: 1, max: 40, step: 0.1},
+  viscosity_Pa_s: {unit: "Pa s", min: 0, max: 10, step: 0.1},
 }, name => [`medium.layer.${name}`]);
 
 const exact = value => {  // a TOML float

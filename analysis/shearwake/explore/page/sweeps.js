@@ -90,7 +90,7 @@ class SweepDialog {
     const spec = this.keys[columns[0]], label = spec ? spec.label + (spec.unit ? ` (${spec.unit})` : "") : columns[0], box = document.getElementById("plot-sweep");
     if (this.curve?.across !== label) {
       box.replaceChildren();
-      this.curve = new Plot(box, label, "efficiency η", "η", {show: true, size: 6});
+      this.curve = new Plot(box, label, CONFIGURATION.labels.eta_period_1, "η", {show: true, size: 6});
     }
     this.curve.fit();
     this.curve.show(found.map(row => row[0]), found.map(row => row[column]));

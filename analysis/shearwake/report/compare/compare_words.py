@@ -7,7 +7,8 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from ..words import counted, key_name, setting_text
+from ...keys import label as key_label
+from ..words import counted, setting_text
 
 FEW = 5  # of surfaces and traces: those that differ most
 LISTED = 20  # missing and extra columns and cases
@@ -33,7 +34,7 @@ def grid(pair: dict[str, Any]) -> str:
 
 def settings_texts(values: dict[str, Any]) -> list[str]:
     """The swept keys and their values; keys with the same name and value, which are swept together, once."""
-    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in values.items()))
+    return list(dict.fromkeys(setting_text(key_label(key), key, value) for key, value in values.items()))
 
 
 def settings(pair: dict[str, Any], side: int) -> list[str]:

@@ -10,11 +10,9 @@ from .. import labels as labels_module, layout, style
 from ..figure import Figure
 from ..load import Selection
 from ..validity import invalid_caption
-from . import fig_curves as curves_module
+from . import fig_curves as curves_module, fig_heat
 
-PANELS = [("total_rate_Hz", "spikes per s\nof all (Hz)"), ("peak_rate_Hz", "in the busiest\n50 ms (Hz)"), ("active_1", "responding\nafferents"),
-          ("rate_Hz", "rate of the\nactive (Hz)"),
-          ("near_path_1", "fraction near\nthe path (1)"), ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
+PANELS = ("total_rate_Hz", "peak_rate_Hz", "active_1", "rate_Hz", "near_path_1", "spread_mm", "vector_strength_1")
 
 
 # Spikes per firing afferent: random phases alone give a vector strength of sqrt(pi / 4n) on average, 0.40 for n = 5. The
@@ -44,20 +42,19 @@ def with_enough_spikes(selection: Selection, kind: str) -> tuple[Selection, list
 
 def class_figure(selection: Selection, kind: str) -> Figure | None:
     selection, few = with_enough_spikes(selection, kind)
-    columns = [(f"{kind}_{name}", label) for name, label in PANELS]
-    columns = [c for c in columns if curves_module.has_any(selection, c[0])]
+    columns = [column for name in PANELS if curves_module.has_any(selection, column := f"{kind}_{name}")]
     if not columns or not any(c.value(f"{kind}_spikes_1", math.nan) > 0 for c in layout.ordinary(selection)):
         return None
     name, curves = f"afferents_{kind}", curves_module.curves_of(selection)
     figure, made = curves_module.panels(len(columns), curves, height_in=1.35)
-    for axes, (column, label) in zip(made, columns):
+    for axes, column in zip(made, columns):
         for group, colour, marker in curves:
             curves_module.draw_curve(axes, selection, group, column, name, marker=marker, color=colour,
                                      linestyle="-" if layout.is_numeric(selection) else "none")
         labels = curves_module.reference_lines(axes, selection, curves, column, name)
         low, high = axes.get_ylim()
         axes.set_ylim(min(0.0, low), max(1.06 * high, 1e-9))
-        axes.set_ylabel(label)
+        axes.set_ylabel(fig_heat.measure_label(selection, column, 20))
         style.label_right(axes, labels)
     curves_module.set_x_axis(made[-1], selection)
     curves_module.legend_above(figure, curves)
@@ -67,7 +64,7 @@ def class_figure(selection: Selection, kind: str) -> Figure | None:
                   "with most spikes, the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a "
                   "focal radius from the path of the focus, the rms distance of the spikes from the path, and the vector strength of "
                   "the spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
-                  + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *(c for c, _ in columns)), title)
+                  + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *columns), title)
 
 
 def few_caption(few: list[Case]) -> str:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter, NullLocator
 
-from .. import labels, layout, style, warnings_of
+from .. import answer, labels, layout, style, warnings_of
 from ..figure import Figure
 from ..load import Selection
 from ..page.curve_chart import curve_chart, draw_errors, error_caption
@@ -225,7 +225,7 @@ def measure_figure(selection: Selection, measure: dict[str, Any]) -> Figure | No
         ends = reference_lines(axes, selection, curves, column, measure["name"])
         axes.margins(y=0.12)
         widen(axes)
-        axes.set_ylabel(measure["label"])
+        axes.set_ylabel(answer.column_label(selection, column))
         move_power_to_label(axes)
         axes.yaxis.set_label_coords(-0.105, 0.5)
         axes.set_title("mean over periods" if over_periods else instant_title(selection), loc="left",
@@ -236,7 +236,7 @@ def measure_figure(selection: Selection, measure: dict[str, Any]) -> Figure | No
         axes.grid(False, axis="x")
     legend_above(figure, curves)
     title = measure["title"].format(x=labels.name(selection, selection.x))
-    charts = [curve_chart(selection, measure["name"], column, measure["label"],
+    charts = [curve_chart(selection, measure["name"], column,
                           "mean over periods" if column == period else instant_title(selection),
                           bool(measure.get("log") and spans_decades(selection, column))) for column in rows]
     return Figure(figure, measure["name"], title,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 
 from ... import wake
-from .. import labels, layout, style
+from .. import answer, labels, layout, style
 from ..figure import Figure
 from ..load import Selection, traces
 from ..validity import invalid_caption
@@ -20,11 +20,10 @@ NAME = "frequency"
 
 @dataclass
 class Band:
-    """One panel: a column of u, that of du/dt (empty: none), its title and the label of its axis."""
+    """One panel: a column of u, that of du/dt (empty: none), and its title."""
     column: str
     velocity: str
     title: str
-    label: str
 
     @property
     def is_share(self) -> bool:
@@ -32,7 +31,7 @@ class Band:
 
 
 # The perceptible vibration, if the job has no `measure.bands_Hz`.
-PERCEIVED = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
+PERCEIVED = Band("rms_40_400_um", "", "motion within 40 to 400 Hz")
 
 
 def bands(selection: Selection) -> list[Band]:
@@ -41,7 +40,7 @@ def bands(selection: Selection) -> list[Band]:
         edges = case.setting("measure", "bands_Hz", default=[])
         if edges:
             return [Band(f"share_{low:g}_{high:g}_1", f"velocity_share_{low:g}_{high:g}_1",
-                         f"energy within {low:g} to {high:g} Hz", "share (1)")
+                         f"energy within {low:g} to {high:g} Hz")
                     for low, high in zip(edges[::2], edges[1::2])]
     return [PERCEIVED]
 
@@ -79,7 +78,7 @@ def draw_band(axes: Axes, selection: Selection, curves: list[tuple[layout.Group,
         labels = fig_curves.reference_lines(axes, selection, curves, band.column, NAME)
         axes.set_ylim(bottom=0.0)
         style.label_right(axes, labels)
-    axes.set_ylabel(band.label)
+    axes.set_ylabel(answer.column_label(selection, band.column))
     axes.set_title(band.title, loc="left", color="#555555")
 
 

@@ -16,7 +16,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 from ... import wake
-from .. import labels, layout, style, warnings_of
+from .. import answer, labels, layout, style, warnings_of
 from ..figure import Figure
 from ..load import Selection, traces
 from ..page import hover
@@ -34,27 +34,17 @@ PANEL_pt = 420.0, 250.0  # about the width and height of a single panel
 LEAST = 3  # smallest number of values along both keys; fewer are drawn as curves
 
 MEASURES = [
-    ("eta_period_1", "Reconstruction efficiency", "efficiency η, mean over periods (1)"),
-    ("eta_period_over_reference_1", "Efficiency relative to {reference}",
-     "η / η of {reference} (1)"),
-    ("focal_rms_um", "Strength at the focus", "focal rms (µm)"),
-    ("focal_rms_over_reference_1", "Strength relative to {reference}",
-     "focal rms / {reference} (1)"),
-    ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
-    ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
-    ("felt_path_dB", "Level of sensation on the drawn shape", "level above threshold (dB)"),
-    ("peak_frequency_Hz", "Dominant frequency {place}", "frequency (Hz)"),
-    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}",
-     "frequency of du/dt (Hz)"),
+    ("eta_period_1", "Reconstruction efficiency"), ("eta_period_over_reference_1", "Efficiency relative to {reference}"),
+    ("focal_rms_um", "Strength at the focus"), ("focal_rms_over_reference_1", "Strength relative to {reference}"),
+    ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)"), ("participation_period_mm2", "Participation area"),
+    ("felt_path_dB", "Level of sensation on the drawn shape"), ("peak_frequency_Hz", "Dominant frequency {place}"),
+    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}"),
 ]
 
 
-def measure_label(selection: Selection, column: str) -> str:
-    """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
-    other one."""
-    reference = layout.reference_name(layout.all_references(selection))
-    found = next((label for name, _, label in MEASURES if name == column), column)
-    return textwrap.fill(found.format(reference=reference), 26, break_on_hyphens=False, break_long_words=False)
+def measure_label(selection: Selection, column: str, characters: int = 26) -> str:
+    """The label of an axis with this column, in lines for a low panel."""
+    return textwrap.fill(answer.column_label(selection, column), characters, break_on_hyphens=False, break_long_words=False)
 
 
 def band_measures(selection: Selection) -> Any:
@@ -63,13 +53,13 @@ def band_measures(selection: Selection) -> Any:
                           if name.startswith("share_"))
     for name in found:
         low, high = name.split("_")[1:3]
-        yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}", "fraction of the energy (1)")
+        yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}")
 
 
 def receptor_measures(selection: Selection) -> Any:
     """The responses of each class of afferents."""
     for kind in layout.receptor_classes(selection):
-        yield (f"{kind}_total_rate_Hz", f"Response of all {kind} afferents", "spikes per second (Hz)")
+        yield (f"{kind}_total_rate_Hz", f"Response of all {kind} afferents")
 
 
 def plane(selection: Selection) -> tuple[str, str, list[Any]] | None:
@@ -239,8 +229,8 @@ def columns_of(selection: Selection, others: Any, count: Any) -> Any:
     return 2 if count == 4 else min(COLUMNS, count)
 
 
-def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple[str, str, list[str]]) -> Figure | None:
-    column, title, label = measure
+def heat_figure(selection: Selection, measure: tuple[str, str], plan: tuple[str, str, list[str]]) -> Figure | None:
+    column, title = measure
     x, y, others = plan
     shown, of = panels(selection, others)
     every = cells(selection, column, x, y, others, shown)
@@ -249,7 +239,7 @@ def heat_figure(selection: Selection, measure: tuple[str, str, str], plan: tuple
         return None
     reference = layout.reference_name(layout.all_references(selection))
     place = layout.place_words(traces(c).measured_m for c in layout.recordings(selection) if traces(c))
-    title, label = title.format(reference=reference, place=place), label.format(reference=reference)
+    title, label = title.format(reference=reference, place=place), answer.column_label(selection, column)
     norm, colours = scale(grids, selection.is_ratio(column))
     columns = columns_of(selection, others, len(shown))
     rows = math.ceil(len(shown) / columns)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ... import wake
-from .. import labels, layout, style
+from .. import answer, labels, layout, style
 from ..figure import Figure
 from ..load import Selection
 from ..page.chart import Chart, Line
@@ -20,21 +20,19 @@ from . import fig_curves as curves_module, fig_heat
 
 MEASURES: list[dict[str, Any]] = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
-     "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
+     "period": "eta_period_1", "instant": "eta_at_1",
      "caption": "η is the fraction of Σu² of {region} that lies within the focal disc. The larger η is, "
                 "the better the vibration is confined to the focus."},
     {"name": "ipr_abs", "title": "Spread of the vibration (IPR of |u|) against {x}",
-     "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2", "label": "(Σ|u|)² / Σu² (mm²)",
+     "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2",
      "caption": "The area over which the displacement is spread, (Σ|u|)²/Σu² times the area of a cell. Weak, "
                 "widespread waves contribute strongly."},
     {"name": "participation", "title": "Participation area against {x}",
      "period": "participation_period_mm2", "instant": "participation_at_mm2",
-     "label": "(Σu²)² / Σu⁴ (mm²)",
      "caption": "The area over which the energy is spread, (Σu²)²/Σu⁴ times the area of a cell. Spots of strong "
                 "vibration contribute most."},
     {"name": "ipr", "title": "Inverse participation ratio of the thesis against {x}",
-     "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "label": "(Σu)² / Σu² (mm²)",
-     "log": True,
+     "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "log": True,
      "caption": "(Σu)²/Σu², as the thesis defines it, measures compressibility, not spread: nearly incompressible tissue conserves "
                 "its volume, so Σu is close to zero and the value is very small for any pattern. Use the two areas "
                 "above to compare the spread."},
@@ -43,12 +41,12 @@ MEASURES: list[dict[str, Any]] = [
 
 SHARPNESS: dict[str, Any] = {
     "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
-    "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
+    "period": "sharpness_1", "instant": None,
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 PERCEIVED: dict[str, Any] = {
     "name": "felt", "title": "Level of sensation against {x}",
-    "period": "felt_path_dB", "instant": None, "label": "level (dB)",
+    "period": "felt_path_dB", "instant": None,
     "caption": "The mean over the drawn shape of the level of the acceleration above the threshold of perception. The skin feels "
                "nothing below 0 dB, and a difference of 2.3 dB is just noticeable."}
 
@@ -71,7 +69,7 @@ def drawn_values(selection: Selection, column: str) -> np.ndarray:
     return np.concatenate([values, np.where(half < values, values - half, values), values + half])
 
 
-def ratio_curves(selection: Selection, column: str, name: str, label: str) -> tuple[Any, list[Chart]]:
+def ratio_curves(selection: Selection, column: str, name: str) -> tuple[Any, list[Chart]]:
     """One panel with a measure relative to the reference on a logarithmic scale around 1: the picture and its chart."""
     curves = [curve for curve in curves_module.curves_of(selection) if any(selection.reference_of(c) is not c for c in curve[0].cases)]
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
@@ -82,12 +80,12 @@ def ratio_curves(selection: Selection, column: str, name: str, label: str) -> tu
         axes.set_yscale("log")
         axes.set_ylim(*limits)
         style.ratio_axis(axes.yaxis, limits)
-    axes.set_ylabel(label)
+    axes.set_ylabel(answer.column_label(selection, selection.ratio_of(column)))
     reference = layout.reference_name(layout.all_references(selection))
     style.label_right(axes, [(1.0, reference, style.INK)])
     curves_module.set_x_axis(axes, selection)
     curves_module.legend_above(figure, curves)
-    chart = curve_chart(selection, name, selection.ratio_of(column), label)
+    chart = curve_chart(selection, name, selection.ratio_of(column))
     x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
     if limits:
         chart.y_log, chart.y_limits, chart.y_ticks = True, limits, style.ratio_ticks(limits)
@@ -100,7 +98,7 @@ def gain_figure(selection: Selection) -> Figure | None:
     if not selection.x or not curves_module.has_any(selection, selection.ratio_of("eta_period_1")):
         return None
     name = layout.reference_name(layout.all_references(selection))
-    figure, charts = ratio_curves(selection, "eta_period_1", "gain", f"η / η of {name} (1)")
+    figure, charts = ratio_curves(selection, "eta_period_1", "gain")
     title = f"Efficiency relative to {name} against {labels.name(selection, selection.x)}"
     within = "in the same medium" if curves_module.is_steady(selection) else "in the same time window and medium"
     return Figure(figure, "gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
@@ -115,15 +113,14 @@ def strength_figure(selection: Selection) -> Figure | None:
         return None
     title = f"Strength at the focus against {labels.name(selection, selection.x)}"
     name = layout.reference_name(layout.all_references(selection))
-    figure, charts = ratio_curves(selection, "focal_rms_um", "strength", f"focal rms / {name} (1)")
+    figure, charts = ratio_curves(selection, "focal_rms_um", "strength")
     caption = (f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed "
                "line at 1." + impulse_caption(selection, name) + error_caption(selection, selection.ratio_of("focal_rms_um"))
                + invalid_caption(selection, "strength", selection.ratio_of("focal_rms_um")))
     return Figure(figure, "strength", title, caption, title, charts)
 
 
-DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
-                ("peak_um", "peak (µm)", "largest displacement")]
+DISPLACEMENT = [("focal_rms_um", "rms over the focal disc"), ("peak_um", "largest displacement")]
 
 
 def displacement_figure(selection: Selection) -> Figure | None:
@@ -133,10 +130,10 @@ def displacement_figure(selection: Selection) -> Figure | None:
         return None
     curves = curves_module.curves_of(selection)
     figure, made = curves_module.panels(len(rows), curves)
-    for axes, (column, label, title) in zip(made, rows):
+    for axes, (column, title) in zip(made, rows):
         draw_column(axes, selection, curves, column, "displacement")
         style.label_right(axes, curves_module.reference_lines(axes, selection, curves, column, "displacement"))
-        axes.set_ylabel(label)
+        axes.set_ylabel(answer.column_label(selection, column))
         axes.set_title(title, loc="left", color="#555555")
     curves_module.set_x_axis(made[-1], selection)
     curves_module.legend_above(figure, curves)
@@ -145,7 +142,7 @@ def displacement_figure(selection: Selection) -> Figure | None:
              "peak_um": "largest |u| within one period." if curves_module.is_steady(selection) else
              "largest |u| from the start of the run to the instant measure.at_ms."}
     starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
-    caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
+    caption = " ".join(f"{start} {words[column]}" for start, (column, _) in zip(starts, rows))
     if layout.added_references(selection):
         caption += f" Dashed lines: {layout.reference_name(layout.added_references(selection))}."
     columns = [row[0] for row in rows]

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...case import Case
-from .. import labels, layout, style, validity, warnings_of
+from .. import answer, labels, layout, style, validity, warnings_of
 from ..figure import Figure
 from ..load import Selection
 from ..page.curve_chart import draw_errors, error_caption
@@ -19,8 +19,7 @@ from . import fig_curves
 
 PANELS = 9
 COLUMNS = 3
-MEASURES = [("eta_period_1", "Reconstruction efficiency", "efficiency η (1)"),
-            ("focal_rms_um", "Strength at the focus", "focal rms (µm)")]
+MEASURES = [("eta_period_1", "Reconstruction efficiency"), ("focal_rms_um", "Strength at the focus")]
 
 
 def split(selection: Selection) -> tuple[str, list[str]] | None:
@@ -70,7 +69,7 @@ def draw_references(axes: Axes, selection: Selection, cases: list[Case], column:
 
 
 def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
-    column, title, label = measure
+    column, title = measure
     name, (colour, others) = "multiples_" + column, plan
     every = curves(selection, colour, others)
     shown = chosen(selection, every, others)
@@ -102,7 +101,7 @@ def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
         fig_curves.set_x_axis(made[0, 0], selection)
         made[0, 0].set_xlabel("")
     figure.supxlabel(labels.axis_label(selection, selection.x), fontsize=9.5)
-    figure.supylabel(label, fontsize=9.5)
+    figure.supylabel(answer.column_label(selection, column), fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(selection, colour, v))
                for v, c in zip(values, colours)]
     if layout.added_references(selection):

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...case import Case
+from ...keys import axis_label
 from .. import style
 from ..figure import Figure
 from ..load import Selection, mean_square
@@ -21,7 +22,6 @@ from . import fig_surface
 LEAST = 0.1  # of the largest rms: what the time-averaged surfaces show
 CASES = 6  # largest number of optimised cases with panels of their own
 KINDS = (("optimum", "optimum"), ("AM-STM", "am"), ("SM-STM", "sm"))
-NAMES = {"eta_period_1": "efficiency η (1)"}
 COLOURS = {"unmodulated": style.GREY, **dict(zip((name for name, _ in KINDS), style.PALETTE))}
 
 
@@ -60,7 +60,7 @@ def front(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> Figur
         draw_front(selection, axes, rows)
     made[0].set_ylim(0.0, 1.08 * max(value for rows in table.values() for r in rows for name, value in r.items()
                                     if name.startswith("eta_") and np.isfinite(value)))  # of all panels
-    finish(figure, made, "strength (1)", NAMES.get(optima(selection).maximised, optima(selection).maximised))
+    finish(figure, made, "strength (1)", axis_label(optima(selection).maximised))
     return Figure(figure, "optimise_front", f"The largest {words(optima(selection).maximised)} for a given strength",
                   "The best envelope that was found for each strength, and the best AM-STM and the best of the SM-STM that were "
                   "tried, of at least the same strength. The strength is the rms over the focal disc relative to the load without "

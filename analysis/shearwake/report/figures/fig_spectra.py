@@ -18,7 +18,8 @@ from ..figure import Figure
 from ..layout import Panel
 from ..load import Selection, amplitude_spectrum, traces
 from ..page.chart import Chart, Line, Mark
-from ..words import listed, millimetres, number, split_unit
+from ...keys import split_unit
+from ..words import listed, millimetres, number
 from . import fig_frequency, fig_time
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt

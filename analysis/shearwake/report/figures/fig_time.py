@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...case import Case
-from .. import labels, layout, style, warnings_of
+from .. import answer, labels, layout, style, warnings_of
 from ..figure import Figure
 from ..layout import Panel
 from ..load import Selection
@@ -28,16 +28,15 @@ def in_mm2(case: Case, name: str) -> np.ndarray:
 
 
 MEASURES = [
-    {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
+    {"name": "eta_time", "title": "Reconstruction efficiency over time", "column": "eta_period_1",
      "value": lambda case: case.over_time["eta"], "needs": "eta",
      "caption": "η(t), the fraction of Σu² within the focal disc."},
-    {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
-     "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
-     "needs": "ipr_abs",
+    {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time", "column": "ipr_abs_period_mm2",
+     "value": lambda case: in_mm2(case, "ipr_abs"), "needs": "ipr_abs",
      "caption": "The area over which the displacement is spread.",
      "transient": " It increases while waves propagate away from the path."},
-    {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
-     "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
+    {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time", "column": "ipr_period_mm2",
+     "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
      "caption": "ipr(t) as the thesis defines it. In nearly incompressible tissue it measures compressibility, not spread, and "
                 "it drops whenever Σu changes its sign."},
@@ -151,7 +150,7 @@ def overlay(selection: Selection, measure: dict[str, Any], panels: list[Panel], 
         mark_times(axes, panel.cases)
         frame(axes, cases, measure, limits(cases, measure))
         axes.set_title(panel.title, loc="left", color="#555555")
-        axes.set_ylabel(measure["label"])
+        axes.set_ylabel(answer.column_label(selection, measure["column"]))
     made[-1, 0].set_xlabel("time (ms)")
     if selection.x:
         add_x_key(figure, list(made[:, 0]), selection, colours)
@@ -209,7 +208,7 @@ def time_marks(cases: list[Case]) -> list[Mark]:
 def time_charts(selection: Selection, colours: dict[str, Any], measure: dict[str, Any], panels: list[Panel]) -> list[Chart]:
     """The panels with a line per case; the vertical axis shows the settled part."""
     y_limits = limits([c for panel in panels for c in panel.cases], measure)
-    return [Chart("time (ms)", measure["label"],
+    return [Chart("time (ms)", answer.column_label(selection, measure["column"]),
                   [Line(warnings_of.label(selection, c, measure["name"]), time_ms(c), positive(measure, c),
                         colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in panel.cases], panel.title,
                   y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(panel.cases))

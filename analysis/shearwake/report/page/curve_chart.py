@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...case import Case
-from .. import labels, layout, style
+from .. import answer, labels, layout, style
 from ..load import Selection
 from ..numerical_error import valid
 from ..validity import split
@@ -63,10 +63,10 @@ def with_crosses(line: Line, parts: tuple[np.ndarray, np.ndarray]) -> list[Line]
     return [line, crosses] if np.isfinite(line.y).any() else [crosses]
 
 
-def curve_chart(selection: Selection, figure: str, column: str, y_label: str, title: str = "", y_log: bool = False) -> Chart:
+def curve_chart(selection: Selection, figure: str, column: str, title: str = "", y_log: bool = False) -> Chart:
     """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
     references."""
-    found = layout.groups(selection)
+    found, y_label = layout.groups(selection), answer.column_label(selection, column)
     name = layout.reference_name(layout.all_references(selection))
     lines, colours = [], {}
     for group, colour in zip(found, style.distinct(len(found))):
@@ -86,5 +86,5 @@ def curve_chart(selection: Selection, figure: str, column: str, y_label: str, ti
     lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(selection)
     names = None if layout.is_numeric(selection) else [labels.value_text(selection, selection.x, v) for v in values]
-    return Chart(labels.axis_label(selection, selection.x), y_label.replace("\n", " "), lines, title, names,
+    return Chart(labels.axis_label(selection, selection.x), y_label, lines, title, names,
                  names is None and bool(layout.is_logarithmic(values)), y_log)

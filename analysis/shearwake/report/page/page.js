@@ -35,12 +35,12 @@ function csvText(table) {
   const quoted = text => /[",\n]/.test(text) ? '"' + text.replaceAll('"', '""') + '"' : text;
   const rows = Array.from(table.rows).filter(row => !row.hidden);
   return rows.map(row => Array.from(row.cells, cell =>
-    quoted(cell.dataset.v ?? cell.textContent.trim().replace("–", ""))).join(",")).join("\n") + "\n";
+    quoted(cell.dataset.name ?? cell.dataset.v ?? cell.textContent.trim().replace("–", ""))).join(",")).join("\n") + "\n";
 }
 
 for (const table of document.querySelectorAll("table.sortable")) {
   const heads = Array.from(table.tHead.rows[0].cells), rows = Array.from(table.tBodies[0].rows);
-  const names = heads.map(head => head.textContent), filter = document.querySelector("#filter");
+  const names = heads.map(head => `${head.dataset.name} ${head.textContent}`), filter = document.querySelector("#filter");
   const count = document.querySelector("#count");
   heads.forEach((head, column) => head.querySelector("button").addEventListener("click", () => {
     const descending = head.getAttribute("aria-sort") === "ascending";

@@ -7,6 +7,7 @@ import math
 
 from ... import wake
 from ...case import Case
+from ...keys import axis_label
 from .. import labels, layout, thinning
 from ..figure import Figure
 from ..load import Selection
@@ -43,8 +44,8 @@ def head(columns: list[str]) -> str:
     cells = ""
     for column in columns:
         kind = "" if column in ("id", "reference", "valid", "status") else ' class="n"'
-        words = html.escape(column).replace("_", "_<wbr>").replace(".", ".<wbr>")
-        cells += f'<th scope="col"{kind}><button type="button">{words}</button></th>'
+        name = html.escape(column)
+        cells += f'<th scope="col"{kind} data-name="{name}" title="{name}"><button type="button">{html.escape(axis_label(column))}</button></th>'
     return f"<thead><tr>{cells}</tr></thead>"
 
 

@@ -40,7 +40,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
         {"viscosity_Pa_s = 1.0", "loss = { law = \"standard-linear\", tau_us = 1, strenth = 1 }",
          "12:47 layer[1].loss.strenth is unknown; did you mean strength?"},
         {"viscosity_Pa_s", "preset = \"three-layer-skin\"\nviscosity_Pa_s",
-         "12:10 layer[1].preset must be one of \"thesis-tissue\", \"ecoflex\", \"forearm\""},
+         "12:10 layer[1].preset must be one of \"palm\", \"thesis-tissue\", \"ecoflex\""},
         {"base = \"rigid\"", "base = \"rigid\"\npreset = \"ecoflex\"",
          "6:10 preset defines all layers, but medium.layer is also given; use the preset"},
     }));
@@ -101,7 +101,7 @@ TEST_CASE("the thickness of a preset is ignored in a half-space", "[config][medi
 TEST_CASE("an unknown preset or a medium without layers is rejected", "[config][medium]") {
     const auto [medium, said] = GENERATE(table<std::string, std::string>({
         {"base = \"rigid\"\npreset = \"forarm\"",
-         "6:10 preset must be one of \"thesis-tissue\", \"ecoflex\", \"forearm\", \"palm\", "
+         "6:10 preset must be one of \"palm\", \"thesis-tissue\", \"ecoflex\", \"forearm\", "
          "\"fingertip\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"},
         {"base = \"rigid\"\nlayer = []", "6:9 layer must contain at least one layer"},
     }));
