@@ -1,17 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of a case with Matplotlib."""
+"""Pictures of sweeps and cases with Matplotlib."""
 from __future__ import annotations
 
+import contextlib
+import functools
+import importlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import wake
-from .errors import NotRecorded
+from . import figure_style, wake
+from .errors import NotRecorded, suggestion
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .case import Case
+    from .report.load import Selection
+    from .sweep import Sweep
 
 COLOURS = "RdBu_r"
 LABEL = "$u_z$ (µm), positive into the tissue"
@@ -19,29 +28,137 @@ PLAYED_s = 6.0  # duration of an animation at the default speed
 INTERVAL_ms = 40.0  # between pictures of an animation
 
 
-class Plot:
-    """Draws a case. Each function returns the axes, so that they can be changed, or the animation."""
+# Figures of the report by the name of the function that draws them, and the module below shearwake.report.figures.
+OF_CASES = {"drive": "fig_drive", "hand": "fig_hand", "intensity": "fig_intensity", "medium": "fig_medium", "over_time": "fig_time",
+            "profiles": "fig_profiles", "receptors": "fig_receptors", "slices": "fig_volume", "snapshots": "fig_surface",
+            "spectra": "fig_spectra", "spectrogram": "fig_spectrogram", "traces": "fig_traces"}
+OF_SWEEPS = {"adaptive": "fig_adaptive", "afferents": "fig_afferents", "frequencies": "fig_frequency", "heat_maps": "fig_heat",
+             "measures": "fig_measures", "optima": "fig_optimise", "samples": "fig_uncertain", "small_multiples": "fig_multiples"}
 
-    def __init__(self, case: wake.CaseInterface) -> None:
+
+def finished(figure: Figure) -> Figure:
+    """The figure with ticks and places of the current style. A notebook shows it once: as the result of its cell."""
+    from matplotlib import pyplot
+    figure.draw_without_rendering()
+    if "inline" in pyplot.get_backend():
+        pyplot.close(figure)
+    return figure
+
+
+class ReportFigures:
+    """Functions that draw the figures of the report and return a Figure of Matplotlib, in the style of shearwake.style()."""
+
+    _modules: dict[str, str] = {}
+
+    def _selection(self) -> Selection:
+        raise NotImplementedError
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._modules]
+
+    def __getattr__(self, name: str) -> Callable[..., Figure]:
+        if name not in self._modules:
+            raise AttributeError(f"{name} is not a figure; the figures are {', '.join(self._modules)}")
+        return functools.partial(self._draw_report, name)
+
+    def _draw_report(self, name: str, which: str = "") -> Figure:
+        """A figure of the report: `which` is its name in the folder of the report, by default the first one. Raises NotRecorded."""
+        from .report import style
+        selection = self._selection()
+        module = importlib.import_module(f".report.figures.{self._modules[name]}", __package__)
+        with figure_style.current():
+            made = {figure.name: figure.drawn for figure in module.figures(selection)}
+            if not made or which not in ("", *made):
+                known = f"the figures of this name are {', '.join(made)}" if made else "what it shows was not recorded or not swept"
+                raise NotRecorded(f"there is no figure {' '.join(filter(None, (name, which)))}: {known}")
+            chosen = made[which or next(iter(made))]
+            for figure in made.values():
+                if figure is not chosen:
+                    style.plt.close(figure)
+            style.finish(chosen)
+            return finished(chosen)
+
+
+class SweepPlot(ReportFigures):
+    """Draws a sweep: `sweep.plot("eta_period_1")` draws a column of the table against the swept key. The figures of the report
+    are functions: adaptive, afferents, drive, frequencies, hand, heat_maps, intensity, measures, medium, optima, over_time, profiles,
+    receptors, samples, slices, small_multiples, snapshots, spectra, spectrogram and traces. All return a Figure of Matplotlib."""
+
+    _modules = OF_CASES | OF_SWEEPS
+
+    def __init__(self, sweep: Sweep) -> None:
+        self.sweep = sweep
+
+    def _selection(self) -> Selection:
+        from .report.load import Selection
+        return Selection(self.sweep, self.sweep.every_case, self.sweep.x)
+
+    def __call__(self, column: str, *, axes: Axes | None = None) -> Figure:
+        """One curve of the column per combination of the other swept keys, with error bars, and the references as dashed lines. Readings
+        that are not valid are grey crosses. Raises KeyError, and NotRecorded without a swept key."""
+        from .report import answer, style, warnings_of
+        from .report.figures import fig_curves, fig_measures
+        selection = self._selection()
+        if not selection.x or not fig_curves.has_any(selection, self._known(column)):
+            raise NotRecorded(f"there is no curve of {column}: no key is swept, or no case has a value")
+        with figure_style.current() if axes is None else contextlib.nullcontext():
+            if axes is None:
+                _, axes = style.plt.subplots(layout="constrained")
+            curves, name = fig_curves.curves_of(selection), warnings_of.figure_of(column)
+            fig_measures.draw_column(axes, selection, curves, column, name)
+            for value, text, colour in fig_curves.reference_lines(axes, selection, curves, column, name):
+                axes.plot([], [], color=colour, linestyle="--", label=text.split("\n")[0])
+            for group, colour, marker in curves if len(curves) > 1 else ():
+                axes.plot([], [], color=colour, marker=marker, label=group.label)
+            fig_curves.set_x_axis(axes, selection)
+            axes.set_ylabel(answer.column_label(selection, column))
+            if axes.get_legend_handles_labels()[0]:
+                axes.legend()
+            figure: Any = axes.figure
+            style.finish(figure)
+            return finished(figure)
+
+    def _known(self, column: str) -> str:
+        known = [found.name for found in self.sweep.columns]
+        if column not in known:
+            raise KeyError(f"{column} is not a column{suggestion(column, known)}")
+        return column
+
+
+class Plot(ReportFigures):
+    """Draws a case. `surface` and `wake` draw a snapshot; the figures of the report are functions: drive, hand, intensity, medium,
+    over_time, profiles, receptors, slices, snapshots, spectra, spectrogram and traces. All return a Figure of Matplotlib."""
+
+    _modules = OF_CASES
+
+    def __init__(self, case: Case) -> None:
         self.case = case
 
-    def surface(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Axes:
+    def _selection(self) -> Selection:
+        from .report import layout
+        from .sweep import open_sweep
+        sweep: Any = self.case.sweep or open_sweep(self.case.path.parent.parent)
+        return layout.only(SweepPlot(sweep)._selection(), [self.case.id])
+
+    def surface(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Figure:
         """The surface at the recorded time nearest to t in s, by default the last one, seen from above. `end_um` is the end of
         the colour scale, by default the largest displacement. Raises NotRecorded."""
-        return self._draw(*self._snapshot(t), axes, end_um)
+        with figure_style.current() if axes is None else contextlib.nullcontext():
+            return finished(self._draw(*self._snapshot(t), axes, end_um).figure)
 
-    def wake(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Axes:
+    def wake(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Figure:
         """The surface with the path of the focus, the focal disc and the theoretical Mach lines. By default the colour scale
         ends at the largest displacement farther than four focal radii from the focus, at least at a fifth of the peak.
         Raises NotRecorded."""
         t_s, x, y, u = self._snapshot(t)
         if "focus_x" not in self.case.over_time:
             raise NotRecorded(f"case {self.case.id} has no focus; use plot.surface()")
-        axes = self._draw(t_s, x, y, u, axes, end_um or wake.scale_end([(self.case, t_s, x, y, u)]))
-        wake.draw_theory(axes, self.case, t_s)
-        axes.set_xlim(x[0], x[-1])
-        axes.set_ylim(y[0], y[-1])
-        return axes
+        with figure_style.current() if axes is None else contextlib.nullcontext():
+            axes = self._draw(t_s, x, y, u, axes, end_um or wake.scale_end([(self.case, t_s, x, y, u)]))
+            wake.draw_theory(axes, self.case, t_s)
+            axes.set_xlim(x[0], x[-1])
+            axes.set_ylim(y[0], y[-1])
+            return finished(axes.figure)
 
     def animate(self, *, slow_down: float | None = None, end_um: float | None = None) -> FuncAnimation:
         """The recorded surfaces as an animation, `slow_down` times slower than the motion, by default such that it takes six
@@ -58,7 +175,8 @@ class Plot:
         indices = np.unique(np.linspace(0, len(times) - 1, count).round().astype(int))
         if end_um is None:
             end_um = max(float(np.abs(self._values(int(i))).max()) for i in indices)
-        axes = self.surface(float(times[0]), end_um=end_um)
+        with figure_style.current():
+            axes = self._draw(*self._snapshot(float(times[0])), None, end_um)
 
         def show(index: int) -> list[Any]:
             axes.images[0].set_data(self._values(int(index)).T)
@@ -88,6 +206,7 @@ class Plot:
         image = axes.imshow(u.T, origin="lower", cmap=COLOURS, vmin=-end, vmax=end, interpolation="bicubic",
                             interpolation_stage="data", extent=wake.extent(x, y))
         axes.figure.colorbar(image, ax=axes, label=LABEL, shrink=0.8, extend="both" if peak > 1.001 * end else "neither")
+        axes.grid(False)
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
         axes.set_title(title(t_s) + ("" if self.case.is_valid else " (not valid)"), loc="left")
         return axes

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from .plot import SweepPlot
+
 
 class Sweep:
     """An output folder. `cases` are its cases in the order of the plan, `references` their references, and `every_case`
@@ -179,6 +181,12 @@ class Sweep:
         cases = [case for case in cases if case.status == "complete"]
         wrong = [case for case in cases if not case.is_valid]
         warn_of_invalid([case.warnings for case in wrong], f"{len(wrong)} of {len(cases)} cases of {self.name} are", stacklevel + 1)
+
+    @property
+    def plot(self) -> SweepPlot:
+        """Draws this sweep: sweep.plot("eta_period_1"), sweep.plot.heat_maps()."""
+        from .plot import SweepPlot
+        return SweepPlot(self)
 
     def report(self) -> Path:
         """Draws the figures and writes the page of the sweep. Returns the path of the page. Raises ProgramError."""

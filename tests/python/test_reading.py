@@ -175,9 +175,8 @@ class Reading(InFolder):
             alone = shearwake.open("out/judged-alone").dataset("peak_um")
         self.assertEqual(sorted(alone["valid"].values.tolist()), [0.0, 1.0])
         invalid = next(case for case in sweep.cases if not case.is_valid)
-        self.assertTrue(invalid.plot.surface().get_title(loc="left").endswith("(not valid)"))
-        for opened in (lambda: invalid.surface, lambda: invalid.series, lambda: Backend().open_dataset(invalid.path),
-                       lambda: Backend().open_dataset("out/judged")):
+        self.assertTrue(invalid.plot.surface().axes[0].get_title(loc="left").endswith("(not valid)"))
+        for opened in (lambda: invalid.surface, lambda: invalid.series):
             with pytest.warns(shearwake.NotValid, match="not valid: "):
                 opened()
         with warnings.catch_warnings():
@@ -339,10 +338,10 @@ class Reading(InFolder):
 
     def test_pictures_show_the_snapshot_nearest_to_the_time(self):
         case = self.opened().cases[0]
-        axes = case.plot.surface(0.00204)
+        axes = case.plot.surface(0.00204).axes[0]
         self.assertEqual(axes.get_title(loc="left"), "t = 2 ms")
         np.testing.assert_array_equal(axes.images[0].get_array(), 1e6 * self.stored(400.0, "surface/u_z")[19, 0].T)
-        axes = case.plot.wake()
+        axes = case.plot.wake().axes[0]
         self.assertGreaterEqual(len(axes.lines), 5)  # path, focal disc, focus, and two Mach lines
         self.assertLess(axes.images[0].get_clim()[1], case.value("peak_um"))
 

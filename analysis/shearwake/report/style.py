@@ -15,10 +15,9 @@ from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
 from .. import wake
-from ..figure_style import INK
+from ..figure_style import INK, width_in
 from .words import SUPERSCRIPTS, number
 
-WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
 PDF = True  # for papers; tests draw faster without
 GREY = "#707070"  # a contrast of 4.9 on white
@@ -158,14 +157,14 @@ def label_right(axes: Axes, labels: list[Any]) -> None:
     places -= max(0.0, places.max() + gap / 2 - 1.0)
     places += max(0.0, gap / 2 - places.min())
     for place, (_, text, colour) in zip(places, labels):
-        axes.text(1.015, place, text, transform=axes.transAxes, va="center", ha="left", fontsize=9,
+        axes.text(1.015, place, text, transform=axes.transAxes, va="center", ha="left", fontsize=plt.rcParams["legend.fontsize"],
                   color=readable(colour), clip_on=False, linespacing=1.15)
 
 
 def panels(count: int, columns: int, height_in: float, more_in: float, **options: Any) -> tuple[Any, np.ndarray]:
     """A figure with rows of panels of this height, of which the first `count` are visible, and their axes."""
     rows = -(-count // columns)
-    figure, made = plt.subplots(rows, columns, squeeze=False, layout="constrained", figsize=(WIDTH_in, more_in + height_in * rows), **options)
+    figure, made = plt.subplots(rows, columns, squeeze=False, layout="constrained", figsize=(width_in(), more_in + height_in * rows), **options)
     for axes in made.flat[count:]:
         axes.set_visible(False)
     return figure, made

@@ -72,7 +72,7 @@ def picture(result: dict[str, Any], pairs: list[tuple[Case, Case]]) -> bytes:
     x, y, u, v = visible(*surfaces(pairs[result["pairs"].index(chosen)], field["time_ms"]), field["at_mm"])
     common, own = (max(float(np.abs(values).max()) for values in part) or 1.0 for part in ((u, v), (u - v,)))
     figure_style.reset()
-    width = 1.4 * style.WIDTH_in
+    width = 1.4 * style.width_in()
     height = min(0.29 * width * np.ptp(y) / np.ptp(x), 0.8 * width) + 2.2  # titles and colour bars
     figure, made = plt.subplots(1, 3, layout="constrained", sharey=True, figsize=(width, height))
     titles = [title_of(chosen, 0), title_of(chosen, 1),

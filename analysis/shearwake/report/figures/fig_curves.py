@@ -64,7 +64,7 @@ def draw_curve(axes: Axes, selection: Selection, group: layout.Group, column: st
     and y of the curve."""
     x, y = points(selection, group, column, aside)
     y, invalid = split(selection, group.cases, column, figure, y)
-    axes.plot(x, y, **{"markersize": 6, "zorder": 3, **look})
+    axes.plot(x, y, **{"zorder": 3, **look})
     if np.isfinite(invalid).any():
         axes.plot(x, invalid, **CROSSES)
     return x, y
@@ -166,11 +166,11 @@ def panels(count: int, curves: list[tuple[layout.Group, str, str]], height_in: f
     rows = 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
     top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
-    figure = plt.figure(figsize=(style.WIDTH_in, total))
+    figure = plt.figure(figsize=(style.width_in(), total))
     made: list[Axes] = []
     for i in range(count):
         y = bottom + (count - 1 - i) * (height_in + between)
-        made.append(figure.add_axes([0.85 / style.WIDTH_in, y / total, 5.65 / style.WIDTH_in,
+        made.append(figure.add_axes([0.85 / style.width_in(), y / total, (style.width_in() - 1.95) / style.width_in(),
                                      height_in / total], sharex=made[0] if made else None))
     for axes in made[:-1]:
         axes.tick_params(labelbottom=False)

@@ -69,7 +69,7 @@ def hand_figure(selection: Selection, case: Case, afferents: Afferents, name: st
     kinds = afferents.present()
     rates = rates_Hz(case, afferents)
     figure, made = plt.subplots(1, len(kinds), squeeze=False, layout="constrained",
-                                figsize=(style.WIDTH_in, 4.3 if len(kinds) < 3 else 3.5))
+                                figsize=(style.width_in(), 4.3 if len(kinds) < 3 else 3.5))
     for axes, kind in zip(made[0], kinds):
         hand_axes(axes, afferents)
         all_of, fires = afferents.of(kind), afferents.count > 0
@@ -108,7 +108,7 @@ def raster_figure(selection: Selection, case: Case, afferents: Afferents, name: 
     counted_ms = 1e3 * case.counted_s
     spans = [40.0, counted_ms] if counted_ms > 200.0 else [counted_ms]
     figure, made = plt.subplots(len(kinds), len(spans), squeeze=False, layout="constrained",
-                                figsize=(style.WIDTH_in, 0.7 + 2.1 * len(kinds)))
+                                figsize=(style.width_in(), 0.7 + 2.1 * len(kinds)))
     for line, kind in zip(made, kinds):
         rows = raster_rows(afferents, kind)
         for axes, span in zip(line, spans):
@@ -141,7 +141,7 @@ def places_figure(selection: Selection, case: Case, afferents: Afferents, name: 
     pins = layout.evenly(range(len(afferents.pins)), PLACES)
     figure, made = plt.subplots(len(pins), 1, sharex=True, sharey=True, squeeze=False,
                                 layout="constrained",
-                                figsize=(style.WIDTH_in, max(2.6, 0.7 + 1.25 * len(pins))))  # room for the vertical label
+                                figsize=(style.width_in(), max(2.6, 0.7 + 1.25 * len(pins))))  # room for the vertical label
     used = set()
     for axes, pin in zip(made[:, 0], pins):
         near = np.hypot(*(afferents.patch - afferents.pins_on_patch[pin]).T) < NEAR_mm

@@ -105,7 +105,7 @@ def energy(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list
     if "unmodulated" not in shown or "optimum" not in shown:
         return []
     unit = shown["unmodulated"].over_time["sum_u2"].mean()
-    figure, made = plt.subplots(4, 1, figsize=(style.WIDTH_in, 7.6), sharex=True, layout="constrained")
+    figure, made = plt.subplots(4, 1, figsize=(style.width_in(), 7.6), sharex=True, layout="constrained")
     for name, case in shown.items():
         force = case.over_time["force"] / shown["unmodulated"].over_time["force"].max()
         made[0].plot(1e3 * case.over_time["time"], force, color=COLOURS[name], label=name)
@@ -133,7 +133,7 @@ def surfaces(selection: Selection, rows: list[dict[str, Any]], place: int, end: 
     if not shots:
         return []
     limits = fig_surface.window([shot for _, _, shot in shots], end)
-    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])  # of a panel with its title
+    height = 0.35 + 0.5 * (style.width_in() - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])  # of a panel with its title
     figure, made = style.panels(len(shots), 2, height, 0.5, sharex=True, sharey=True)
     for axes, (name, _, shot) in zip(made.flat, shots):
         image, _ = fig_surface.draw(axes, shot, plt.Normalize(-end, end), limits)
@@ -171,7 +171,7 @@ def means(selection: Selection, table: dict[str, list[dict[str, Any]]]) -> list[
     rms = [1e6 * np.sqrt(m[2]) for _, pair in shown for _, _, m in pair]
     end = max(float(np.nanmax(u)) for u in rms)
     limits = moving_part([m for _, pair in shown for _, _, m in pair], LEAST * end)
-    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])
+    height = 0.35 + 0.5 * (style.width_in() - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])
     figure, made = style.panels(2 * len(shown), 2, height, 0.6, sharex=True, sharey=True)
     for (rows, pair), line in zip(shown, made):
         for axes, (name, case, (x, y, squared, drawn)) in zip(line, pair):

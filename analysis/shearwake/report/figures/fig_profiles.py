@@ -54,7 +54,7 @@ def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.nda
 
 def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str]) -> tuple[Any,
          list[Chart]]:
-    figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.WIDTH_in, 4.8))
+    figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.width_in(), 4.8))
     charts = []
     for axes, along, title in zip(made, (True, False), titles):
         lines = []

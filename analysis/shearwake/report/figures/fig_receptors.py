@@ -60,7 +60,7 @@ def figures(selection: Selection) -> list[Figure]:
         return []
     path = to_hand(afferents, wake.focus_at(case, case.over_time["time"][-1])[2])
     figure, made = plt.subplots(1, len(kinds), squeeze=False, layout="constrained",
-                                figsize=(style.WIDTH_in, 4.6 if len(kinds) < 3 else 3.6))
+                                figsize=(style.width_in(), 4.6 if len(kinds) < 3 else 3.6))
     for axes, kind in zip(made[0], kinds):
         fig_hand.hand_axes(axes, afferents)
         every = afferents.of(kind)

@@ -162,7 +162,7 @@ def arrange(selection: load.Selection, shots: list[Any], columns: int,
     Lengths are in inches."""
     rows = math.ceil(len(shots) / columns)
     left, right, between, bottom = 0.62, 0.12, 0.24, 1.28
-    width = (style.WIDTH_in - left - right - (columns - 1) * between) / columns
+    width = (style.width_in() - left - right - (columns - 1) * between) / columns
     height = width * (limits[3] - limits[2]) / (limits[1] - limits[0])
     highest = 5.0 if rows < 3 else 2.3
     if height > highest:
@@ -171,14 +171,14 @@ def arrange(selection: load.Selection, shots: list[Any], columns: int,
     titles = [layout.wrapped(warnings_of.label(selection, s.case, "surface"), width) if s else "" for s in shots]
     down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
     total = rows * (height + down) + bottom
-    figure = plt.figure(figsize=(style.WIDTH_in, total))
+    figure = plt.figure(figsize=(style.width_in(), total))
     made = []
     for i, shot in enumerate(shots):
         row, column = divmod(i, columns)
         place = (left + column * (width + between), bottom + (rows - 1 - row) * (height + down),
                  width, height)
-        made.append(figure.add_axes([place[0] / style.WIDTH_in, place[1] / total,
-                                     place[2] / style.WIDTH_in, place[3] / total]))
+        made.append(figure.add_axes([place[0] / style.width_in(), place[1] / total,
+                                     place[2] / style.width_in(), place[3] / total]))
         made[-1].set_visible(shot is not None)
         made[-1].set_title(titles[i], loc="left", pad=4)
         is_last = i + columns >= len(shots) or shots[i + columns] is None
@@ -222,7 +222,7 @@ def figures(selection: load.Selection) -> list[Figure]:
     clipped = peak > 1.001 * end
     label = "$u_z$ (µm), positive into the tissue"
     if clipped:
-        label += f"; clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"
+        label += ("\n" if style.width_in() < 5.0 else " ").join((";", f"clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"))
     bar = draw_scale(figure, image, bar_axes, label, "both" if clipped else "neither")
     if isinstance(norm, plt.matplotlib.colors.FuncNorm):
         bar.set_ticks(root_ticks(end, norm))

@@ -198,6 +198,8 @@ def scatter(selection: Selection) -> Any:
 
 
 def figures(selection: Selection) -> Any:
+    if not selection.sweep.uncertain:
+        return []
     rows = read_statistics(selection.sweep.folder, selection.sweep.name)
     return [*bands(selection, rows), *probabilities(selection, rows), *indices(selection),
             *scatter(selection)]

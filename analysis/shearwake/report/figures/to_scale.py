@@ -18,10 +18,10 @@ def scale_of(rows: list[tuple[str, list[Any]]]) -> tuple[float, bool]:
     """Inches per mm, and whether the slices of a pair are next to each other."""
     pairs = [pair for _, pair in rows]
     highest = max(height for pair in pairs for _, _, height in pair)
-    beside = (style.WIDTH_in - LEFT_in - RIGHT_in - BETWEEN_in) / max(sum(width for _, width, _ in pair) for pair in pairs)
+    beside = (style.width_in() - LEFT_in - RIGHT_in - BETWEEN_in) / max(sum(width for _, width, _ in pair) for pair in pairs)
     if beside * min(height for pair in pairs for _, _, height in pair) >= LOW_in:
         return min(beside, HIGH_in / highest), True
-    below = (style.WIDTH_in - LEFT_in - RIGHT_in) / max(width for pair in pairs for _, width, _ in pair)
+    below = (style.width_in() - LEFT_in - RIGHT_in) / max(width for pair in pairs for _, width, _ in pair)
     return min(below, HIGH_in / highest), False
 
 
@@ -32,7 +32,7 @@ def lines_of(rows: list[tuple[str, list[Any]]], scale: float, beside: bool) -> l
         panels, left = [], LEFT_in
         for n, (name, width, height) in enumerate(pair):
             full = f"{label}, {name}" if label and n == 0 else name
-            room = width * scale if beside and n == 0 else style.WIDTH_in - left
+            room = width * scale if beside and n == 0 else style.width_in() - left
             panels.append((left, width * scale, height * scale, layout.wrapped(full, max(2.2, room))))
             left += (width * scale + BETWEEN_in) if beside else 0.0
         lines += [panels] if beside else [[panel] for panel in panels]
@@ -46,12 +46,12 @@ def arrange(rows: list[tuple[str, list[Any]]]) -> tuple[Any, list[tuple[Axes, Ax
     lines = lines_of(rows, scale, beside)
     above = [0.12 + LINE_in * max(title.count("\n") + 1 for *_, title in line) for line in lines]
     total = sum(above) + sum(max(height for _, _, height, _ in line) + BELOW_in for line in lines) + BAR_in
-    figure = plt.figure(figsize=(style.WIDTH_in, total))
+    figure = plt.figure(figsize=(style.width_in(), total))
     made, top = [], total
     for line, title_in in zip(lines, above):
         top -= title_in
         for left, width, height, title in line:
-            axes = figure.add_axes([left / style.WIDTH_in, (top - height) / total, width / style.WIDTH_in, height / total])
+            axes = figure.add_axes([left / style.width_in(), (top - height) / total, width / style.width_in(), height / total])
             axes.set_title(title, loc="left", fontsize=9, pad=5)
             axes.grid(False)
             made.append(axes)
