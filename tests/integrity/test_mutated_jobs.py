@@ -82,7 +82,8 @@ class MutatedJobs(ProgramTest):
         """Some TB."""
         text = (ROOT / "jobs" / "quickstart.toml").read_text(encoding="utf-8")
         every_frame = ", ".join(f"{0.05 * i:.2f}" for i in range(1, 281))
-        text = changed(("[240.0, 162.0]", "[960.0, 640.0]"), ("[7.0, 14.0]", f"[{every_frame}]"), text=text[:text.index("[sweep]")])
+        snapshots = re.search(r"(?<=snapshots_ms = )\[[^]]*\]", text).group()
+        text = changed(("[240.0, 162.0]", "[960.0, 640.0]"), (snapshots, f"[{every_frame}]"), text=text[:text.index("[sweep]")])
         self.write_job(text + '[sweep]\n"load.peak_Pa" = { linspace = [10.0, 100.0, 3000] }\n')
         output = {}
         for verb in ("check", "plan"):

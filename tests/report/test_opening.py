@@ -63,12 +63,12 @@ class OpeningTest(Pages):
         self.assertTrue(shown.endswith(" …"), shown)
         self.assertEqual(page.run('[document.querySelector("h1").textContent, document.title]'), [folder.plan["name"]] * 2)
 
-    def test_warnings_about_the_same_key_have_different_names(self):
+    def test_warnings_are_named_by_what_is_wrong(self):
         folder = self.new_folder()
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2}, warnings=[INVALID, {**INVALID, "message": "the wake is truncated"}])
         page = self.open(1280, path=self.page_of(folder))
         names = page.run('Array.from(document.querySelector("main .badge").querySelectorAll("a"), a => a.textContent)')
-        self.assertEqual(names, ["not valid: domain.extent_mm, warning 1", "not valid: domain.extent_mm, warning 2"])
+        self.assertEqual(names, ["not valid: waves return at 4.8 ms", "not valid: the wake is truncated"])
 
     def test_pictures_that_are_compared_have_the_same_height_whatever_their_titles(self):
         tops = 'Array.from(document.querySelectorAll(".player canvas"), c => c.getBoundingClientRect().top)'

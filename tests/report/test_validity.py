@@ -113,7 +113,7 @@ class ValidityTest(InFolder):
         text = self.curve().report()
         blocks = {name: block for name, block in re.findall(r'<h[23] id="(\w+)">(.*?)</figure>', text, re.DOTALL)}
         self.assertEqual(text.count("waves return at 4.8 ms (AM frequency 200"), 1)
-        self.assertIn('href="#warning-1" title="waves return at 4.8 ms">not valid: domain.extent_mm</a> (1 case)', blocks["eta"])
+        self.assertIn('href="#warning-1" title="waves return at 4.8 ms">not valid: waves return at 4.8 ms</a> (1 case)', blocks["eta"])
         # What does not make a reading wrong is stated once, at the first figure that it concerns.
         self.assertEqual(text.partition('<h2 id="table">')[0].count('href="#warning-2"'), 1)
         self.assertLess(text.index('href="#warning-2"'), text.index('id="eta"'))

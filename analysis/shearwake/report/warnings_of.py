@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import re
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +22,7 @@ OF_SURFACES = ("surface", "intensity", "player", "profiles", "volume")  # show f
 OF_READINGS, OF_RECEPTORS = "eta", "afferents"  # figures that stand for all readings of the surface, and of receptors
 RATE = "_total_rate_Hz"  # end of the columns with the firing rate of a class of receptors
 CONCLUSION = re.compile(": the readings( of this case)? are not valid$")
+CLAUSE = re.compile(r"[,;:.] ")
 NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
 
 
@@ -38,9 +40,9 @@ class Kind:
         return self.severity == "error"
 
     def name(self) -> str:
-        """A short name: the key of the job that the warning is about."""
-        key = self.key or f"warning {self.number}"
-        return f"not valid: {key}" if self.is_error else key
+        """What is wrong, in a few words: the first clause of the message."""
+        clause = textwrap.shorten(CLAUSE.split(self.message)[0], 100, placeholder=" …")
+        return f"not valid: {clause}" if self.is_error else clause
 
 
 @functools.cache
