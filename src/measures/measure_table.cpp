@@ -252,6 +252,10 @@ std::span<const FrameMeasure> frame_measures() {
     return series;
 }
 
+bool is_at_instant(std::string_view column) {
+    return column.find("_at_") != std::string_view::npos;
+}
+
 bool counts_samples(std::string_view column) {
     const Measure* measure = find_measure(column);
     return measure && measure->counts == Counts::samples;

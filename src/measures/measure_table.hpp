@@ -48,6 +48,9 @@ const Measure* find_measure(std::string_view column);
 /// The columns with their units and meanings as a Markdown table.
 std::string column_reference();
 
+/// Whether a column is read at one instant, and depends on the phase of the modulation.
+bool is_at_instant(std::string_view column);
+
 /// Whether a column counts samples of the grid, so that its values on different grids cannot be
 /// compared.
 bool counts_samples(std::string_view column);

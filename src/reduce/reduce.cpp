@@ -171,11 +171,12 @@ Cell cell_of(const storage::IndexedCase& c, const std::string& key) {
     return not_a_number;
 }
 
-/// Adds measures that are ratios to the unmodulated reference, the effect of a modulation.
-std::vector<measures::Measure> ratios() {
-    std::vector<measures::Measure> found;
+/// Ratios to the unmodulated reference, the effect of a modulation, and the columns that they
+/// divide.
+std::map<std::string, std::string> ratio_columns() {
+    std::map<std::string, std::string> found;
     for (const measures::Measure& measure : measures::all_measures())
-        if (*measure.over_reference_of) found.push_back(measure);
+        if (*measure.over_reference_of) found.emplace(measure.name, measure.over_reference_of);
     return found;
 }
 
@@ -190,7 +191,8 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     const storage::JournalContents journal = storage::read_journals(input.folder);
     std::vector<CaseRow> rows;
     std::map<std::string, std::size_t> by_id;
-    std::vector<std::string> measures; // of all cases, in the order of the files
+    std::vector<std::string> measures; // of all cases, in the order of the files, then ratios, then
+                                       // readings at one instant
     std::unordered_set<std::string> known;
     Numbering notes;
     for (const storage::IndexedCase& c : plan.cases) {
@@ -201,13 +203,16 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
             if (known.insert(v.name.text()).second) measures.push_back(v.name.text());
     }
     index.save();
+    const std::map<std::string, std::string> ratios = ratio_columns();
+    for (const auto& [ratio, of] : ratios)
+        measures.push_back(ratio);
+    std::ranges::stable_partition(
+        measures, [](const std::string& name) { return !measures::is_at_instant(name); });
 
     Table table;
     table.columns = {"id", "reference"};
     table.columns.insert(table.columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
     table.columns.insert(table.columns.end(), measures.begin(), measures.end());
-    for (const measures::Measure& ratio : ratios())
-        table.columns.emplace_back(ratio.name);
     table.columns.insert(table.columns.end(), {"valid", "wall_s", "status", "note"});
 
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -218,14 +223,16 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         cells.emplace_back(c.is_reference ? "yes" : "");
         for (const std::string& key : plan.swept_keys)
             cells.push_back(cell_of(c, key));
-        for (const std::string& name : measures)
-            cells.emplace_back(rows[i].value(name));
         const auto reference = by_id.find(c.reference_id);
-        for (const measures::Measure& ratio : ratios()) {
-            const std::string of = ratio.over_reference_of;
-            cells.emplace_back(reference == by_id.end()
-                                   ? not_a_number
-                                   : rows[i].value(of) / rows[reference->second].value(of));
+        for (const std::string& name : measures) {
+            const auto of = ratios.find(name);
+            if (of == ratios.end())
+                cells.emplace_back(rows[i].value(name));
+            else
+                cells.emplace_back(reference == by_id.end()
+                                       ? not_a_number
+                                       : rows[i].value(of->second) /
+                                             rows[reference->second].value(of->second));
         }
         if (rows[i].valid == "yes" && reference != by_id.end() &&
             rows[reference->second].valid == "no")
@@ -313,6 +320,8 @@ std::string markdown_table(const storage::PlanIndex& plan, const Table& table) {
                 columns.push_back(name);
                 columns.push_back(error_column(name)); // omitted unless the table has it
             }
+    std::ranges::stable_partition(
+        columns, [](const std::string& name) { return !measures::is_at_instant(name); });
     columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     return "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
            markdown(table, columns) + caution(plan, table);

@@ -19,6 +19,22 @@ struct Preset {
 };
 
 constexpr std::array presets = {
+    Preset{"palm",
+           "Palm above its bones. Chosen for this program: c_s of the thesis, 5 m/s, which is not "
+           "measured on a palm; viscosity 2 Pa s, between those of the presets thesis-tissue and "
+           "forearm; 10 mm of soft tissue on rigid bones, since the thickness varies between "
+           "places and people (Spartacus 2021, doi 10.1371/journal.pone.0261008); rho and c_p of "
+           "soft tissue.",
+           R"(
+base = "rigid"
+[[layer]]
+name = "palm"
+thickness_mm = 10.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 2.0
+)"},
     Preset{"thesis-tissue",
            "The thesis on focused-ultrasound shear waves, figures 2.1 and 2.2: c_s 5 "
            "m/s, rho 1000 kg/m3, c_p 1500 m/s. Chosen for this program: viscosity, "
@@ -61,22 +77,6 @@ density_kg_m3 = 1000.0
 c_p_m_s = 1500.0
 c_s_m_s = 2.8035691537752375
 viscosity_Pa_s = 5.03
-)"},
-    Preset{"palm",
-           "Palm above its bones. Chosen for this program: c_s of the thesis, 5 m/s, which is not "
-           "measured on a palm; viscosity 2 Pa s, between those of the presets thesis-tissue and "
-           "forearm; 10 mm of soft tissue on rigid bones, since the thickness varies between "
-           "places and people (Spartacus 2021, doi 10.1371/journal.pone.0261008); rho and c_p of "
-           "soft tissue.",
-           R"(
-base = "rigid"
-[[layer]]
-name = "palm"
-thickness_mm = 10.0
-density_kg_m3 = 1000.0
-c_p_m_s = 1500.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 2.0
 )"},
     Preset{"fingertip",
            "Pulp of a fingertip above the distal phalanx. Chosen for this program: c_s of the "

@@ -42,6 +42,11 @@ def error_caption(selection: Selection, *columns: str) -> str:
     return ""
 
 
+def is_joined(selection: Selection, column: str) -> bool:
+    """Whether lines join the values: categories have no order, and a reading at one instant depends on the phase."""
+    return layout.is_numeric(selection) and not is_at_instant(column)
+
+
 def reference_lines(selection: Selection, figure: str, group: layout.Group, column: str, label: str,
                     colour: str) -> list[Line]:
     """The values of the reference at each x of a curve, and crosses where they are not valid."""
@@ -49,7 +54,7 @@ def reference_lines(selection: Selection, figure: str, group: layout.Group, colu
     values = np.array([r.value(column, math.nan) for _, r in pairs])
     if not pairs or not np.isfinite(values).any():
         return []
-    joined = not is_at_instant(column) or len(set(values[np.isfinite(values)])) < 2
+    joined = is_joined(selection, column) or len(set(values[np.isfinite(values)])) < 2
     return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=joined, dots=not joined),
                         split(selection, [r for _, r in pairs], column, figure, values))
 
@@ -75,7 +80,7 @@ def curve_chart(selection: Selection, figure: str, column: str, title: str = "",
         if all(map(math.isnan, y)) and selection.is_ratio(column):
             continue  # the references themselves
         line = Line(group.label or "all cases" if len(found) > 1 else layout.modulation(selection) or y_label, x, y, colour,
-                    error=errors(group.cases, column), points=True, dots=is_at_instant(column))
+                    error=errors(group.cases, column), points=True, dots=not is_joined(selection, column))
         lines += with_crosses(line, split(selection, group.cases, column, figure, y))
         colours[group.label] = colour
     sets = [] if selection.is_ratio(column) else layout.by_reference(selection, found, column)
