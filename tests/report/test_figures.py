@@ -101,7 +101,7 @@ class FolderTest(InFolder):
         self.assertEqual(square.shape, (len(x), len(y)))
         self.assertEqual([line.tolist() for line in found],
                          [[list(point) for point in line] for line in lines])
-        self.assertIn(">sharpness_<wbr>1<", table.table(sweep, []))
+        self.assertIn(">sharpness<", table.table(sweep, []))
 
     def test_a_straight_line_has_no_map_of_its_mean_intensity(self):
         folder = Folder(self.root)

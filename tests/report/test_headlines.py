@@ -65,17 +65,17 @@ class HeadlineTest(InFolder):
 
     def test_the_pair_whose_efficiency_changes_most_is_the_answer(self):
         for etas, best in (
-                ([(0.2, 0.4), (0.4, 0.4)], "5 mm: 20 % instead of the 40 % without bone (0.5 times). The ratio is 1 at depth of body 1 = 6 mm."),
+                ([(0.2, 0.4), (0.4, 0.4)], "5 mm: 20 % instead of the 40 % without bone (0.5 times). The ratio is 1 with body 1 at a depth of 6 mm."),
                 ([(0.4 + 0.1 * n, 0.4) for n in range(6)],
                  "10 mm: 90 % instead of the 40 % without bone (2.25 times). In the other 5 pairs the ratio is 1 to 2.")):
             text = plain(summary(self.bone(etas)))
-            self.assertIn(f"With bone the efficiency η changes most at depth of body 1 = {best}", text)
+            self.assertIn(f"With bone the efficiency η changes most with body 1 at a depth of {best}", text)
             self.assertIn("The focal rms is 0.5 times that without bone.", text)
         self.assertEqual([plain(versus) for _, _, versus in opening.numbers(self.bone([(0.5, 0.4), (0.6, 0.4)]))][:2],
-                         ["with bone at depth of body 1 = 6 mm; 40 % without bone", "with bone at depth of body 1 = 6 mm; 1 µm without bone"])
+                         ["with bone, 6 mm deep; 40 % without bone", "with bone, 6 mm deep; 1 µm without bone"])
 
     def test_without_a_label_a_swept_body_is_not_called_absent(self):
-        self.assertIn("is highest at depth", summary(self.bone([(0.5, 0.4), (0.6, 0.4)], labels=False)))
+        self.assertIn("is highest with body 1 at a depth of", summary(self.bone([(0.5, 0.4), (0.6, 0.4)], labels=False)))
 
     def test_cases_without_a_mean_over_periods_are_counted(self):
         text = self.result(self.folder([0.2, 0.4, math.nan]))

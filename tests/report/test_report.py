@@ -83,7 +83,7 @@ class WholeSweepTest(unittest.TestCase):
         self.assertIn(f"The efficiency η is highest at AM frequency 400{gap}Hz, the end of the swept range: 27{gap}%, 1.13 times the "
                       f"24{gap}% of plain STM.", self.page.data)
         self.assertIn(f"0.43 (AM frequency 400{gap}Hz) to 0.5", self.page.data)
-        self.assertIn("4 cases (of them 1 reference): 4 complete.", self.page.data)
+        self.assertIn("4 cases, 1 of them a reference: 4 complete.", self.page.data)
 
     def test_the_page_states_its_provenance(self):
         for fact in ("shearwake 0.1.0", "abc", "laptop", "2026-01-02 03:04:05 UTC"):

@@ -10,6 +10,7 @@ from .load import Selection, remembered
 
 KIND = "load.modulation.kind"
 BODY = re.compile(r"^(medium\.body\[(\d+)\])\.(c_s|c_p|density|viscosity)_")
+DEPTH = re.compile(r"medium\.body\[\d+\]\.depth_")
 MATERIAL = ("c_s_m_s", "c_p_m_s", "density_kg_m3", "viscosity_Pa_s")
 
 
@@ -144,15 +145,22 @@ def is_nominal(selection: Selection, key: str, value: Any) -> bool:
 
 
 def place_text(selection: Selection, settings: dict[str, Any], keys: list[str]) -> str:
-    """'AM frequency 400 Hz', or 'SM-STM at AM frequency 400 Hz' if a value is a name."""
+    """'AM frequency 400 Hz', or 'SM-STM at AM frequency 400 Hz' if a value is a name; 'with bone, 8 mm deep'."""
     shown = {k: settings[k] for k in keys if k and k in settings}
     names = [value_text(selection, k, v) if k == KIND else setting_text(selection, k, v) for k, v in shown.items() if is_nominal(selection, k, v)]
-    amounts = [setting_text(selection, k, v) for k, v in shown.items() if not is_nominal(selection, k, v)]
+    numbers = {k: v for k, v in shown.items() if not is_nominal(selection, k, v)}
+    if any(text.startswith("with ") for text in names):
+        names += [f"{amount_text(selection, k, numbers.pop(k))} deep" for k in list(numbers) if DEPTH.match(k)]
+    amounts = [setting_text(selection, k, v) for k, v in numbers.items()]
     return " at ".join(filter(None, [", ".join(names), ", ".join(amounts)]))
 
 
 def placed(selection: Selection, settings: dict[str, Any], keys: list[str], place: str) -> str:
-    """' at AM frequency 400 Hz', ' with SM-STM at AM frequency 400 Hz', ' with bone'; '' without a place."""
+    """' at AM frequency 400 Hz', ' with SM-STM at AM frequency 400 Hz', ' with bone', ' with the metacarpal 8 mm deep'; '' without a
+    place."""
     if not place or place.startswith(("with ", "without ")):
         return f" {place}".rstrip()
+    first = next((k for k in keys if k and k in settings), "")
+    if DEPTH.match(first) and not is_nominal(selection, first, settings[first]):
+        return f" with {'' if place.startswith('body ') else 'the '}{place}"
     return f" {'with' if any(is_nominal(selection, k, settings[k]) for k in keys if k and k in settings) else 'at'} {place}"

@@ -119,16 +119,18 @@ def with_and_without(selection: Selection, ranking: Ranking) -> list[str]:
         apart = change(of, ranking.value(case), ranking.value(other))
         return of.difference(apart) if of.is_level else number(1.0 + apart, 3)
     other = next(o for c, o in ranking.pairs if c is most)
-    place = where(selection, most, keys) if keys else ""
+
+    def at(case: Case) -> str:
+        return labels.placed(selection, case.settings, keys, where(selection, case, keys)) if keys else ""
     changes = " changes most" if len(ranking.pairs) > 1 else " is"
-    changes += f" at {place}:" if place else ":" if len(ranking.pairs) > 1 else ""
+    changes += f"{at(most)}:" if at(most) or len(ranking.pairs) > 1 else ""
     times = amount(most, other) + ("" if of.is_level else " times")
     lead = (f"{capital(contrast.present(selection))} {of.name}{changes} {of.text(ranking.value(most))} instead of the "
             f"{of.text(ranking.value(other))} {without} ({times}).")
     what = "difference" if of.is_level else "ratio"
     rest = [(c, o) for c, o in ranking.pairs if c is not most]
     if 0 < len(rest) <= 4:
-        texts = [f"{amount(c, o)} at {where(selection, c, keys)}" for c, o in rest]
+        texts = [f"{amount(c, o)}{at(c)}" for c, o in rest]
         if len(keys) == 1 and not labels.is_nominal(selection, keys[0], most.settings[keys[0]]):
             texts[1:] = [f"{amount(c, o)} at {labels.amount_text(selection, keys[0], c.settings[keys[0]])}" for c, o in rest[1:]]
         return [lead, f"The {what} is {listed(texts)}."]

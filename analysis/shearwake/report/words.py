@@ -64,12 +64,16 @@ def value_text(key: str, value: str | float) -> str:
 
 
 def setting_text(name: str, key: str, value: str | float) -> str:
-    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM', '4 foci'. `name` is that
-    of the key, as from key_name()."""
+    """Key, value and unit: 'AM frequency 200 Hz', 'metacarpal 8 mm deep', 'shear-wave speed of body 1 = 5 m/s', 'modulation AM-STM',
+    'without modulation', '4 foci'. `name` is the label of the key."""
     title, _, place = name.partition(", ")
     amount = amount_text(key, value)
     if split_unit(key)[0] in ("foci", "preset"):
         return f"{amount}, {place}" if place else amount
+    if title == "depth" and place:
+        return f"{place} at a depth of {amount}" if place.startswith("body ") else f"{place} {amount} deep"
+    if value == "unmodulated":
+        return "without modulation"
     return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
 
 

@@ -31,12 +31,10 @@ def escape(text: str) -> str:
 
 
 def counts(selection: Selection) -> str:
-    """For example '8 cases (of them 1 reference): 8 complete.'"""
+    """For example '8 cases, 1 of them a reference: 8 complete.'"""
     by_status = Counter(c.status for c in selection.cases)
-    references = sum(c.is_reference for c in selection.cases)
     parts = [f"{n} {status}" for status, n in by_status.most_common()]
-    kinds = f" (of them {counted(references, 'reference')})" if references else ""
-    return f"{counted(len(selection.cases), 'case')}{kinds}: {', '.join(parts)}."
+    return f"{layout.count_of(selection.cases)}: {', '.join(parts)}."
 
 
 def folded(name: str, title: str, count: str, inner: str, state: str = "") -> str:
