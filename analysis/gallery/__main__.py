@@ -21,7 +21,7 @@ from PIL import Image
 
 from shearwake import program
 
-from . import mach_cone
+from . import efficiency, mach_cone
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -160,6 +160,7 @@ def draw_job(job: str, use_existing: bool) -> None:
     pictures: dict[Path, Any] = {DOCS / "gallery" / f"{Path(job).name}.png": GALLERY[job]}
     if job == "quickstart" and shutil.which("chromium"):
         pictures[DOCS / "gallery" / "report.png"] = photograph
+        pictures[DOCS / "gallery" / "efficiency.png"] = efficiency.draw_folder
     for page, figures in PAGES.items():
         for name, (its_job, figure) in figures.items():
             if its_job == job:
