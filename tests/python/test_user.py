@@ -65,7 +65,7 @@ class User(InFolder):
 
     def test_notebooks_show_tables(self):
         self.assertIn("<table", self.sweep._repr_html_())
-        self.assertIn("eta_period_1", self.sweep.cases[0]._repr_html_())
+        self.assertIn("efficiency η", self.sweep.cases[0]._repr_html_())
         self.assertIn("am_frequency_Hz", job()._repr_html_())
         self.assertIn("<table", job().plan()._repr_html_())
 

@@ -194,13 +194,13 @@ class HeadlineTest(InFolder):
                                         "%); too few samples: 0 values."), text)
         self.assertEqual(probability[0], "90 to 100\N{NO-BREAK SPACE}%")
 
-    def test_each_warning_has_its_words_once_on_the_page(self):
+    def test_each_warning_is_stated_in_the_list_and_at_the_first_figure_that_it_concerns(self):
         folder = Folder(self.root)
         for f in (100.0, 200.0, 300.0):
             folder.add({AM: f}, warnings=[{**RETURNS, "message": f"the waves of this job return after {f} ms"}] if f < 300.0 else [],
                        notes={"mach_angle_deg": "the wake has no single angle"})
         page = folder.report()
-        self.assertEqual(page.count("the waves of this job return after"), 1)
+        self.assertEqual(page.count("the waves of this job return after"), 2)
         self.assertIn('<a href="#warning-1">warning 1</a>', page)
         self.assertEqual(Page(page).column("note")[2]["text"], "note 1")
         self.assertEqual(page.count("mach_angle_deg: the wake has no single angle"), 1)
@@ -276,7 +276,7 @@ class HeadlineTest(InFolder):
         folder.add({AM: 200.0}, warnings=[{**RETURNS, "message": "waves return at 5.1 ms"}])
         page = Page(folder.report())
         self.assertEqual(page.data.count("Warning: waves return at 4.8 to 5.1 ms (2 cases)."), 1)
-        self.assertIn("Warnings about the cases shown: domain.extent_mm (2 cases); measure.at_ms (1 case).", page.data)
+        self.assertIn("Warnings about the cases shown: waves return at 4.8 to 5.1 ms (2 cases); the path ends at 3 ms (1 case).", page.data)
         self.assertIn("#warning-1", page.links)
         sweep = load.load(folder.path)
         self.assertEqual([w["message"] for w in sweep.cases[0].warnings],

@@ -126,7 +126,7 @@ class ReportTest(InFolder):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
         folder.add({AM: 200.0})
-        names = [cell["text"] for cell in Page(folder.report()).rows[0]]
+        names = [cell["title"] for cell in Page(folder.report()).rows[0]]
         self.assertIn("eta_period_1", names)
         self.assertEqual([name for name in names if "reference" in name], [])
 
