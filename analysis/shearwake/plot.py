@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .case import Case
-    from .report.load import Selection
-    from .sweep import Sweep
 
 COLOURS = "RdBu_r"
 LABEL = "$u_z$ (µm), positive into the tissue"
@@ -34,6 +31,11 @@ OF_CASES = {"drive": "fig_drive", "hand": "fig_hand", "intensity": "fig_intensit
             "spectra": "fig_spectra", "spectrogram": "fig_spectrogram", "traces": "fig_traces"}
 OF_SWEEPS = {"adaptive": "fig_adaptive", "afferents": "fig_afferents", "frequencies": "fig_frequency", "heat_maps": "fig_heat",
              "measures": "fig_measures", "optima": "fig_optimise", "samples": "fig_uncertain", "small_multiples": "fig_multiples"}
+
+
+def report_module(name: str) -> Any:
+    """A module of the report, which lies above this one and is loaded when a figure is drawn."""
+    return importlib.import_module(f".report.{name}", __package__)
 
 
 def finished(figure: Figure) -> Figure:
@@ -50,7 +52,7 @@ class ReportFigures:
 
     _modules: dict[str, str] = {}
 
-    def _selection(self) -> Selection:
+    def _selection(self) -> Any:
         raise NotImplementedError
 
     def __dir__(self) -> list[str]:
@@ -63,9 +65,7 @@ class ReportFigures:
 
     def _draw_report(self, name: str, which: str = "") -> Figure:
         """A figure of the report: `which` is its name in the folder of the report, by default the first one. Raises NotRecorded."""
-        from .report import style
-        selection = self._selection()
-        module = importlib.import_module(f".report.figures.{self._modules[name]}", __package__)
+        selection, style, module = self._selection(), report_module("style"), report_module(f"figures.{self._modules[name]}")
         with figure_style.current():
             made = {figure.name: figure.drawn for figure in module.figures(selection)}
             if not made or which not in ("", *made):
@@ -86,18 +86,17 @@ class SweepPlot(ReportFigures):
 
     _modules = OF_CASES | OF_SWEEPS
 
-    def __init__(self, sweep: Sweep) -> None:
+    def __init__(self, sweep: Any) -> None:
         self.sweep = sweep
 
-    def _selection(self) -> Selection:
-        from .report.load import Selection
-        return Selection(self.sweep, self.sweep.every_case, self.sweep.x)
+    def _selection(self) -> Any:
+        return report_module("load").Selection(self.sweep, self.sweep.every_case, self.sweep.x)
 
     def __call__(self, column: str, *, axes: Axes | None = None) -> Figure:
         """One curve of the column per combination of the other swept keys, with error bars, and the references as dashed lines. Readings
         that are not valid are grey crosses. Raises KeyError, and NotRecorded without a swept key."""
-        from .report import answer, style, warnings_of
-        from .report.figures import fig_curves, fig_measures
+        answer, style, warnings_of, fig_curves, fig_measures = map(
+            report_module, ("answer", "style", "warnings_of", "figures.fig_curves", "figures.fig_measures"))
         selection = self._selection()
         if not selection.x or not fig_curves.has_any(selection, self._known(column)):
             raise NotRecorded(f"there is no curve of {column}: no key is swept, or no case has a value")
@@ -131,14 +130,13 @@ class Plot(ReportFigures):
 
     _modules = OF_CASES
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Any) -> None:
         self.case = case
 
-    def _selection(self) -> Selection:
-        from .report import layout
-        from .sweep import open_sweep
-        sweep: Any = self.case.sweep or open_sweep(self.case.path.parent.parent)
-        return layout.only(SweepPlot(sweep)._selection(), [self.case.id])
+    def _selection(self) -> Any:
+        if self.case.sweep is None:
+            raise NotRecorded(f"figures of the report need the sweep of the case: shearwake.open(FOLDER)[{self.case.id!r}].plot")
+        return report_module("layout").only(SweepPlot(self.case.sweep)._selection(), [self.case.id])
 
     def surface(self, t: float | None = None, *, axes: Axes | None = None, end_um: float | None = None) -> Figure:
         """The surface at the recorded time nearest to t in s, by default the last one, seen from above. `end_um` is the end of

@@ -180,6 +180,21 @@ std::map<std::string, std::string> ratio_columns() {
     return found;
 }
 
+/// Measures over periods, then ratios, then readings at one instant.
+std::vector<std::string> in_table_order(std::vector<std::string> measures,
+                                        const std::map<std::string, std::string>& ratios) {
+    for (const auto& [name, of] : ratios)
+        measures.push_back(name);
+    std::stable_partition(measures.begin(), measures.end(),
+                          [](const std::string& name) { return !measures::is_at_instant(name); });
+    return measures;
+}
+
+/// A measure divided by that of the reference; NaN without one.
+double ratio(const CaseRow& row, const CaseRow* reference, const std::string& measure) {
+    return reference ? row.value(measure) / reference->value(measure) : not_a_number;
+}
+
 /// The columns of measures: all between the swept keys and the closing columns.
 std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const Table& table) {
     return {table.columns.begin() + static_cast<std::ptrdiff_t>(2 + plan.swept_keys.size()),
@@ -191,8 +206,7 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     const storage::JournalContents journal = storage::read_journals(input.folder);
     std::vector<CaseRow> rows;
     std::map<std::string, std::size_t> by_id;
-    std::vector<std::string> measures; // of all cases, in the order of the files, then ratios, then
-                                       // readings at one instant
+    std::vector<std::string> measures; // of all cases, in the order of the files
     std::unordered_set<std::string> known;
     Numbering notes;
     for (const storage::IndexedCase& c : plan.cases) {
@@ -204,10 +218,7 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     }
     index.save();
     const std::map<std::string, std::string> ratios = ratio_columns();
-    for (const auto& [ratio, of] : ratios)
-        measures.push_back(ratio);
-    std::ranges::stable_partition(
-        measures, [](const std::string& name) { return !measures::is_at_instant(name); });
+    measures = in_table_order(std::move(measures), ratios);
 
     Table table;
     table.columns = {"id", "reference"};
@@ -226,13 +237,9 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         const auto reference = by_id.find(c.reference_id);
         for (const std::string& name : measures) {
             const auto of = ratios.find(name);
-            if (of == ratios.end())
-                cells.emplace_back(rows[i].value(name));
-            else
-                cells.emplace_back(reference == by_id.end()
-                                       ? not_a_number
-                                       : rows[i].value(of->second) /
-                                             rows[reference->second].value(of->second));
+            const CaseRow* divisor = reference == by_id.end() ? nullptr : &rows[reference->second];
+            cells.emplace_back(of == ratios.end() ? rows[i].value(name)
+                                                  : ratio(rows[i], divisor, of->second));
         }
         if (rows[i].valid == "yes" && reference != by_id.end() &&
             rows[reference->second].valid == "no")
@@ -320,8 +327,8 @@ std::string markdown_table(const storage::PlanIndex& plan, const Table& table) {
                 columns.push_back(name);
                 columns.push_back(error_column(name)); // omitted unless the table has it
             }
-    std::ranges::stable_partition(
-        columns, [](const std::string& name) { return !measures::is_at_instant(name); });
+    std::stable_partition(columns.begin(), columns.end(),
+                          [](const std::string& name) { return !measures::is_at_instant(name); });
     columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     return "# " + markdown_text(plan.title.empty() ? plan.name : plan.title) + "\n\n" +
            markdown(table, columns) + caution(plan, table);

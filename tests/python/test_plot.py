@@ -49,8 +49,11 @@ class Plots(InFolder):
         with self.assertRaisesRegex(AttributeError, "the figures are drive, "):
             self.sweep.cases[0].plot.heat_maps()
 
-    def test_a_case_file_opened_by_itself_is_drawn_like_the_case_of_its_sweep(self):
-        self.assertIsInstance(shearwake.open_case(self.sweep.cases[0].path).plot.traces(), Figure)
+    def test_a_case_file_opened_by_itself_has_no_figures_of_the_report(self):
+        case = shearwake.open_case(self.sweep.cases[0].path)
+        self.assertIsInstance(case.plot.wake(), Figure)
+        with self.assertRaisesRegex(shearwake.NotRecorded, f"shearwake.open\\(FOLDER\\)\\['{case.id}'\\]"):
+            case.plot.traces()
 
     def test_the_style_for_papers_has_the_width_of_columns_and_text_that_remains_text(self):
         before = dict(plt.rcParams)
