@@ -13,7 +13,7 @@ from synthetic import AM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load
 from shearwake.report.figures import (fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
-                                      fig_spectra, fig_surface, fig_traces, fig_volume, periods)
+                                      fig_spectra, fig_surface, fig_traces, fig_volume)
 from shearwake.report.page import chart, curve_chart, topics
 
 MEDIUM = """
@@ -99,16 +99,6 @@ class FolderTest(InFolder):
         np.testing.assert_array_equal(found.u_z_m[found.measured], found.u_z_m[1] / 2)
         self.assertEqual(layout.place_words([(0.0, -0.0)] * 2), "at the centre")
         self.assertEqual(layout.place_words([(0.0, 0.0), (0.001, 0.0)]), "at a trace point")
-
-    def test_the_load_of_a_long_run_has_its_last_periods_in_addition(self):
-        folder = Folder(self.root)
-        folder.add({AM: 4000.0})
-        self.assertIsNone(periods.last_span_ms(load.load(folder.save()).cases))
-        folder.change(case_id(1), "", "[[load.modulation.envelope]]\nfrequency_Hz = 4000.0\n")
-        start, end = periods.last_span_ms(load.load(folder.save()).cases)  # 16 periods in 4 ms
-        self.assertAlmostEqual(end, 4.0)
-        self.assertAlmostEqual(end - start, 5 / 4.0)
-        self.assertEqual([figure.name for figure in self.draw(folder, fig_drive)], ["drive", "drive_last"])
 
     def test_slices_of_the_medium_show_layers_and_bodies(self):
         folder = Folder(self.root)

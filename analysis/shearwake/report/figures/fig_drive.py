@@ -13,7 +13,6 @@ from .. import layout, references, style
 from ..figure import Figure
 from ..load import Selection
 from ..words import number
-from . import periods
 
 CASES = 4
 LEAD = 1e-3  # of the length of the path: smaller leads over the reference are neglected
@@ -89,17 +88,12 @@ def figures(selection: Selection) -> list[Figure]:
     if not steady or not columns:
         columns.append(("force (mN)", draw_force))
     title, ids = "How the skin is driven", [case.id for case in cases]
-    drawn = [Figure(picture(selection, cases, columns), "drive", title, caption(cases, columns, steady, name),
-                    "Position and force over time", cases=ids)]
-    if span := periods.last_span_ms(cases):
-        drawn.append(Figure(picture(selection, cases, columns, span), "drive_last", f"{title}: the last periods",
-                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods",
-                            cases=ids))
-    return drawn
+    return [Figure(picture(selection, cases, columns), "drive", title, caption(cases, columns, steady, name),
+                   "Position and force over time", cases=ids)]
 
 
-def picture(selection: Selection, cases: list[Case], columns: list[tuple[str, Any]], span: tuple[float, float] | None = None) -> Any:
-    """One row per case; `span`: the part of the time that is drawn, in ms."""
+def picture(selection: Selection, cases: list[Case], columns: list[tuple[str, Any]]) -> Any:
+    """One row per case."""
     figure, made = style.panels(len(cases) * len(columns), len(columns), 1.25, 0.9, sharex=True, sharey="col")
     for row, case in zip(made, cases):
         for axes, (_, draw) in zip(row, columns):
@@ -113,8 +107,6 @@ def picture(selection: Selection, cases: list[Case], columns: list[tuple[str, An
     figure.supxlabel("time (ms)", fontsize=9.5)
     if columns[0][1] is draw_place:
         name_places(made, len(cases) // 2)
-    if span:
-        made[0, 0].set_xlim(span[0], span[1] + 0.04 * (span[1] - span[0]))  # all panels share it; room for the last tick
     return figure
 
 
