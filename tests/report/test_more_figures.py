@@ -12,7 +12,7 @@ import numpy as np
 from synthetic import AM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load
-from shearwake.report.figures import (fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
+from shearwake.report.figures import (fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
                                       fig_spectra, fig_surface, fig_traces, fig_volume)
 from shearwake.report.page import chart, curve_chart, topics
 

@@ -14,10 +14,11 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
-from .. import wake
-from ..figure_style import INK, width_in
+from .. import figure_style, wake
+from ..figure_style import width_in
 from .words import SUPERSCRIPTS, number
 
+INK = figure_style.INK
 DPI = 150
 PDF = True  # for papers; tests draw faster without
 GREY = "#707070"  # a contrast of 4.9 on white

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Formats keys, units and numbers for figures and their captions."""
 import math
-import re
 import tomllib
 from collections.abc import Iterable
 
