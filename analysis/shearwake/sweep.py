@@ -86,18 +86,30 @@ class Sweep:
     def select(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> list[Case]:
         """The cases with these values of swept keys, given in full in a mapping or as keywords by their last part:
         sweep.select(am_frequency_Hz=400)."""
+        wanted = self._wanted(settings, short)
+        return [case for case in self.cases if all(typed(case.settings.get(key)) == typed(value) for key, value in wanted.items())]
+
+    def _wanted(self, settings: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
+        if not isinstance(settings, (Mapping, type(None))):
+            raise TypeError(f"{settings!r} is not a mapping of swept keys to values, as in sweep.case(am_frequency_Hz=400); sweep.cases[0] is "
+                            "the first case")
         wanted = {**(settings or {}), **by_short_key(self.swept_keys, short)}
         for key in wanted:
             if key not in self.swept_keys:
                 raise KeyError(f"{key} is not swept; the swept keys are {', '.join(self.swept_keys) or 'none'}")
-        return [case for case in self.cases if all(typed(case.settings.get(key)) == typed(value) for key, value in wanted.items())]
+        return wanted
 
     def case(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> Case:
-        """The only case with these values of swept keys, see select(). Raises KeyError if there is none or more."""
+        """The only case with these values of swept keys, see select(). Raises KeyError if there is none or more, with the nearest value
+        of a number that no case has."""
         found = self.select(settings, **short)
-        if len(found) != 1:
-            raise KeyError(f"{len(found)} cases match; name the values of enough swept keys: {', '.join(self.swept_keys)}")
-        return found[0]
+        if len(found) == 1:
+            return found[0]
+        for key, value in self._wanted(settings, short).items():
+            known = {case.settings[key] for case in self.cases if isinstance(case.settings.get(key), (int, float))}
+            if known and isinstance(value, (int, float)) and value not in known:
+                raise KeyError(f"no case has {key} = {value:g}; the nearest value is {min(known, key=lambda v: abs(v - value)):g}")
+        raise KeyError(f"{len(found)} cases match; name the values of enough swept keys: {', '.join(self.swept_keys)}")
 
     @property
     def columns(self) -> list[Column]:

@@ -217,6 +217,13 @@ class Reading(InFolder):
         self.assertEqual(float(data["peak_um"].sel(am_frequency_Hz=400, fwhm_mm=6.0)),
                          sweep.case(am_frequency_Hz=400.0, fwhm_mm=6.0).value("peak_um"))
 
+    def test_a_case_that_does_not_exist_is_refused_with_the_nearest_value(self):
+        sweep = self.opened()
+        with self.assertRaisesRegex(KeyError, "no case has load.modulation.am_frequency_Hz = 410; the nearest value is 400"):
+            sweep.case(am_frequency_Hz=410)
+        with self.assertRaisesRegex(TypeError, r"7 is not a mapping .* sweep.cases\[0\]"):
+            sweep.case(7)
+
     def test_a_case_offers_its_contents(self):
         case = self.opened().case(am_frequency_Hz=400.0)
         self.assertEqual(case.surface.dims, ("time", "depth", "x", "y"))
