@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/measure_table.hpp"
 
+#include "base/error.hpp"
 #include "measures/spatial_measures.hpp"
+#include "measures/summary.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -290,6 +292,17 @@ std::string column_reference() {
         text += fmt::format("| `{}` | {} | {} |\n", measure.name, measure.unit, meaning);
     }
     return text;
+}
+
+Column column_of(std::string_view name, double value, std::span<const Detail> details) {
+    const auto known = std::ranges::find(all_measures(), name, &Measure::name);
+    if (known == all_measures().end())
+        throw Error(fmt::format("{} is not in the table of measures", name));
+    return {.name = with_details(known->name, details),
+            .unit = known->unit,
+            .long_name = with_details(known->meaning, details),
+            .value = value,
+            .note = ""};
 }
 
 } // namespace shearwake::measures

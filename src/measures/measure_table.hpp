@@ -59,6 +59,9 @@ bool counts_samples(std::string_view column);
 using Detail = std::pair<std::string_view, std::string>;
 /// `text` with its details substituted.
 std::string with_details(std::string_view text, std::span<const Detail> details);
+struct Column; // measures/summary.hpp
+/// The column of a measure, named as in the table of measures, with the details of the case.
+Column column_of(std::string_view name, double value, std::span<const Detail> details);
 
 /// One series over time and depth in the case file.
 struct FrameMeasure {

@@ -2,6 +2,7 @@
 #include "measures/sensation.hpp"
 
 #include "base/units.hpp"
+#include "measures/measure_table.hpp"
 #include "measures/spatial_measures.hpp"
 #include "measures/summary.hpp"
 #include "problem/load/footprint.hpp"

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "measures/measure_table.hpp"
 #include "measures/spatial_measures.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
@@ -380,17 +381,6 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
         add_peak(columns, below);
     }
     return columns.take();
-}
-
-Column column_of(std::string_view name, double value, std::span<const Detail> details) {
-    const auto known = std::ranges::find(all_measures(), name, &Measure::name);
-    if (known == all_measures().end())
-        throw Error(fmt::format("{} is not in the table of measures", name));
-    return {.name = with_details(known->name, details),
-            .unit = known->unit,
-            .long_name = with_details(known->meaning, details),
-            .value = value,
-            .note = ""};
 }
 
 } // namespace shearwake::measures

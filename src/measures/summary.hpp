@@ -3,7 +3,6 @@
 
 #include "base/vectors.hpp"
 #include "measures/spatial_measures.hpp"
-#include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"
 #include "problem/case/case.hpp"
 
@@ -22,9 +21,6 @@ struct Column {
     double value = 0.0;
     std::string note;
 };
-
-/// The column of a measure, named as in the table of measures, with the details of the case.
-Column column_of(std::string_view name, double value, std::span<const Detail> details);
 
 /// The sums of every frame of the case's time axis, at one recorded depth.
 struct DepthSeries {

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "measures/measure_table.hpp"
 #include "neural/skin/stimulus.hpp"
 
 #include <algorithm>
