@@ -3,12 +3,16 @@
 #include <catch2/catch.hpp>
 
 #include "simd/instruction_set.hpp"
+#include "support/places.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <mpi.h>
 #include <string>
+
+const std::filesystem::path shearwake::test::data_folder = TEST_DATA;
+const std::filesystem::path shearwake::test::jobs_folder = JOBS_DIRECTORY;
 
 namespace {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "neural/respond.hpp"
+#include "support/places.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -17,7 +18,7 @@ namespace shearwake::test {
 
 /// The rows of a CSV file without comments and heading.
 inline std::vector<std::vector<std::string>> csv_rows(const std::string& file) {
-    std::ifstream in(std::string(TEST_DATA) + "/neural/" + file);
+    std::ifstream in(data_folder / "neural" / file);
     std::vector<std::vector<std::string>> rows;
     bool heading = true;
     for (std::string line; std::getline(in, line);) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "support/places.hpp"
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -16,7 +18,8 @@ namespace shearwake::test {
 inline void check_order(const std::string& scheme, double claimed, double measured,
                         double tolerance) {
     CHECK(measured > claimed - tolerance);
-    const std::string path = JOBS_DIRECTORY "/../docs/explanation/verification.md";
+    const std::filesystem::path path =
+        jobs_folder.parent_path() / "docs/explanation/verification.md";
     const std::string name =
         fmt::format("| {} | {} |", scheme, Catch::getResultCapture().getCurrentTestName());
     const std::string row =

@@ -6,6 +6,7 @@
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/files.hpp"
+#include "support/places.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,7 +21,7 @@ static const std::vector<double>& values(const VariableGroup& group, std::string
 }
 
 TEST_CASE("first spikes along a scan are delayed by the travel time of the focus", "[neural]") {
-    const std::filesystem::path folder = JOBS_DIRECTORY;
+    const std::filesystem::path& folder = test::jobs_folder;
     const config::Job job = config::read_job(
         storage::read_file(folder / "fig2.7.toml"), "fig2.7.toml", {}, nullptr,
         [&](const std::string& file) { return storage::read_file(folder / file); });

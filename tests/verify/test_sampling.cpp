@@ -4,6 +4,7 @@
 #include "measures/spectrum.hpp"
 #include "storage/files.hpp"
 #include "support/cases.hpp"
+#include "support/places.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -58,7 +59,7 @@ TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
 }
 
 TEST_CASE("quickstart job is converged in spacing and time", "[long][verify]") {
-    const std::string text = storage::read_file(JOBS_DIRECTORY "/quickstart.toml");
+    const std::string text = storage::read_file(test::jobs_folder / "quickstart.toml");
     const std::vector<config::Override> coarse = {
         {"sweep", "{\"load.modulation.am_frequency_Hz\" = [200]}"}};
     std::vector<config::Override> fine = coarse;

@@ -3,6 +3,7 @@
 // key, must be those of the version that introduced them.
 #include "config/job.hpp"
 #include "problem/case/case.hpp"
+#include "support/places.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -35,7 +36,7 @@ static std::vector<std::string> ids_of(const std::filesystem::path& path) {
 }
 
 TEST_CASE("the ids of existing jobs do not change", "[fields][case]") {
-    const std::filesystem::path data = std::filesystem::path(TEST_DATA) / "case_ids";
+    const std::filesystem::path data = test::data_folder / "case_ids";
     std::map<std::string, std::vector<std::string>> expected;
     std::istringstream lines(contents(data / "ids.txt"));
     std::string job;
@@ -48,8 +49,7 @@ TEST_CASE("the ids of existing jobs do not change", "[fields][case]") {
     for (const auto& [name, ids] : expected) {
         INFO(name);
         const auto file = std::filesystem::path(name).filename();
-        CHECK(ids_of((name.starts_with("jobs/") ? std::filesystem::path(JOBS_DIRECTORY) : data) /
-                     file) == ids);
+        CHECK(ids_of((name.starts_with("jobs/") ? test::jobs_folder : data) / file) == ids);
     }
 }
 
