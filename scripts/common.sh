@@ -48,20 +48,26 @@ on_ranks() {
     mpirun -n "$ranks" "$@"
 }
 
-# show_steps LOG: copies the output of a build to LOG and shows its progress: on a terminal a line that is
-# redrawn, elsewhere a line every 15 seconds.
+# show_steps LOG: copies the output of a build to LOG and shows its progress with the time that remains: on a terminal a
+# line that is redrawn, elsewhere a line every 15 seconds.
 show_steps() {
-    shown=$(date +%s)
+    began=$(date +%s)
+    shown=$began
     while IFS= read -r line; do
         printf '%s\n' "$line" >>"$1"
         case $line in
-        \[[0-9]*/[0-9]*\]*) steps=${line%%]*}] ;;
+        \[[0-9]*/[0-9]*\]*) steps=${line%%]*} ;;
         *) continue ;;
         esac
+        steps=${steps#?} now=$(date +%s) left=""
+        if [ $((now - began)) -ge 10 ]; then # as if the remaining steps took as long as those before
+            seconds=$(((now - began) * (${steps#*/} - ${steps%/*}) / ${steps%/*}))
+            left=", about $((seconds / 60 + 1)) min left"
+        fi
         if [ -t 1 ]; then
-            printf '\r\033[Kbuilding %s' "$steps"
-        elif now=$(date +%s) && [ $((now - shown)) -ge 15 ]; then
-            echo "building $steps"
+            printf '\r\033[Kbuilding [%s]%s' "$steps" "$left"
+        elif [ $((now - shown)) -ge 15 ]; then
+            echo "building [$steps]$left"
             shown=$now
         fi
     done
