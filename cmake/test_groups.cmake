@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Registers the tests with CTest. Each CTest test is a group of test cases: a file of Python tests, a file of the
-# verification, or a runner on a number of ranks. Each writes a JUnit report to BUILD/test-results, from which
-# scripts/count_tests.py counts. Labels: unit, mpi, verify, the folders of Python tests, and long.
+# Registers the tests with CTest. Each CTest test is a group of test cases: the Python tests of a folder or of every third
+# file of it, a file of the verification, or a runner on a number of ranks. Each writes a JUnit report to
+# BUILD/test-results, from which scripts/count_tests.py counts. Labels: unit, mpi, verify, the folders of Python tests, and
+# small, extended and long for what does not run in all sizes of scripts/test.
 
 # The first Python that has numpy and h5py, searched as in scripts/common.sh.
 foreach(candidate IN ITEMS "$ENV{SHEARWAKE_PYTHON}" python3 /usr/bin/python3)
@@ -61,12 +62,25 @@ function(add_mpi_group name label runner ranks)
     set_tests_properties(${name} PROPERTIES PROCESSORS ${processors} COST 1000) # start first
 endfunction()
 
-# Adds each tests/FOLDER/test_*.py as a group, with the folder as label.
-function(add_python_groups folder)
+# Adds all tests/FOLDER/test_*.py, with the folder as label, in this number of processes, which import the libraries once.
+function(add_python_groups folder processes)
     if(SHEARWAKE_TEST_PYTHON)
         file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/tests/${folder}/test_*.py)
+        foreach(process RANGE 1 ${processes})
+            set(files_${process} "")
+        endforeach()
+        set(process 1)
         foreach(file IN LISTS files)
-            add_group(${file} ${folder} ${SHEARWAKE_TEST_PYTHON} -m pytest -v --junitxml REPORT ${file})
+            list(APPEND files_${process} ${file})
+            math(EXPR process "${process} % ${processes} + 1")
+        endforeach()
+        foreach(process RANGE 1 ${processes})
+            set(name ${folder})
+            if(processes GREATER 1)
+                set(name "${folder} ${process} of ${processes}")
+            endif()
+            add_group(${name} ${folder} ${SHEARWAKE_TEST_PYTHON} -m pytest -v --junitxml REPORT ${files_${process}})
+            set_tests_properties(${name} PROPERTIES COST 500)
         endforeach()
     endif()
 endfunction()

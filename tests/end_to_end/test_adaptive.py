@@ -179,6 +179,7 @@ class Adaptive(ProgramTest):
         self.contains(self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).output, "another plan")
         self.contains(self.shearwake("run", "job.toml", "-S", f"sweep.\"{SPEED}\"=[3, 7]", expect=2).output, "another plan")
 
+    @pytest.mark.extended
     def test_errors_are_reported_before_any_case_is_computed(self):
         for old, new, message in (
                 ("[3, 7]", "[7, 3]", "must be two ascending numbers"),
@@ -198,6 +199,7 @@ class Adaptive(ProgramTest):
         self.contains(self.shearwake("check", "job.toml", expect=3).output, "is adaptive")
         self.assertFalse(self.out.exists())
 
+    @pytest.mark.extended
     def test_sliding_windows_have_no_jumps_along_the_frequency(self):
         axis = f"'{FREQUENCY}' = {{ refine = [400, 1000], column = \"eta_period_1\", tolerance = 0.005 }}"
         self.write_job(changed(*PLAIN[:2], (SWEEP, axis), ('reference = { kind = "STM" }\n', "")))

@@ -43,6 +43,7 @@ class Bench(ProgramTest):
                                                       "256 x 192 x 128 frames, periodic regime"])
         self.assertGreater(min(m["fft_s"] for m in found), 0.0)
 
+    @pytest.mark.extended
     def test_grids_are_rounded_up_to_lengths_with_fast_ffts(self):
         found = self.measured("spectral", "--grid", "33x22x16")["measurements"]
         self.assertEqual(found[0]["name"], "36 x 24 x 17 levels, no body")
@@ -79,6 +80,7 @@ class Bench(ProgramTest):
             file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
             self.assertIn("time: not known on this machine yet", self.shearwake("plan", "job.toml").output)
 
+    @pytest.mark.extended
     def test_the_size_of_the_teams_does_not_depend_on_recorded_rates(self):
         self.write_job()
         cache = self.folder / "cache"
@@ -114,6 +116,7 @@ class Bench(ProgramTest):
             self.shearwake("run", "job.toml", "--quiet", "--out", "both")
         self.assertEqual({name: text for name, text in plans().items() if name in first}, first)
 
+    @pytest.mark.extended
     def test_a_plan_has_no_more_teams_than_cases(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         output = self.shearwake("plan", "job.toml", "-n", 4096).output

@@ -138,12 +138,14 @@ class Checkpoint(SavedCase):
         self.assertEqual(self.largest_difference(), 0.0)
         self.assertEqual(self.events("resumed")[-1]["step"], self.events("checkpointed")[-1]["step"])
 
+    @pytest.mark.extended
     def test_checkpoints_are_written_at_intervals_in_seconds(self):
         self.shearwake("run", "job.toml", "--checkpoint-interval", 0.001)
         self.assertEqual({line["id"] for line in self.events("checkpointed")}, set(plan_ids(self.out)))
         self.assertEqual(self.largest_difference(), 0.0)
         self.contains(self.shearwake("run", "job.toml", "--checkpoint-interval", -1, expect=2).output, "--checkpoint-interval")
 
+    @pytest.mark.extended
     def test_a_signal_to_mpirun_writes_the_checkpoints_of_all_teams(self):
         # mpirun forwards SIGUSR1 and, unlike for SIGINT and SIGTERM, does not kill the ranks afterwards.
         process = self.start_and_stop(*SAVING, 1, ranks=2, count=2, faults=checkpoint(2))
@@ -156,6 +158,7 @@ class Checkpoint(SavedCase):
         self.assertEqual(len(self.events("resumed")), 2)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
+    @pytest.mark.extended
     def test_a_disk_too_full_for_a_checkpoint_does_not_end_the_case(self):
         if os.geteuid() != 0:
             self.skipTest("only root can mount a small disk")
@@ -186,6 +189,7 @@ class Checkpoint(SavedCase):
         self.assertLess(self.events("resumed")[0]["step"], newest_step)
         self.assertEqual(self.largest_difference(), 0.0)
 
+    @pytest.mark.extended
     def test_without_an_intact_checkpoint_the_case_starts_from_scratch(self):
         self.kill_in_the_middle(ranks=1)
         first, second = (path for path in self.states() if path.suffix == ".h5")
@@ -196,6 +200,7 @@ class Checkpoint(SavedCase):
         self.assertEqual(self.events("resumed"), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
+    @pytest.mark.extended
     def test_without_the_frames_recorded_so_far_the_case_starts_from_scratch(self):
         for damage in ("removed", "truncated"):
             with self.subTest(damage):
@@ -230,6 +235,7 @@ class Checkpoint(SavedCase):
         self.contains(self.shearwake("run", "job.toml").output, "2 already complete")
         self.assertEqual(self.states(), [])
 
+    @pytest.mark.extended
     def test_engine_layered_writes_no_checkpoints(self):
         self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"') .replace("volumes_ms = [0.1, 1.5]", ""))
         self.shearwake(*SAVING, 1)

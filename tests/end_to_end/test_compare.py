@@ -47,6 +47,7 @@ class Compare(ProgramTest):
                       "1 column changed", "2 cases with different ids")
         self.shearwake("compare", "other", self.out, "--tolerance", "t.toml", "--tolerance", "surface=0.011")
 
+    @pytest.mark.extended
     def test_grids_are_compared_at_their_common_points(self):
         self.shearwake("run", "job.toml", "-S", "domain.spacing_mm=1.0", "--out", "fine", "--quiet")
         found = self.compare(self.out, "fine")
@@ -63,6 +64,7 @@ class Compare(ProgramTest):
         self.contains(page, "data:image/png;base64,iVBOR", "peak_um")
         self.assertEqual(page.count("\nfirst:  "), 2)  # both pairs
 
+    @pytest.mark.extended
     def test_labels_and_stored_warnings_of_both_sides_are_printed(self):
         self.shearwake("run", "job.toml", "-S", "time.duration_ms=20", "--out", "long", "--quiet")
         output = self.shearwake("compare", "long", self.out, expect=1).output
@@ -71,6 +73,7 @@ class Compare(ProgramTest):
         returning = [[w["key"] for w in of_side if w["message"].startswith("waves of")] for of_side in warnings]
         self.assertEqual(returning, [["domain.extent_mm"], []])
 
+    @pytest.mark.extended
     def test_files_that_are_not_case_files_are_named(self):
         path = case_files(self.out)[0]
         (self.folder / "text.h5").write_text("not HDF5")
@@ -83,6 +86,7 @@ class Compare(ProgramTest):
             self.contains(output, words)
             self.assertNotIn("Traceback", output)
 
+    @pytest.mark.extended
     def test_single_cases_of_two_engines(self):
         self.shearwake("run", "job.toml", "-S", "solver.engine=spectral", "--out", "other", "--quiet")
         pairs = self.compare(case_files(self.out)[0], case_files(self.out)[1])["pairs"]
@@ -93,6 +97,7 @@ class Compare(ProgramTest):
         for pair in sweeps:
             self.assertLess(pair["fields"][1]["relative_l2"], 5e-3)
 
+    @pytest.mark.extended
     def test_a_case_equals_itself(self):
         path = case_files(self.out)[0]
         [pair] = self.compare(path, path, expect=0)["pairs"]
@@ -115,10 +120,12 @@ class Compare(ProgramTest):
                       f"surface at {largest['time_ms']:.6g} ms", "--page lists each")
         self.assertEqual((self.folder / "page.html").read_text(encoding="utf-8").count("surface at"), 40)
 
+    @pytest.mark.extended
     def test_a_reader_that_closes_the_pipe_ends_the_comparison_quietly(self):
         done = self.call("bash", "-c", 'set -o pipefail; "$@" | true', "bash", *command("compare", self.out, self.out, "--json"))
         self.assertEqual(done.output, "")
 
+    @pytest.mark.extended
     def test_records_at_other_times_and_depths_are_differences(self):
         self.shearwake("run", "job.toml", "-S", "record.snapshots_ms=[3.0]", "-S", "measure.at_ms=3", "--out", "other", "--quiet")
         done = self.shearwake("compare", "other", self.out, "--page", "page.html", "--tolerance", "*=1e9", expect=1)
@@ -140,6 +147,7 @@ class Compare(ProgramTest):
         (self.out / "cases" / f"{plan_ids(self.out)[0]}.h5").unlink()  # it has a row, and a corresponding status
         self.contains(self.shearwake("compare", self.out, "fewer", expect=1).output, "complete -> missing")
 
+    @pytest.mark.extended
     def test_sweeps_without_common_cases_differ(self):
         self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),
                        name="b.toml")

@@ -73,6 +73,7 @@ class Converge(ProgramTest):
         document = json.loads((self.folder / "out" / "converge" / "converge.json").read_text(encoding="utf-8"))
         self.assertEqual(document["cases"][0]["columns"]["eta_at_1"]["error"], case.columns["eta_at_1"].error)
 
+    @pytest.mark.extended
     def test_the_estimates_cover_the_difference_from_a_much_finer_run(self):
         self.write_job(COARSE)
         self.shearwake("run", "job.toml")
@@ -126,6 +127,7 @@ class Converge(ProgramTest):
             entry = case["columns"][column]
             self.assertLess(abs(entry["changes"]["domain"]), 1e-5 * entry["value"])
 
+    @pytest.mark.extended
     def test_errors_bracket_the_true_ones_of_a_half_space(self):
         # The region of the base consists of the cells of its samples.
         case = self.check_brackets(HALF_SPACE, "[144.0, 96.0]", "-S", "measure.region_mm=[72.0, 48.0]",
@@ -159,6 +161,7 @@ class Converge(ProgramTest):
                     if column in COLUMNS:
                         self.assertLessEqual(entry["error"], 5.0 * error)
 
+    @pytest.mark.extended
     def test_richardson_predicts_the_error_of_the_time_step(self):
         self.write_job(without_reference(SPECTRAL, ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "400"))))
         self.shearwake("converge", "job.toml", "--quiet")
@@ -178,6 +181,7 @@ class Converge(ProgramTest):
                 # Terms of fourth order: a quarter of the estimate at this large step.
                 self.assertAlmostEqual(error / estimate, 1.0, delta=0.25)
 
+    @pytest.mark.extended
     def test_it_reuses_the_cases_of_the_sweep_and_of_an_earlier_study(self):
         self.write_job(COARSE)
         self.shearwake("run", "job.toml", "--quiet")
@@ -219,6 +223,7 @@ class Converge(ProgramTest):
         errors.write_text(errors.read_text().replace("0.0", "0.1", 1))
         self.contains(self.shearwake("reduce", "--errors", self.out, expect=6).output, "does not match its checksum")
 
+    @pytest.mark.extended
     def test_a_second_study_in_the_folder_is_rejected(self):
         self.write_job(COARSE)
         locks = self.out / "converge" / "locks"

@@ -6,6 +6,8 @@ import pytest
 
 from program import ROOT, ProgramTest, gaussian, is_literal_ipr, is_number, job_text
 
+pytestmark = pytest.mark.extended
+
 SWEEP = re.compile(r'"load.modulation.am_frequency_Hz" = \[100.*\]')
 STEPPED = ("-S", 'solver.engine="spectral"', "-S", "solver.spectral.time_step_us=50")
 

@@ -28,6 +28,7 @@ class JoinedWorlds(ProgramTest):
         done = self.call("mpirun", *words, expect=None)
         return done.returncode, done.output
 
+    @pytest.mark.extended
     def test_ranks_with_other_arguments_or_folders_end_at_once(self):
         self.write_job()
         other = self.folder / "other"
@@ -43,6 +44,7 @@ class JoinedWorlds(ProgramTest):
         self.contains(output, "have different working folders")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
 
+    @pytest.mark.extended
     def test_remedy_of_the_message_starts_separate_runs(self):
         self.write_job()
         for name, change in (("a", "job.toml"), ("b", "other.toml")):
@@ -55,6 +57,7 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(code, 0, output)
         self.contains(output, "job.toml: ", "other.toml: ")
 
+    @pytest.mark.extended
     def test_run_that_a_rank_with_mpi_starts_ends_at_once(self):
         self.write_job()
         driver = ("import ctypes, subprocess, sys\n"
@@ -71,6 +74,7 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(code, 0, output)
         self.assertEqual(output.count("2 a rank of another MPI program has started this run"), 2, output)
 
+    @pytest.mark.extended
     def test_tasks_of_slurm_without_mpi_are_warned_of(self):
         self.write_job(without_reference())
         with mock.patch.dict(os.environ, {"SLURM_NTASKS": "8"}):
@@ -123,6 +127,7 @@ class FailingCase(ProgramTest):
             self.assertEqual((started(out).count(bad), started(out).count(good)), (2, 1))
             self.assertEqual(list(out.rglob("*.part")), [])
 
+    @pytest.mark.extended
     def test_fail_fast_stops_at_the_first_failure(self):
         self.write_job(OVERFLOWING.replace("[100.0, 1e200]", "[1e200, 1e201, 100.0]"))
         output = self.shearwake("run", "job.toml", "--fail-fast", expect=4).output
@@ -158,6 +163,7 @@ class Damage(ProgramTest):
         self.assertEqual(rows[second.stem]["status"], "damaged")
         self.contains(self.shearwake("run", "job.toml").output, "1 computed now")
 
+    @pytest.mark.extended
     def test_a_file_that_is_not_hdf5_is_reported(self):
         for content in (b"", b"\x89HDF\r\n\x1a\n", b"words " * 1000):
             case_files(self.out)[0].write_bytes(content)
@@ -201,6 +207,7 @@ class ReadOnly(ProgramTest):
         os.chmod(folder, 0o555)
         self.addCleanup(os.chmod, folder, 0o777)
 
+    @pytest.mark.extended
     def test_a_read_only_parent_folder_is_reported(self):
         self.write_job()
         nobody = self.as_nobody()
@@ -225,6 +232,7 @@ class ReadOnly(ProgramTest):
         self.lock(self.out)
         self.contains(self.shearwake("reduce", self.out, prefix=nobody, expect=6).output, "Permission denied")
 
+    @pytest.mark.extended
     def test_an_unreadable_output_folder_is_reported(self):
         nobody = self.as_nobody()
         self.compute_some(prefix=nobody)
@@ -268,6 +276,7 @@ class FullDisk(ProgramTest):
         self.assertEqual(len(case_files(out)), 4)
         self.assertEqual(list((out / "failed").iterdir()), [])
 
+    @pytest.mark.extended
     def test_a_disk_that_is_filled_during_the_run_is_reported(self):
         """The disk has space when it is checked, and is full when the files are written."""
         if os.geteuid() != 0:

@@ -2,7 +2,11 @@
 """The version of the program identifies the state of its source."""
 import subprocess
 
+import pytest
+
 from program import ROOT, ProgramTest
+
+pytestmark = pytest.mark.extended
 
 
 class GitId(ProgramTest):

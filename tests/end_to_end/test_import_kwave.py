@@ -107,6 +107,7 @@ class Records(ImportTest):
             x = numpy.sum(file["sensor_mask_weights"][0] * nodes_of(file, "sensor_mask_index")[:, 0].reshape(3, 8), axis=1)
             numpy.testing.assert_allclose(x, at_m[0] / 1e-3 + 15, atol=1e-12)
 
+    @pytest.mark.extended
     def test_mean_intensity_is_not_that_of_other_records(self):
         """The intensity needs series of p and u that the output does not contain."""
         _, expected = self.results(record=["I_avg", "p_max"])
@@ -128,6 +129,7 @@ class Layout(ImportTest):
         self.run_printed(output, "--benchmark", "2")
         return h5py.File(self.folder / "study.h5", "r")
 
+    @pytest.mark.extended
     def test_file_has_64_bits_and_the_attributes_of_kwave(self):
         with self.study({"medium": {"alpha_coeff_compression": 3.0, "alpha_coeff_shear": 5.0}}) as file, \
                 h5py.File(ROOT / "tests" / "data" / "kwave" / "stress_lossy_input.h5") as of_kwave:
@@ -140,6 +142,7 @@ class Layout(ImportTest):
                 self.assertEqual((file[name].attrs["data_type"], file[name].attrs["domain_type"], file[name].dtype.itemsize),
                                  (b"double" if kind == b"float" else kind, domain, 8), name)
 
+    @pytest.mark.extended
     def test_rows_of_labelled_masks_are_scaled_by_the_node_of_their_index(self):
         c_p = 20.0 + numpy.arange(48.0)[:, None, None] * numpy.ones(POINTS)
         mask = numpy.zeros(POINTS)
@@ -152,6 +155,7 @@ class Layout(ImportTest):
             scales = numpy.array([2 * 29 * 5e-3, 2 * 23 * 5e-3, 2 * 29 * 5e-3])
             numpy.testing.assert_allclose(file["uz_source_input"][0].T, scales[:, None] * series[[1, 0, 1]], rtol=1e-14)
 
+    @pytest.mark.extended
     def test_one_series_for_all_nodes_is_one_row(self):
         with self.study({"source": {"uz": numpy.ones((1, 4))}}) as file:
             self.assertEqual((file["uz_source_input"].shape, file["u_source_many"][0, 0, 0]), ((1, 4, 1), 0))
@@ -164,6 +168,7 @@ class Layout(ImportTest):
             numpy.testing.assert_allclose(file["eta"][()], eta, rtol=1e-12)
             numpy.testing.assert_allclose(file["chi"][()], 2 * 1000 * 20.0 ** 3 * 3 * neper - 2 * eta, rtol=1e-12)
 
+    @pytest.mark.extended
     def test_a_layer_outside_enlarges_the_grid(self):
         with self.study({"options": {"PMLInside": 0, "PMLSize": numpy.array([4.0, 5.0, 6.0])}}) as file:
             self.assertEqual([file[f"N{axis}"][0, 0, 0] for axis in "xyz"], [56, 50, 44])
@@ -171,6 +176,7 @@ class Layout(ImportTest):
             numpy.testing.assert_array_equal(file["sensor_mask_corners"][0, 0, :3],
                                              reference("a_additive_pml10")["points_ijk0"][0] + [5, 6, 7])
 
+    @pytest.mark.extended
     def test_initial_pressure_is_applied_in_two_steps(self):
         p0 = numpy.zeros(POINTS)
         p0[10, 11, 12] = 7.0
@@ -180,6 +186,7 @@ class Layout(ImportTest):
                 numpy.testing.assert_allclose(file[f"{field}_source_input"][()], [[[-7.0 / 6.0]] * 2], rtol=1e-15)
             self.assertEqual((file["p0_source_flag"][0, 0, 0], file["p0_source_input"][12, 11, 10]), (1, 7.0))
 
+    @pytest.mark.extended
     def test_stress_sources_are_scaled_by_dx_and_dirichlet_sources_are_not_scaled(self):
         mask = numpy.zeros(POINTS)
         mask[3, 4, 5] = 1

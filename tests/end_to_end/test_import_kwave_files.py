@@ -4,12 +4,15 @@ import shutil
 
 import h5py
 import numpy
+import pytest
 import scipy.io
 import scipy.sparse
 
 from kwave import nodes_of, save
 from program import ROOT
 from small_study import POINTS, FilesTest, cell, study
+
+pytestmark = pytest.mark.extended
 
 def as_in_python(value):
     """A value as Python scripts store it with h5py: arrays with reversed indices, texts as strings."""

@@ -5,12 +5,15 @@ import types
 
 import h5py
 import numpy
+import pytest
 
 from kwave import import_kwave, save
 from small_study import POINTS, FilesTest, cell, study
 from test_import_kwave_files import as_in_python
 
 from shearwake.kwave import checks
+
+pytestmark = pytest.mark.extended
 
 
 class Notes(FilesTest):

@@ -3,9 +3,12 @@
 
 import h5py
 import numpy
+import pytest
 
 from kwave import nodes_of
 from small_study import FilesTest, study
+
+pytestmark = pytest.mark.extended
 
 
 class Places(FilesTest):

@@ -39,6 +39,7 @@ class Installed(ProgramTest):
         self.assertEqual(len(case_files(out)), 2)
         self.assertGreater((out / "report" / "index.html").stat().st_size, 10000)
 
+    @pytest.mark.extended
     def test_a_kwave_study_is_imported_and_run(self):
         run = "a_additive_pml10"
         save(self.user / "study.mat", structures_of(run, reference(run)))
@@ -96,6 +97,7 @@ class Installed(ProgramTest):
             with self.subTest(script=name):
                 self.assertIn("usage", self.command(name, "--help", cwd=self.user).lower())
 
+    @pytest.mark.extended
     @unittest.skipUnless(shutil.which("groff") and shutil.which("help2man"), "groff or help2man is not installed")
     def test_the_manual_page_is_well_formed(self):
         page = self.prefix / "share" / "man" / "man1" / "shearwake.1"
@@ -112,6 +114,7 @@ class Installed(ProgramTest):
                 'printf "%s\\n" "${COMPREPLY[@]}"')
         return self.command("bash", "-c", text, "bash", script, "shearwake", *words, cwd=self.user).split()
 
+    @pytest.mark.extended
     def test_bash_completes_commands_options_values_and_files(self):
         for name in ("a.toml", "b.txt", "c.h5"):
             (self.user / name).touch()

@@ -60,6 +60,7 @@ class InstructionSets(ProgramTest):
             ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
             ("duration_ms = 4.0", "duration_ms = 1.0"), ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2")))
 
+    @pytest.mark.extended
     def test_an_unknown_instruction_set_is_an_error_that_lists_the_allowed_ones(self):
         with mock.patch.dict(os.environ, {"SHEARWAKE_SIMD": "sse9"}):
             output = self.shearwake("--version", expect=2, ranks=2).output

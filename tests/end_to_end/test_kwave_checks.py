@@ -106,6 +106,7 @@ class Checks(ProgramTest):
         for name in ("p_final", "p_max"):
             self.same(each[name], one[name], 1e-15)
 
+    @pytest.mark.extended
     def test_fluid_equals_a_fluid_code(self):
         """Without an absorbing layer: an initial pressure, and a pressure and each velocity, added or prescribed."""
         points, spacing_m, step_s, steps = (24, 20, 18), (1e-3, 1.1e-3, 0.9e-3), 1e-7, 80

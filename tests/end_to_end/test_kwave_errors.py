@@ -5,6 +5,7 @@ import zlib
 
 import h5py
 import numpy
+import pytest
 
 from program import PROGRAM
 from test_kwave_program import DATA, KWaveTest, put
@@ -45,6 +46,7 @@ class Errors(KWaveTest):
         self.run_file(self.folder / "absent.h5", expect=1)
         self.assertFalse((self.folder / "out.h5").exists())
 
+    @pytest.mark.extended
     def test_failed_resumption_names_the_older_output(self):
         self.run_file(DATA / "homogeneous_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3")
         output = self.run_file(DATA / "dirichlet_input.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "3", expect=1)
@@ -52,6 +54,7 @@ class Errors(KWaveTest):
         with h5py.File(self.folder / "out.h5") as out:
             self.assertEqual((out["t_index"][0, 0, 0], out["Nt"][0, 0, 0]), (3, 120))
 
+    @pytest.mark.extended
     def test_small_files_that_need_much_memory_are_rejected(self):
         """Compressed data of 1 GB, and cuboids with 8e8 nodes."""
         def series(file):
@@ -73,6 +76,7 @@ class Errors(KWaveTest):
             done = self.call("sh", "-c", 'ulimit -v 1000000; exec "$@"', "sh", PROGRAM, "kwave", "-i", path, "-o", "out.h5", expect=1)
             self.contains(done.stderr, f"in.h5: {name} and what precedes it need ", " GB are available")
 
+    @pytest.mark.extended
     def test_only_regular_files_are_replaced(self):
         os.mkfifo(self.folder / "pipe.h5")
         for out, words in (("pipe.h5", "pipe.h5 is not a regular file"), ("", "-o requires the name of a file"),
@@ -84,16 +88,19 @@ class Errors(KWaveTest):
                 self.assertNotIn("step 1", done.stdout)
         self.assertTrue((self.folder / "pipe.h5").is_fifo())
 
+    @pytest.mark.extended
     def test_a_folder_without_room_for_the_lock_ends_as_other_errors(self):
         (self.folder / "out.h5.lock").mkdir()
         self.contains(self.run_file(DATA / "homogeneous_input.h5", expect=1), "cannot open", "out.h5.lock")
 
+    @pytest.mark.extended
     def test_negative_bulk_modulus_is_warned_of(self):
         with h5py.File(DATA / "homogeneous_input.h5") as file:
             mu = float(file["mu"][0, 0, 0])
         output = self.run_file(self.changed("homogeneous", self.set_to("lambda", -0.9 * mu)), "--benchmark", "2")
         self.contains(output, "warning: lambda + 2 mu/3, the bulk modulus, is negative at")
 
+    @pytest.mark.extended
     def test_fault_of_a_node_is_named_on_every_number_of_ranks(self):
         for ranks in (1, 2):
             self.refused(self.set_to("mu_sgxz", numpy.nan, (3, 4, 20)), "mu_sgxz contains nan", "(21, 5, 4)", case="dirichlet", ranks=ranks)
@@ -132,6 +139,7 @@ class Errors(KWaveTest):
             with self.subTest(words=words):
                 self.refused(change, *words)
 
+    @pytest.mark.extended
     def test_attributes_of_other_writers_are_read(self):
         def change(file):
             file["mu"].attrs["data_type"] = "float"  # of variable length
@@ -139,6 +147,7 @@ class Errors(KWaveTest):
             file.attrs["file_type"] = numpy.bytes_("input\0")
         self.run_file(self.changed("homogeneous", change), "--benchmark", "2")
 
+    @pytest.mark.extended
     def test_growing_field_ends_with_an_error(self):
         def change(file):  # an additive source whose values overflow
             file["ux_source_input"][...] = 1e38

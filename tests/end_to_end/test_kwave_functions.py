@@ -101,6 +101,7 @@ class Functions(FunctionsTest):
         self.result("ewp_3d", "corners")
         self.result("plane_wave")
 
+    @pytest.mark.extended
     def test_newest_interface_has_rows_in_c_order(self):
         found, keywords = study("stress_lossy")
         nodes = numpy.argwhere(found["source"].s_mask.T)[:, ::-1]  # x fastest
@@ -195,6 +196,7 @@ class Functions(FunctionsTest):
         options = {name: value for name, value in changes.items() if name not in fields}
         return pstd_elastic_3d(**fields, quiet=True, **{"pml_size": 4, **options})
 
+    @pytest.mark.extended
     def test_progress_is_one_line_to_its_end(self):
         for ranks in (1, 2):
             with contextlib.redirect_stdout(io.StringIO()) as output:
@@ -206,6 +208,7 @@ class Functions(FunctionsTest):
             self.small(launch=["sh", "-c", 'head -c 200000 /dev/zero >&2; exec "$@"', "sh"])  # more than a pipe holds
         self.assertEqual(output.getvalue(), "")
 
+    @pytest.mark.extended
     def test_objects_of_kwave_python_and_folders_with_marks_of_the_shell(self):
         class Grid:  # properties as in kWaveGrid
             N, spacing, dim, dt, Nt, nonuniform = numpy.array([20, 18, 16]), numpy.array([1e-4, 1.1e-4, 0.9e-4]), 3, 5e-9, 60, False
@@ -226,11 +229,13 @@ class Functions(FunctionsTest):
         for name, values in self.small().items():  # other sums on two ranks
             numpy.testing.assert_allclose(result[name], values, rtol=0, atol=1e-14 * numpy.abs(values).max())
 
+    @pytest.mark.extended
     def test_empty_mask_is_none(self):
         """As in a unit test of k-Wave, which records final velocities only."""
         result = self.small(sensor={"mask": numpy.zeros((0, 0)), "record": ["u_final"]})
         self.assertEqual({name: values.shape for name, values in result.items()}, dict.fromkeys(("ux_final", "uy_final", "uz_final"), (20, 18, 16)))
 
+    @pytest.mark.extended
     def test_runs_in_a_notebook(self):
         code = """\
 import numpy as np
@@ -251,6 +256,7 @@ print(result["p"].shape)
         text = "".join("".join(output.get("text", "")) for output in outputs)
         self.contains(text, "absorbing layer: 3, 3, 3 points, inside the grid", "] 100 %\n", "(1, 40)")
 
+    @pytest.mark.extended
     def test_identities_of_kwaves_own_tests(self):
         """What the unit tests of k-Wave's elastic code compare, with their limits 1e-14 and 1e-15 relative to the largest value."""
         records = ["p", "u", "u_non_staggered", "I", "I_avg", *(f"{quantity}_{what}" for quantity in "pu" for what in ("max", "min", "rms"))]
@@ -291,6 +297,7 @@ print(result["p"].shape)
         expected = everything["uz"].reshape(20, 18, 16, -1).transpose(2, 1, 0, 3)
         same(turned["ux"].reshape(expected.shape), expected, 1e-13)  # other sums in the FFTs
 
+    @pytest.mark.extended
     def test_labels_may_have_one_sample_each(self):
         """A matrix of one column has one row per label, and is not a transposed series."""
         labels = numpy.zeros((20, 18, 16))
@@ -300,6 +307,7 @@ print(result["p"].shape)
         each = self.small(source={"u_mask": mask, "ux": labels[mask > 0][:, None]})
         numpy.testing.assert_allclose(labelled["p"], each["p"], rtol=0, atol=1e-14 * numpy.abs(each["p"]).max())
 
+    @pytest.mark.extended
     def test_fluid_equals_the_closed_form_of_a_point_source(self):
         """p = d/dt S(t - r/c) dx^3 / (4 pi r c^2), where S is the stress per time that a node receives. At a distance of 10 nodes the
         difference was 1.5 % and 0.37 % of the largest value for steps of 0.2 and 0.1 us, so it is the second-order error of time."""

@@ -12,6 +12,8 @@ import scipy.io
 from program import PROGRAM, ROOT, ProgramTest
 from test_kwave_functions import DATA, ROUNDED, FunctionsTest
 
+pytestmark = pytest.mark.extended
+
 
 @unittest.skipUnless(shutil.which("octave-cli"), "octave-cli is not installed")
 class Octave(FunctionsTest):

@@ -4,6 +4,7 @@ import types
 
 import h5py
 import numpy
+import pytest
 import scipy.io
 
 from kwave import import_kwave
@@ -56,6 +57,7 @@ class References(FunctionsTest):
                     result = {name: values if name.endswith(("_all", "_final")) else values[order] for name, values in result.items()}
                 self.compare(result, group)
 
+    @pytest.mark.extended
     def test_imported_files_have_one_plane_on_any_number_of_ranks(self):
         for ranks, (case, name) in enumerate(CASES[:3], 1):
             with self.subTest(case=case), h5py.File(DATA / f"{case}_reference.h5") as file:
@@ -172,6 +174,7 @@ class Scheme(FunctionsTest):
     def scale(self, mask, axis=0):
         return 2.0 * self.s.c_p[mask] * self.s.dt_s / self.s.spacing_m[axis]
 
+    @pytest.mark.extended
     def test_stress_sources_inside_the_layer(self):
         """Where the layers meet, the parts of a stress decay differently."""
         mask = self.random.random((24, 21)) < 0.3
@@ -181,6 +184,7 @@ class Scheme(FunctionsTest):
                             for field, sign in (("sxx", 1.0), ("syy", -2.0), ("sxy", 0.5))]
             self.check({"s_mask": mask, "s_mode": mode, "sxx": series, "syy": -2.0 * series, "sxy": 0.5 * series})
 
+    @pytest.mark.extended
     def test_labelled_velocity_sources_have_the_speed_of_the_first_nodes(self):
         """Of the nodes with x fastest the number of the label."""
         labels = numpy.zeros((24, 21))
@@ -192,6 +196,7 @@ class Scheme(FunctionsTest):
             self.s.parts.append((field, False, mask, scaled[labels[mask].astype(int) - 1].T))
         self.check({"u_mask": labels, "ux": series, "uy": series})
 
+    @pytest.mark.extended
     def test_sources_without_scaling_are_not_divided_among_the_parts(self):
         mask = numpy.zeros((24, 21), dtype=bool)
         mask[9:12, 8] = True
@@ -199,6 +204,7 @@ class Scheme(FunctionsTest):
         self.s.parts = [("sxx", False, mask, wave.T), ("uy", False, mask, wave.T)]
         self.check({"s_mask": mask, "sxx": wave, "u_mask": mask, "uy": wave}, scale_source_terms=False)
 
+    @pytest.mark.extended
     def test_initial_pressure_that_is_prescribed_and_initial_pressure_without_scaling(self):
         p0 = self.random.standard_normal((24, 21))
         everywhere = numpy.ones((24, 21), dtype=bool)
@@ -206,6 +212,7 @@ class Scheme(FunctionsTest):
             self.s.parts = [(field, mode == "dirichlet", everywhere, numpy.stack(2 * [-0.5 * p0[everywhere] / parts])) for field in ("sxx", "syy")]
             self.check({"p0": p0, "s_mode": mode}, smooth=False, scale_source_terms=mode == "dirichlet")
 
+    @pytest.mark.extended
     def test_smoothing_follows_the_enlargement(self):
         """k-Wave smooths speeds and density on the enlarged grid; the layer has the unsmoothed speed."""
         mask = numpy.zeros((24, 21), dtype=bool)
@@ -257,6 +264,7 @@ class Scheme(FunctionsTest):
                                  {"mask": numpy.ones((44, 48))}, quiet=True)["p"].reshape(44, 48, -1)
         numpy.testing.assert_allclose(turned, p.transpose(1, 0, 2), rtol=0, atol=1e-13 * numpy.abs(p).max())
 
+    @pytest.mark.extended
     def test_a_plane_equals_a_uniform_box_outside_the_layer(self):
         """Except for the pressure, which has another definition."""
         plane = pstd_elastic_2d({name: value for name, value in BOX["kgrid"].items() if "z" not in name}, BOX["medium"],
@@ -299,6 +307,7 @@ class Files(KWaveTest, FunctionsTest):
             change(file)
         return path
 
+    @pytest.mark.extended
     def test_motion_along_z_is_computed_if_a_source_drives_it(self):
         """Shear waves that are polarised along z, as in a box that does not vary along z."""
         mask = BOX["mask"]
@@ -316,6 +325,7 @@ class Files(KWaveTest, FunctionsTest):
             numpy.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * numpy.abs(expected).max())
             self.assertEqual(numpy.abs(out["ux"][()]).max(), 0.0)
 
+    @pytest.mark.extended
     def test_layers_along_z_are_refused(self):
         for name, value, *words in (("pml_z_size", 1, "pml_z_size is 1; it must be at most 0"),
                                     ("pml_z", 0.5, "pml_z is 0.5 at index 1; it must be 1: a plane has no absorbing layer along z"), ("Nx", 1, "Nx is 1; it must be 2")):
@@ -323,6 +333,7 @@ class Files(KWaveTest, FunctionsTest):
                 file[name][0, 0, 0] = value
             self.contains(self.run_file(self.plane_file(change), expect=1), *words)
 
+    @pytest.mark.extended
     def test_messages_count_the_axes_of_kwave(self):
         def change(file):
             file["rho0_sgy"][0, 4, 2] = -1.0

@@ -97,6 +97,7 @@ class Reference(KWaveTest):
             with self.subTest(case=case, ranks=ranks):
                 self.check(case, ranks)
 
+    @pytest.mark.extended
     def test_single_precision(self):
         for case in CASES[:times(1, len(CASES))]:
             with self.subTest(case=case):
@@ -170,6 +171,7 @@ class Program(KWaveTest):
                 else:
                     numpy.testing.assert_array_equal(out[name][()], complete[name][()], name)
 
+    @pytest.mark.extended
     def test_the_previous_checkpoint_is_used_if_the_last_one_is_damaged(self):
         file, words = DATA / "stress_lossy_input.h5", ("--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")
         self.run_file(file)
@@ -191,6 +193,7 @@ class Program(KWaveTest):
             numpy.testing.assert_array_equal(out["p"][()], complete["p"][()])
         self.assertEqual([path.name for path in self.folder.glob("c.h5*")], [])
 
+    @pytest.mark.extended
     def test_a_second_run_with_the_same_output_or_checkpoint_is_refused(self):
         file = DATA / "stress_lossy_input.h5"
         first = self.start_and_stop("kwave", "-i", file, "-o", "out.h5", "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40",
@@ -216,6 +219,7 @@ class Program(KWaveTest):
         self.assertEqual(running.returncode, 0)
         self.assertTrue((self.folder / "c.h5").exists())
 
+    @pytest.mark.extended
     def test_faces_between_fluid_and_solid_are_counted(self):
         with h5py.File(DATA / "ewp_3d_input.h5") as file:
             fluid = file["mu"][()] == 0.0
@@ -224,12 +228,14 @@ class Program(KWaveTest):
         for ranks in (1, 3):
             self.contains(self.run_file(DATA / "ewp_3d_input.h5", "--benchmark", "2", ranks=ranks), f"note: {faces} faces between fluid and solid")
 
+    @pytest.mark.extended
     def test_name_of_kwave_starts_ranks(self):
         for options in (["-t", "2"], ["-pt", "2"], ["-t2", "-u"], ["-upt2"]):
             done = self.call(ROOT / "scripts" / "kspaceFirstOrder-elastic", "-i", DATA / "plane_wave_input.h5", "-o", "out.h5", *options,
                              "--benchmark", "5", variables={"SHEARWAKE": str(PROGRAM)})
             self.contains(done.stdout, "2 ranks", " 100 %")
 
+    @pytest.mark.extended
     def test_readers_of_kwave_find_each_value_at_its_place(self):
         """A prescribed stress of all nodes makes p = step (10000 x + 100 y + z), with indices from 1, so that each index is seen."""
         with h5py.File(DATA / "homogeneous_input.h5") as given:
@@ -269,6 +275,7 @@ class Program(KWaveTest):
             close(file["p/1"][()].T, field[2:6, 3:6, 4:6, None] * [1.0, 2.0])
             close(file["p_max/2"][()].T, [[[2.0 * 282524.0]]])
 
+    @pytest.mark.extended
     def test_run_that_is_killed_leaves_no_older_output(self):
         def longer(file):
             file["Nt"][...] = 100000

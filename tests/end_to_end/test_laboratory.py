@@ -95,6 +95,7 @@ class Measure(LaboratoryTest):
             names = next(csv.reader(file))
         self.assertTrue(any(name.endswith("_error") for name in names), names)
 
+    @pytest.mark.extended
     def test_a_line_and_depths_are_refused(self):
         job, case = self.scanned(LINE)
         self.assertIn("lie on one line", self.fails("measure", case, "--options", job, "--no-report").stderr)
@@ -146,6 +147,7 @@ class Scans(LaboratoryTest):
         plain = next((self.folder / "plain" / "cases").glob("*.h5"))
         self.assertIn("a case has a scan if its job has [vibrometer]", self.fails("export", plain).stderr)
 
+    @pytest.mark.extended
     def test_the_scan_does_not_depend_on_the_number_of_ranks(self):
         job = self.write_job(LINE + "tilt_deg = 30\nazimuth_deg = 20\nspot_um = 500\n")
         found = []
@@ -217,6 +219,7 @@ class Fit(LaboratoryTest):
             self.contains(self.shearwake("fit", job, "--data", case, "--out", self.folder / "fit", expect=2).output,
                           "being used by another shearwake fit")
 
+    @pytest.mark.extended
     def test_an_interrupted_command_ends_with_exit_code_75(self):
         job, case = self.scanned(LINE)
         job.write_text(LINE + UNCERTAIN)
@@ -309,6 +312,7 @@ class Fit(LaboratoryTest):
         job.write_text(LINE.replace('"layered"', '"spectral"') + UNCERTAIN)
         self.assertIn("fit computes with engine", self.fails("fit", job, "--data", case).stderr)
 
+    @pytest.mark.extended
     def test_overrides_change_the_fit_or_are_warned_of(self):
         job, case = self.scanned(LINE)
         job.write_text(LINE + UNCERTAIN.split("\n\"medium.layer[1].vis")[0] + "\n")

@@ -5,6 +5,7 @@ import io
 import re
 
 import numpy as np
+import pytest
 from PIL import Image, ImageDraw
 
 from program import SWEEP, ProgramTest, without_reference
@@ -117,6 +118,7 @@ class Files(LensTest):
         self.assertTrue(10.0 < efficiency < 100.0, efficiency)
         self.assertGreater(float(re.search(r"uniformity: ([\d.]+)", text)[1]), 0.95)
 
+    @pytest.mark.extended
     def test_a_polygon_and_its_picture_give_the_same_field(self):
         picture = Image.new("L", (72, 72))  # half a millimetre per pixel, y downwards
         ImageDraw.Draw(picture).polygon([(12, 60), (60, 60), (12, 12)], fill=255)
@@ -133,6 +135,7 @@ class Files(LensTest):
         self.assertAlmostEqual(shown, drawn, delta=0.05)
         self.assertGreater(np.corrcoef(first, self.field(out)[:, 2])[0, 1], 0.95)
 
+    @pytest.mark.extended
     def test_hostile_pictures_are_refused_with_a_reason(self):
         data = io.BytesIO()
         Image.new("L", (40, 40), 200).save(data, "png")

@@ -9,6 +9,7 @@ import subprocess
 import unittest
 
 import h5py
+import pytest
 
 from program import ProgramTest, case_files, command, environment
 
@@ -47,6 +48,7 @@ class Movie(ProgramTest):
         self.assertIn(int(facts(self.folder / "m.gif", "nb_read_frames")[0]), (7, 8))
         self.assertEqual([path.name for path in self.folder.glob(".m*")], [])
 
+    @pytest.mark.extended
     def test_another_encoder_replaces_a_missing_one_and_the_gif_needs_none(self):
         case = self.case("-S", "record.snapshots_ms=[3, 4]")
         wrapper = self.folder / "bin" / "ffmpeg"
@@ -69,11 +71,13 @@ esac
         self.contains(self.shearwake("movie", case, expect=6).output, "fewer than two surfaces", "record.frames = true",
                       "the movie was not written (exit 6)")
 
+    @pytest.mark.extended
     def test_a_file_that_is_not_a_case_file_is_rejected(self):
         (self.folder / "no.h5").write_text("nothing", encoding="utf-8")
         self.contains(self.shearwake("movie", "no.h5", expect=6).output, "no.h5 is not a valid case file")
         self.contains(self.shearwake("movie", "none.h5", expect=6).output, "none.h5: no such case file; run the job first")
 
+    @pytest.mark.extended
     def test_a_folder_in_place_of_a_case_names_a_case_file(self):
         case = self.case("-S", "record.snapshots_ms=[4]", "--quiet")
         output = self.shearwake("movie", self.out, expect=6).output
@@ -81,6 +85,7 @@ esac
         (self.folder / "empty").mkdir()
         self.contains(self.shearwake("movie", "empty", expect=6).output, "empty is a folder without case files")
 
+    @pytest.mark.extended
     def test_the_case_the_part_and_the_stored_warning_are_stated(self):
         self.write_job()
         self.shearwake("run", "job.toml", "-S", "record.frames=false", "-S", "time.duration_ms=20", "-S",
@@ -90,6 +95,7 @@ esac
         self.contains(output, "movie: AM frequency 500\u00a0Hz", "movie: not valid: waves of", "2 of 2 frames, 18 to 20 ms; shown: ",
                       "movie: m.mp4")
 
+    @pytest.mark.extended
     def test_progress_is_a_bar_on_a_terminal(self):
         case = self.case("-S", "record.snapshots_ms=[1, 2, 3, 4]", "--quiet")
         main, other = pty.openpty()

@@ -32,6 +32,7 @@ history.finish(night, "equal", [("tiny", "equal", "")], readings(), [])
 """
 
 
+@pytest.mark.extended
 def test_a_baseline_that_a_spreadsheet_has_saved_has_the_same_readings(tmp_path):
     baseline = ROOT / "tests" / "baselines" / "quickstart.csv"
     for separator in ",;\t":
@@ -112,6 +113,7 @@ class Nightly(ProgramTest):
         self.wait_for_stop(process)
         return process
 
+    @pytest.mark.extended
     def test_a_night_without_a_baseline_suggests_how_to_make_one(self):
         self.contains(self.night(expect=6), "has no baseline", "scripts/update-baseline", "tiny.toml --out")
         self.assertEqual(self.verdicts(), ["no baseline"])
@@ -147,6 +149,7 @@ class Nightly(ProgramTest):
         self.night()
         self.contains(self.script("update-baseline", "tiny.toml"), "the baseline is up to date")
 
+    @pytest.mark.extended
     def test_tolerances_next_to_the_baseline_are_used(self):
         self.first_baseline()
         self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
@@ -179,6 +182,7 @@ class Nightly(ProgramTest):
         os.close(handle)
         return True
 
+    @pytest.mark.extended
     def test_a_night_killed_while_it_is_stored_leaves_no_partial_results(self):
         self.nights.mkdir()
         path = self.nights / "history.sqlite"
@@ -191,6 +195,7 @@ class Nightly(ProgramTest):
         self.assertEqual(self.query("SELECT night, value FROM reading"), [(1, 0.5)])
         self.assertEqual(self.query("SELECT * FROM job"), [])
 
+    @pytest.mark.extended
     def test_a_damaged_history_is_reported_and_not_overwritten(self):
         self.nights.mkdir()
         path = self.nights / "history.sqlite"
@@ -199,6 +204,7 @@ class Nightly(ProgramTest):
         self.contains(self.night(expect=6), "history.sqlite", "move it away")
         self.assertEqual(path.read_bytes(), before)
 
+    @pytest.mark.extended
     def test_pipes_in_place_of_its_files_do_not_block_a_night(self):
         self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
         for name in ("history.sqlite", "index.html.part", "junit.xml.part", "nightly.log", "lock"):
@@ -223,6 +229,7 @@ class Nightly(ProgramTest):
         self.contains(self.first_lines(self.night("--build-failed", "build.log", expect=1)), "build: x.cpp:1: error")
         self.assertIn("&lt;no such thing&gt;", self.page())
 
+    @pytest.mark.extended
     def test_a_night_that_cannot_run_replaces_page_and_junit_file(self):
         self.first_baseline()
         self.night()
@@ -244,12 +251,14 @@ class Nightly(ProgramTest):
                 self.contains(self.first_lines(done.stdout), "the night could not run", words)
                 self.assertEqual([kind for kind, _ in self.junit()[1].values()], ["error"])
 
+    @pytest.mark.extended
     def test_without_names_all_jobs_with_baselines_are_run(self):
         self.contains(self.script("nightly", "--no-bench", expect=2), "contains no baselines", "specify the jobs")
         (self.folder / "baselines").mkdir()
         (self.folder / "baselines" / "nothing.csv").write_text("id\n", encoding="utf-8")
         self.contains(self.first_lines(self.script("nightly", "--no-bench", expect=6)), "nothing failed", "cannot read")
 
+    @pytest.mark.extended
     def test_ten_nights(self):
         """Equal, changed, slower, failed, missing case, new case, invalid job, study elsewhere, repaired, equal."""
         sweep = (SWEEP, '"load.peak_Pa" = [100.0, 200.0]')
@@ -320,6 +329,7 @@ class Nightly(ProgramTest):
         self.assertIn("tiny on 1 rank (s)", speeds)
 
 
+@pytest.mark.extended
 def test_a_job_is_slower_if_a_second_run_is_slower_too():
     earlier, runs = {"tiny (s)": {1: 9.0, 2: 10.0, 3: 30.0}}, iter((20.0, 12.0, 20.0, 18.0, 20.0, 18.0, 11.0))
 
@@ -331,6 +341,7 @@ def test_a_job_is_slower_if_a_second_run_is_slower_too():
     assert nightly.slower({"tiny (s)": 1.2}, {"tiny (s)": {1: 0.4}}, 25.0) == []
 
 
+@pytest.mark.extended
 def test_commits_since_the_last_equal_night_are_listed(tmp_path, monkeypatch):
     def git(*words):
         return subprocess.run(["git", "-C", tmp_path, "-c", "user.name=n", "-c", "user.email=e", *words], check=True, capture_output=True,

@@ -215,6 +215,7 @@ class Optimise(ProgramTest):
         [again] = self.reduced("again")
         self.assertAlmostEqual(float(again["eta_period_1"]), row["eta_exported_1"], delta=1e-9)
 
+    @pytest.mark.extended
     def test_a_transient_optimum_is_reproduced_and_a_study_is_resumed(self):
         self.job(*TRANSIENT)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
@@ -252,6 +253,7 @@ class Optimise(ProgramTest):
         self.contains(self.shearwake("optimise", "job.toml", "--quiet", expect=6).output, "by its quadratic forms", "no table is written")
         self.assertEqual((out / "optimise/table.csv").read_text(encoding="utf-8"), table)
 
+    @pytest.mark.extended
     def test_a_second_study_in_the_same_folder_is_refused_while_the_first_is_active(self):
         self.job(*TRANSIENT, ONE)
         self.shearwake("optimise", "job.toml", "--quiet")
@@ -262,6 +264,7 @@ class Optimise(ProgramTest):
         self.assertEqual(len(second.strip().splitlines()), 1)
         self.shearwake("optimise", "job.toml", "--quiet")
 
+    @pytest.mark.extended
     def test_an_interrupt_ends_the_search_and_its_processes(self):
         self.job(PLAIN, ("starts = 4", "starts = 10000"))
         process = self.start("optimise", "job.toml")
@@ -278,6 +281,7 @@ class Optimise(ProgramTest):
         self.contains(output, "the search was stopped", "shearwake optimise job.toml")
         self.wait_for(lambda: not any(map(alive, pids)), "the module to end")
 
+    @pytest.mark.extended
     def test_an_optimum_is_not_valid_if_its_waves_return(self):
         for extent, valid in (("96.0, 64.0", "yes"), ("56.0, 36.0", "no")):
             self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 1"), ("extent_mm = [96.0, 64.0]", f"extent_mm = [{extent}]"))
@@ -304,6 +308,7 @@ class Optimise(ProgramTest):
         self.assertEqual(verified.returncode, 0, verified.stdout)
         return rows[0]
 
+    @pytest.mark.extended
     def test_two_foci_are_modulated_together(self):
         self.check_one(("draw_frequency_Hz = 140.0", "draw_frequency_Hz = 140.0\nfoci_mm = [[-4.0, 0.0], [4.0, 0.0]]"))
 
@@ -312,9 +317,11 @@ class Optimise(ProgramTest):
         self.check_one(('{ shape = "gaussian", fwhm_mm = 6.0 }', '{ shape = "array", preset = "array-16x16", distance_mm = '
                         '150.0, pressure_Pa_m = 3.4 }'), ("peak_Pa = 100.0\n", ""))
 
+    @pytest.mark.extended
     def test_the_sharpness_of_a_shape_is_maximised(self):
         self.check_one(column="sharpness_1")
 
+    @pytest.mark.extended
     def test_the_share_of_a_band_at_the_depth_of_a_receptor_is_maximised(self):
         row = self.check_one(("region_mm = [40.0, 40.0]", "region_mm = [40.0, 40.0]\nbands_Hz = [[200, 500]]\n"
                               "depths_mm = [2.0]\n[record]\ntraces_mm = [[8.0, 0.0]]"), column="share_200_500_1")
@@ -369,6 +376,7 @@ class Optimise(ProgramTest):
         compared = self.call(sys.executable, ROOT / "scripts" / "compare_with_bounds.py", "rows/tables/rows.csv", "plain", "sm", env=None)
         self.contains(compared.stdout, "10 rows: 0 exceed")
 
+    @pytest.mark.extended
     def test_bounds_are_those_of_the_stored_table_and_optima_are_not_lower(self):
         self.check_frozen("bounds-sm")
 

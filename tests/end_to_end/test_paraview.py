@@ -3,6 +3,7 @@
 
 import h5py
 import numpy
+import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
@@ -88,6 +89,7 @@ class ParaView(ProgramTest):
                 numpy.testing.assert_array_equal(
                     vectors, [[deep[name][step, k, j, i] for name in ("u_x", "u_y", "u_z")] for i, j in at])
 
+    @pytest.mark.extended
     def test_surface_and_top_of_the_volume_show_the_same_field(self):
         surface, volume = Xdmf(self.path.with_suffix(".xdmf")), Xdmf(self.path.with_suffix(".volume.xdmf"))
         plane, [body] = surface.at(4e-3)[0], volume.at(4e-3)
@@ -99,6 +101,7 @@ class ParaView(ProgramTest):
         # The surface is interpolated between levels with weights that are exact to rounding.
         self.assertLess(numpy.abs(shown - top).max(), 1e-12 * scale)
 
+    @pytest.mark.extended
     def test_the_files_name_the_units_of_time_and_space(self):
         for suffix in (".xdmf", ".volume.xdmf"):
             text = self.path.with_suffix(suffix).read_text(encoding="utf-8")

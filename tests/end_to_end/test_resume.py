@@ -3,6 +3,7 @@
 import signal
 
 import h5py
+import pytest
 
 from program import (LONG, PATIENCE_s, ProgramTest, alive, assert_same_table, case_files, descendants, journal, started, table)
 
@@ -28,6 +29,7 @@ class Resume(ProgramTest):
             self.shearwake("reduce", out)
         assert_same_table(self, table(whole), table(self.out))
 
+    @pytest.mark.extended
     def test_a_run_killed_on_one_rank_is_resumed(self):
         self.kill(self.start_and_stop("run", "job.toml"))
         self.assertEqual(len(case_files(self.out)), 1)
@@ -41,6 +43,7 @@ class Resume(ProgramTest):
         self.assert_undamaged()
         self.assert_finishes_as_if_undisturbed()
 
+    @pytest.mark.extended
     def test_a_run_interrupted_under_mpirun_is_resumed(self):
         # On Ctrl-C, mpirun lets stopped ranks continue, terminates all after a short time, and exits with its own code.
         process = self.start_and_stop("run", "job.toml", "--ranks-per-case", 2, ranks=2)
@@ -68,6 +71,7 @@ class Resume(ProgramTest):
                 self.contains(self.shearwake("status", self.out).output, "0 running", "0 failed")
         self.assert_finishes_as_if_undisturbed()
 
+    @pytest.mark.extended
     def test_a_stopped_run_prints_the_command_that_resumes_it(self):
         process = self.start_and_stop("run", "job.toml", "--out", "else where", "-S", "load.peak_Pa=20")
         self.signal_and_continue(process, signal.SIGTERM)
@@ -75,6 +79,7 @@ class Resume(ProgramTest):
         self.assertEqual(process.returncode, 75, output)
         self.contains(output, "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
 
+    @pytest.mark.extended
     def test_a_second_signal_ends_a_run_immediately(self):
         process = self.start_and_stop("run", "job.toml")
         process.send_signal(signal.SIGTERM)

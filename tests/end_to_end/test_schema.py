@@ -9,6 +9,7 @@ import subprocess
 import tomllib
 
 import jsonschema
+import pytest
 
 from limits import times
 from program import JOB, PATIENCE_s, ROOT, ProgramTest, changed
@@ -97,6 +98,7 @@ class Schema(ProgramTest):
                 self.assertTrue(self.rejects(text), "the schema accepts it")
                 self.shearwake("check", self.write_job(text), expect=3)
 
+    @pytest.mark.extended
     def test_keys_may_come_from_the_sweep_alone(self):
         text = changed(("am_frequency_Hz = 500.0\n", ""))
         self.assertFalse(self.rejects(text))
@@ -155,9 +157,11 @@ class Editors(ProgramTest):
                     else:
                         self.assertEqual(lines, {line}, output)
 
+    @pytest.mark.extended
     def test_taplo_marks_errors_and_no_valid_job(self):
         self.check_with("taplo", lambda schema: ["check", "--schema", f"file://{schema}"])
 
+    @pytest.mark.extended
     def test_tombi_marks_errors_and_no_valid_job(self):
         (self.folder / "tombi.toml").write_text('[[schemas]]\npath = "job.schema.json"\ninclude = ["*.toml"]\n', encoding="utf-8")
         self.check_with("tombi", lambda _: ["lint", "--offline", "--error-on-warnings"])

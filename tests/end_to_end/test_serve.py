@@ -65,6 +65,7 @@ class Serve(ProgramTest):
             self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")
             self.assertEqual(server.end(), 0)
 
+    @pytest.mark.extended
     def test_the_scan_of_a_tilted_vibrometer_contains_all_components(self):
         job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0], [3.0, 1.5], [6.0, -6.0]]\ntilt_deg = 30.0\nazimuth_deg = 40.0\n")
         with Server() as server:
@@ -90,6 +91,7 @@ class Serve(ProgramTest):
             server.send(LARGE)
             self.assertEqual(server.end(), 0)
 
+    @pytest.mark.extended
     def test_the_sweep_of_a_job_is_ignored(self):
         with Server() as server:
             plain, _ = server.compute(one())
@@ -132,11 +134,13 @@ samples = 2
         self.assertAlmostEqual(speed["low"], 2.0, delta=1e-8)
         self.assertIn("load.peak_Pa is uncertain", found["diagnostics"][0]["message"])
 
+    @pytest.mark.extended
     def test_a_request_ends_after_the_time_limit(self):
         with Server("--time-limit", "0.05") as server:
             message, _ = server.compute(LARGE)
             self.assertEqual((message["type"], message["code"]), ("error", "time_limit"))
 
+    @pytest.mark.extended
     def test_a_request_ends_while_it_is_prepared(self):
         steered = one().replace("gaussian", "array").replace("fwhm_mm = 4.5", 'preset = "array-16x16", distance_mm = 200.0')
         with Server("--time-limit", "0.5") as server:
@@ -155,6 +159,7 @@ samples = 2
                 numpy.testing.assert_array_equal(server.compute(job)[1]["u_z"], frames)
         numpy.testing.assert_array_equal(kept[0], kept[4])
 
+    @pytest.mark.extended
     def test_the_sizes_that_run_rejects_are_rejected(self):
         layer = '[[medium.layer]]\nthickness_mm = 0.01\ndensity_kg_m3 = 1000.0\nc_p_m_s = 1500.0\nc_s_m_s = 5.0\nviscosity_Pa_s = 1.0\n'
         layers = "".join(layer + f'name = "{n}"\n' for n in range(3000))
@@ -202,6 +207,7 @@ samples = 2
             self.assertEqual(server.compute(one())[0]["type"], "result")
             self.assertEqual(server.end(), 0)
 
+    @pytest.mark.extended
     def test_a_thousand_rapid_changes_do_not_let_the_memory_grow(self):
         def changes(server, first):
             """Sends a thousand requests without waiting for answers, and returns the last answer."""
@@ -223,6 +229,7 @@ samples = 2
             # A leak of one result per request would be 200 MB; the allocator may keep some pages.
             self.assertLess(server.resident_kB() - before, 8000)
 
+    @pytest.mark.extended
     def test_a_reader_that_ends_ends_the_process(self):
         with Server() as server:
             server.process.stdout.close()

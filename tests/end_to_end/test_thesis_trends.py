@@ -2,6 +2,8 @@
 """The trends in the figures of the thesis, computed with coarse versions of their jobs."""
 import re
 
+import pytest
+
 from program import ROOT, ProgramTest, table
 
 # Headings of figure 2.2 in docs/explanation/thesis.md: FWHM in mm, and the first of three rows.
@@ -43,6 +45,7 @@ class ThesisTrends(ProgramTest):
 
     # All time windows are 10 ms long. The compared differences are 1 to 7 % on the fine grid, and this grid is in
     # error by 0.5 %.
+    @pytest.mark.extended
     def test_speed_modulation_falls_monotonically_toward_plain_scanning(self):
         eta, strength = self.frequency_sweep("fig2.4.toml", "sm_frequency_Hz", [100, 200, 300, 400, 500, 600])
         self.assertEqual(eta, sorted(eta, reverse=True))
@@ -51,6 +54,7 @@ class ThesisTrends(ProgramTest):
         for value in strength:  # the strength is preserved
             self.assertTrue(0.98 < value < 1.11, value)
 
+    @pytest.mark.extended
     def test_amplitude_modulation_rises_and_falls_toward_plain_scanning(self):
         eta, strength = self.frequency_sweep("fig2.3.toml", "am_frequency_Hz", [100, 200, 300, 400, 500, 600, 800])
         self.assertEqual(eta[2:], sorted(eta[2:], reverse=True))  # from 300 Hz on

@@ -39,6 +39,7 @@ class Stops(FaultTest):
         self.contains(self.shearwake("run", "job.toml", ranks=2).output, f"{there} already complete")
         self.assertEqual(len(started(self.out)), 12)
 
+    @pytest.mark.extended
     def test_a_run_beside_a_stop_file_starts_no_case(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
         self.out.mkdir(parents=True)
@@ -61,6 +62,7 @@ class Stops(FaultTest):
             self.assertEqual(len(case_files(self.out)), complete)
             self.assertEqual(len(started(self.out)), complete)
 
+    @pytest.mark.extended
     def test_the_journal_records_the_engine_and_the_time_of_a_case(self):
         self.compute_some(LONG, 1)
         times = [line for line in journal(self.out) if line["event"] == "finished"]
@@ -160,6 +162,7 @@ class Failing(FaultTest):
                       "is tried again", "settings:", "[medium]")
         self.assert_goes_on(reference)
 
+    @pytest.mark.extended
     def test_a_requested_stop_after_a_file_error_exits_with_75(self):
         self.write_job(LONG)
         process = self.start_and_stop("run", "job.toml", faults={
@@ -268,6 +271,7 @@ class Failing(FaultTest):
         shutil.move(self.folder / "elsewhere", self.out)
         self.contains(self.shearwake("status", self.out).output, f"{there} done", "0 running")
 
+    @pytest.mark.extended
     def test_removal_of_case_files_during_a_run_is_reported_and_the_next_run_continues(self):
         self.write_job(LONG)
         # A write that races `rm -rf` may leave folders, journal and index without the plan.
@@ -286,6 +290,7 @@ class Failing(FaultTest):
                 self.shearwake("run", "job.toml")
                 self.assertEqual(len(case_files(self.out)), 12)
 
+    @pytest.mark.extended
     def test_changes_of_the_system_clock_have_no_effect(self):
         reference = self.reference()
         for seconds in (-90000, 90000):
@@ -310,6 +315,7 @@ class Folders(FaultTest):
         self.assertTrue(starts[-1]["allow_mixed"])
         self.contains(self.shearwake("reduce", self.out).output, "two versions of the program", "0123456")
 
+    @pytest.mark.extended
     def test_files_respect_the_umask(self):
         self.write_job(both_engines(1))
         before = os.umask(0o077)

@@ -6,6 +6,8 @@ import shutil
 import signal
 import time
 
+import pytest
+
 from faults import FaultTest, both_engines, table_bytes
 from program import LONG, PATIENCE_s, SECOND_CASE, case_files, journal, started
 
@@ -44,6 +46,7 @@ class EqualCommands(FaultTest):
         self.assertEqual(len(list(self.out.glob("journal.*.jsonl"))), 3)
         self.assertEqual([path.name for path in (self.out / "locks").iterdir()], [])
 
+    @pytest.mark.extended
     def test_a_command_without_a_case_left_waits_for_the_others(self):
         self.write_job(both_engines(1))
         first = self.start_and_stop(*WORDS, faults=SECOND_CASE)
@@ -69,6 +72,7 @@ class EqualCommands(FaultTest):
         self.assertEqual(len(resumed), 1)
         self.assertLess(resumed[0] - killed_s, 60.0)  # the others look every half second
 
+    @pytest.mark.extended
     def test_a_stopped_command_leaves_its_case_to_the_others(self):
         self.write_job(both_engines(1))
         first = self.start_and_stop(*WORDS, faults=SECOND_CHECKPOINT)
@@ -78,6 +82,7 @@ class EqualCommands(FaultTest):
         self.counts(second)
         self.contains(self.shearwake("status", self.out).output, "2 done")
 
+    @pytest.mark.extended
     def test_a_case_that_fails_is_computed_once(self):
         self.write_job()
         failing = [self.start(*WORDS, "-S", "load.peak_Pa=1e200") for _ in range(2)]
@@ -85,6 +90,7 @@ class EqualCommands(FaultTest):
             self.assertEqual(counts[:2] + counts[3:], [4, 0, 4, 0])
         self.assertEqual(len(started(self.out)), 4)
 
+    @pytest.mark.extended
     def test_files_without_locks_are_not_damaged(self):
         """Locks fail, or exclude nobody. A command stands still before a case gets its name, for so long that the others compute the
         case, and then continues."""

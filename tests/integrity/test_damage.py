@@ -49,6 +49,7 @@ class CaseFiles(ProgramTest):
             self.victim.write_bytes(damaged)
             self.notice(self.chance.choice(["verify", "show", "reduce", "report"]))
 
+    @pytest.mark.extended
     def test_a_file_that_was_opened_for_writing_is_kept_if_it_is_unchanged(self):
         h5py.File(self.victim, "r+").close()
         self.assertEqual(self.victim.read_bytes(), self.sound[:-LINE_LENGTH - 1])
@@ -128,6 +129,7 @@ class Studies(ProgramTest):
                 (self.out / name).write_bytes(sound)
         self.shearwake("verify", self.out)
 
+    @pytest.mark.extended
     def test_a_damaged_prediction_of_a_fit_is_named(self):
         path = self.folder / "small.fit" / "evaluations" / f"{self.id}-0123456789ab"
         path.parent.mkdir(parents=True)
@@ -136,6 +138,7 @@ class Studies(ProgramTest):
         path.write_bytes(b"\1" + path.read_bytes()[1:])
         self.contains(self.shearwake("verify", "small.fit", expect=4).output, f"damaged evaluations/{path.name}: its bytes do not match its checksum")
 
+    @pytest.mark.extended
     def test_copies_of_other_programs_are_named_and_disturb_no_command(self):
         sound = (self.out / "cases" / f"{self.id}.h5").read_bytes()
         names = [f"cases/._{self.id}.h5", f"cases/{self.id} (1).h5", f"cases/{self.id} (conflicted copy 2026-01-01).h5",
@@ -163,6 +166,7 @@ class Studies(ProgramTest):
         self.shearwake("reduce", self.out)
         self.assertEqual(sorted(load.load(self.out).by_id), sorted(row["id"] for row in self.before))
 
+    @pytest.mark.extended
     def test_a_folder_that_a_file_browser_has_opened_is_empty(self):
         self.folder.joinpath("new").mkdir()
         self.folder.joinpath("new", ".DS_Store").write_bytes(b"")
@@ -175,6 +179,7 @@ class TextFiles(ProgramTest):
         self.compute()
         self.before = table(self.out)
 
+    @pytest.mark.extended
     def test_a_changed_index_changes_no_table(self):
         path = next(self.out.glob("index*.jsonl"))
         path.write_text(path.read_text(encoding="utf-8").replace("0.5", "0.9"), encoding="utf-8")
@@ -183,6 +188,7 @@ class TextFiles(ProgramTest):
         self.assertEqual(table(self.out), self.before)
         self.contains(self.shearwake("verify", self.out).output, "lines of the index do not match")
 
+    @pytest.mark.extended
     def test_no_flipped_bit_of_index_or_journal_changes_the_table(self):
         chance = random.Random(2)
         for path in [next(self.out.glob(name)) for name in ("index*.jsonl", "journal*.jsonl")]:
@@ -216,11 +222,13 @@ class TextFiles(ProgramTest):
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)
 
+    @pytest.mark.extended
     def test_a_damaged_plan_of_another_job_is_not_replaced(self):
         (self.out / "plan.json").write_bytes((self.out / "plan.json").read_bytes()[:1000])
         self.write_job(JOB.replace("peak_Pa = 100.0", "peak_Pa = 200.0"))
         self.contains(self.shearwake("run", "job.toml", expect=6).output, "is damaged", "does not belong to a case of this job")
 
+    @pytest.mark.extended
     def test_a_plan_of_an_earlier_version_is_the_same_plan(self):
         path = self.out / "plan.json"
         old = {key: value for key, value in plan(self.out).items() if key != "checksum"}

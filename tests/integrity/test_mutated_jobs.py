@@ -6,6 +6,8 @@ import re
 import shutil
 import zlib
 
+import pytest
+
 from limits import accepted_or_refused, grey_header, png, times
 from mutations import mutated
 from program import ROOT, ProgramTest, changed, command
@@ -31,6 +33,7 @@ class MutatedJobs(ProgramTest):
                     found[self.accepted_or_refused(verb, f"{job.name} number {number}\n{text}")[1]] += 1
         self.assertGreater(min(found.values()), times(20, 500) // 10, found)
 
+    @pytest.mark.extended
     def test_plans_of_many_cases_with_chosen_steps_end_at_once(self):
         for file in (ROOT / "jobs").glob("*.csv"):
             shutil.copy(file, self.folder)
@@ -43,6 +46,7 @@ class MutatedJobs(ProgramTest):
                 output, code = self.accepted_or_refused("plan", name)
                 self.assertEqual(code, 0, output)
 
+    @pytest.mark.extended
     def test_the_step_of_a_fine_mesh_is_left_to_the_run(self):
         """Trial runs of thousands of elements take seconds."""
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
@@ -52,6 +56,7 @@ class MutatedJobs(ProgramTest):
         self.contains(output, "choosing time steps takes more than a second and is left to `run`")
         self.contains(output, "time: not known on this machine yet")
 
+    @pytest.mark.extended
     def test_a_huge_grid_of_pstd_is_planned_at_once(self):
         """A body that crosses the domain, among millions of rows of nodes."""
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
@@ -63,6 +68,7 @@ class MutatedJobs(ProgramTest):
             self.assertEqual(code, 0, output)
         self.contains(output, "left to `run`")
 
+    @pytest.mark.extended
     def test_many_bodies_are_compared_at_once(self):
         """The overlaps of all pairs, also beyond the periodic edges, and the steps of pstd around each of them."""
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
@@ -78,6 +84,7 @@ class MutatedJobs(ProgramTest):
                 if engine == "pstd":
                     self.accepted_or_refused("plan")
 
+    @pytest.mark.extended
     def test_check_counts_the_files_of_all_cases(self):
         """Some TB."""
         text = (ROOT / "jobs" / "quickstart.toml").read_text(encoding="utf-8")
@@ -90,6 +97,7 @@ class MutatedJobs(ProgramTest):
             output[verb], _ = accepted_or_refused(self, command(verb, "job.toml"), (3,), verb)
         self.assertEqual(*(re.search(r"the files of the cases need \d+ MB", text).group() for text in output.values()))
 
+    @pytest.mark.extended
     def test_a_sweep_of_the_depth_of_a_body_is_planned_at_once(self):
         text = (ROOT / "jobs" / "bone-under-palm.toml").read_text(encoding="utf-8")
         self.write_job(changed(('"medium.body[1].depth_mm" = [5.0, 6.0, 8.0, 10.0, 14.0]',
@@ -98,6 +106,7 @@ class MutatedJobs(ProgramTest):
         self.assertEqual(code, 0, output)
         self.contains(output, "40 cases")
 
+    @pytest.mark.extended
     def test_a_large_sweep_with_an_array_is_validated_at_once(self):
         """The pattern of an array takes more time than all else that validates a case."""
         text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
@@ -113,6 +122,7 @@ class MutatedJobs(ProgramTest):
                 self.assertEqual(ended, code, output)
                 self.contains(output, words)
 
+    @pytest.mark.extended
     def test_the_resources_of_a_large_plan_are_those_of_cases_spread_over_it(self):
         """The files of a case grow linearly with its duration, so their mean is that of the shortest and the longest case."""
         text = (ROOT / "jobs" / "foci.toml").read_text(encoding="utf-8")
@@ -129,6 +139,7 @@ class MutatedJobs(ProgramTest):
         # Gaps between the computed cases are at most 2.7 times their mean (multiples of the golden ratio).
         self.assertAlmostEqual(mean_B[2501] / mean_B[2], 1.0, delta=2.7 / estimated)
 
+    @pytest.mark.extended
     def test_steady_states_with_hardly_any_loss_are_computed_or_errors_of_the_job(self):
         text = (ROOT / "jobs" / "reardon-square.toml").read_text(encoding="utf-8")
         for exponent, code in (("0.27", 0), ("1e-7", 0), ("1e-300", 3)):
@@ -139,6 +150,7 @@ class MutatedJobs(ProgramTest):
                     self.assertEqual(ended, code, output)
         self.contains(output, "the loss factor of layer", "at 8.333 Hz", "increase its loss")
 
+    @pytest.mark.extended
     def test_pictures_are_decoded_once(self):
         lens = (ROOT / "jobs" / "lens-letter.toml").read_text(encoding="utf-8")
         polygon = next(line for line in lens.splitlines() if line.startswith("target_polygon_mm"))

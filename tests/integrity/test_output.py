@@ -49,6 +49,7 @@ class Output(ProgramTest):
                 os.close(writer)
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    @pytest.mark.extended
     def test_errors_have_colours_on_a_terminal_unless_they_are_unwanted(self):
         self.write_job(changed(("peak_Pa", "peek_Pa")))
         for settings, expected in (({}, "\x1b[1;31merror:\x1b[0m load.peek_Pa"), ({"NO_COLOR": "1"}, ": error: load.peek_Pa")):
@@ -59,6 +60,7 @@ class Output(ProgramTest):
             os.close(mine)
             os.close(program)
 
+    @pytest.mark.extended
     def test_warnings_of_a_valid_job_and_errors_without_a_place_have_colours_on_a_terminal(self):
         self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 2.0")))
         for words, expected in ((("run", "job.toml"), "\x1b[1;33mwarning:\x1b[0m domain.spacing_mm"),
@@ -88,6 +90,7 @@ class Output(ProgramTest):
             self.assertIn(f"\n# {name}\n# ", output)
         self.contains(output, "viscosity_Pa_s = 5.03", "PMID 20888282", "pitch_mm = 10.47")
 
+    @pytest.mark.extended
     def test_nothing_to_reduce_is_an_error(self):
         self.write_job()
         self.shearwake("run", "job.toml")
@@ -96,6 +99,7 @@ class Output(ProgramTest):
 
 
 class Surroundings(ProgramTest):
+    @pytest.mark.extended
     def test_odd_paths_change_nothing(self):
         self.compute()
         reference = table(self.out)
@@ -146,6 +150,7 @@ class Surroundings(ProgramTest):
                     path.unlink()
                     path.mkdir()
 
+    @pytest.mark.extended
     def test_two_runs_that_write_one_cache_at_once(self):
         self.write_job()
         for n in range(times(2, 10)):
@@ -155,6 +160,7 @@ class Surroundings(ProgramTest):
                     for m in range(2)]
             self.assertEqual([process.wait(PATIENCE_s) for process in both], [0, 0])
 
+    @pytest.mark.extended
     def test_case_files_that_vanish_while_they_are_read(self):
         self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")

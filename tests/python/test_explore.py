@@ -109,6 +109,7 @@ class Explore(InFolder):
         for path in ("/etc/passwd", "/page/main.js", "/page.html", "/../explore.py", "/%2e%2e/explore.py"):
             self.assertIn(self.status_of_raw(f"{path}?token={self.page.token}"), (400, 403, 404), path)
 
+    @pytest.mark.extended
     def test_a_forwarded_port_is_accepted_if_it_is_named(self):
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
@@ -122,6 +123,7 @@ class Explore(InFolder):
                 self.assertEqual(connection.getresponse().status, expected, host)
                 connection.close()
 
+    @pytest.mark.extended
     def test_only_this_machine_is_served(self):
         port = int(self.page.host.rsplit(":", 1)[1])
         with socket.socket() as other:  # another address of this machine is free
@@ -159,6 +161,7 @@ class Explore(InFolder):
                 self.assertIn(expected, message["message"])
         self.connected(talk)
 
+    @pytest.mark.extended
     def test_a_message_that_is_too_long_closes_the_connection_only(self):
         async def talk(ws):
             # The server may close the connection while the message is still being sent, which the sender sees as a reset.
@@ -168,6 +171,7 @@ class Explore(InFolder):
         self.connected(talk)
         self.assertEqual(self.status(f"/?token={self.page.token}")[0], 200)
 
+    @pytest.mark.extended
     def test_a_closed_tab_cancels_its_request_and_others_are_served(self):
         async def talk(session):
             first = await self.connection(session)
@@ -180,6 +184,7 @@ class Explore(InFolder):
                 self.assertEqual((message["type"], message["bytes"]), ("result", len(content)))
         self.in_session(talk)
 
+    @pytest.mark.extended
     def test_a_thousand_rapid_changes_do_not_let_the_memory_grow(self):
         async def changes(ws, first):
             async def send():
@@ -243,6 +248,7 @@ class Explore(InFolder):
         self.assertAlmostEqual(second[peak] / first[peak], 2.0, places=6)  # tables have nine digits
         self.assertTrue((Path(message["folder"]) / "plan.json").is_file())
 
+    @pytest.mark.extended
     def test_a_sweep_uses_a_new_folder(self):
         async def talk(ws):
             self.assertEqual(await self.computed(ws, 1, one()), "result")
@@ -254,6 +260,7 @@ class Explore(InFolder):
         self.assertEqual(message["state"], "done", message)
         self.assertRegex(message["folder"], r"explore-\d{8}-\d{6}-\d+$")
 
+    @pytest.mark.extended
     def test_a_sweep_ignores_tables_that_add_cases(self):
         async def talk(ws):
             swept = 0
@@ -284,6 +291,7 @@ class Explore(InFolder):
             self.assertEqual(await self.computed(ws, 2, one()), "result")
         self.connected(talk)
 
+    @pytest.mark.extended
     def test_the_server_ends_with_the_command(self):
         with Page(self.folder) as page:
             children = [process for process in page.children() if process != page.process.pid]

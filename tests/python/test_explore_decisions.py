@@ -26,6 +26,7 @@ class ExploreDecisions(PageTest):
         speeds = page.run("[explorer.shown.speed, explorer.result.header.surface_wave_m_s]")
         self.assertGreater(speeds[0], 1.2 * speeds[1])  # a Mach cone
 
+    @pytest.mark.extended
     def test_unknown_levels_are_grey_and_no_threshold_passes_through_them(self):
         page = self.open()
         page.run("(s => { s.value = 'level'; s.dispatchEvent(new Event('change')); })(document.getElementById('style'))")
@@ -74,6 +75,7 @@ class ExploreDecisions(PageTest):
                     level_dB = float(file["felt_path_dB"][()])
                 self.assertAlmostEqual(page.run("explorer.result.column('felt_path_dB').value"), level_dB, delta=0.1)
 
+    @pytest.mark.extended
     def test_a_load_without_a_period_starts_from_rest_and_offers_the_values_that_check_names(self):
         page = self.open()
         self.use(page, "s.speed = 7")
@@ -122,6 +124,7 @@ class ExploreDecisions(PageTest):
             self.assertLess(time.monotonic(), end, os.listdir())
             time.sleep(0.05)
 
+    @pytest.mark.extended
     def test_a_picture_and_a_curve_are_saved_and_reset_restores_the_first_setting(self):
         page = self.open()
         self.browser.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(Path.cwd()))

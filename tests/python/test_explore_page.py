@@ -82,6 +82,7 @@ class ExplorePage(PageTest):
         self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
         self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_the_presets_of_the_page_are_those_of_the_program(self):
         page = self.open()
         names = page.run("Object.keys(PRESETS)")
@@ -94,6 +95,7 @@ class ExplorePage(PageTest):
             ids = [list(shearwake.Job(text).plan().cases.index) for text in texts]
             self.assertEqual(*ids, name)
 
+    @pytest.mark.extended
     def test_a_link_restores_the_settings_and_hides_the_token(self):
         page = self.open()
         page.run(f"{MOVE}('speed', 9)")
@@ -127,6 +129,7 @@ class ExplorePage(PageTest):
         page.run("document.querySelectorAll('.pinned button')[1].click()")  # Remove
         self.assertEqual(page.run("document.querySelectorAll('.pinned').length"), 1)
 
+    @pytest.mark.extended
     def test_the_page_sends_the_shown_setting_to_a_sweep(self):
         page = self.open()
         self.use(page, "s.steady = false")
@@ -160,6 +163,7 @@ class ExplorePage(PageTest):
         # The grid samples a focus of 4.5 mm with 6 points and more.
         self.assertAlmostEqual(views[0][3], views[1][3], delta=0.02 * views[0][3])
 
+    @pytest.mark.extended
     def test_results_are_worded_and_compared_with_the_pinned_setting(self):
         page = self.open()
         rows = "Array.from(document.querySelectorAll('#numbers dt'), (e, i) => [e.textContent, document.querySelectorAll('#numbers dd')[i].textContent])"
@@ -180,6 +184,7 @@ class ExplorePage(PageTest):
         self.assertIn("out of the skin", page.run("document.getElementById('scale-low').textContent"))
         self.assertLess(page.run("explorer.result.wake"), page.run("explorer.result.peak"))
 
+    @pytest.mark.extended
     def test_the_level_of_sensation_has_a_map_with_its_threshold_in_the_middle_of_the_scale(self):
         page = self.open()
         self.use(page, "s.steady = false")
@@ -224,6 +229,7 @@ class ExplorePage(PageTest):
         })()""")
         self.assertGreaterEqual(results, 2)
 
+    @pytest.mark.extended
     def test_an_outdated_result_is_dimmed_and_a_lost_request_repeated(self):
         page = self.open()
         page.run("explorer.source.socket.close()")
@@ -239,6 +245,7 @@ class ExplorePage(PageTest):
         self.assertEqual(page.run("explorer.result.header.warnings.filter(w => w.severity === 'error' && w.key.startsWith('afferents'))"), [])
         self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
 
+    @pytest.mark.extended
     def test_the_keyboard_moves_the_probe_and_starts_and_stops_the_playback(self):
         page = self.open()
         page.run("explorer.tour.end(); document.getElementById('overlay').focus()")
@@ -251,6 +258,7 @@ class ExplorePage(PageTest):
             page.press(" ", 32)
             self.assertEqual(page.run("explorer.is_playing"), plays)
 
+    @pytest.mark.extended
     def test_every_control_has_a_name(self):
         page = self.open()
         page.run("explorer.settings.layers = structuredClone(PRESETS.forearm.layers); explorer.controls.build()")
@@ -259,6 +267,7 @@ class ExplorePage(PageTest):
             .map(e => e.outerHTML)""")
         self.assertEqual(nameless, [])
 
+    @pytest.mark.extended
     def test_the_tour_leads_through_the_page(self):
         page = self.open()
         page.run("explorer.tour.show(0)")
@@ -272,6 +281,7 @@ class ExplorePage(PageTest):
             page.run("document.getElementById('tour-next').click()")
         self.assertTrue(page.run("document.getElementById('tour').hidden"))
 
+    @pytest.mark.extended
     def test_the_page_fits_a_desktop_and_a_phone(self):
         for width in (1280, 390):
             with self.subTest(width=width):

@@ -110,6 +110,7 @@ class BrowserTest(Pages):
     def test_heat_maps_fit_a_desktop_and_a_phone(self):
         self.shows(self.page_of_heat_maps(), "heat_eta_period_1")
 
+    @pytest.mark.extended
     def test_a_drawn_shape_fits_a_desktop_and_a_phone(self):
         folder = self.new_folder(x="load.modulation.kind", swept=["load.modulation.kind"])
         line = [(-0.01, -0.01), (0.01, -0.01), (0.01, 0.01), (-0.01, 0.01), (-0.01, -0.01)]
@@ -138,6 +139,7 @@ class BrowserTest(Pages):
                              ["0.24", "0.25", "0.26", "0.27", "–", "–"])
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_the_keyboard_sorts_and_the_order_is_announced(self):
         page = self.open(1280)
         am = page.run(INDEX.format(AM))
@@ -183,6 +185,7 @@ class BrowserTest(Pages):
         self.assertTrue(page.wait(output + '.includes(":")'))
         return page.run(output)
 
+    @pytest.mark.extended
     def test_pointing_at_a_cell_of_a_heat_map_shows_its_value(self):
         for _, page in self.both(path=self.page_of_heat_maps()):
             for across, up, words in ((0.5, 0.5, "AM frequency 200\u00a0Hz, focus FWHM 3\u00a0mm"),
@@ -193,12 +196,14 @@ class BrowserTest(Pages):
                 self.assertTrue(text.endswith(f" {1e-3 * f + w + 50.0:g}"), text)  # of grid() at 5 m/s
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_pointing_at_a_surface_shows_u(self):
         for _, page in self.both():
             text = self.pointed_at(page, "surface", 0.5, 0.5)
             self.assertRegex(text, "^x \\(mm\\) .*, y \\(mm\\) .*: u .* µm$")
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_dragging_zooms_both_panels_of_a_figure_and_the_button_resets_them(self):
         page = self.open(1280)
         limits = """charts.filter(chart => chart.holder.id === "chart-eta").map(
@@ -217,6 +222,7 @@ class BrowserTest(Pages):
         page.run('document.querySelector("#chart-eta button").click()')
         self.assertTrue(page.wait(f"JSON.stringify({limits}) === JSON.stringify({before})"))
 
+    @pytest.mark.extended
     def test_the_filter_selects_rows_and_lines(self):
         for _, page in self.both():
             page.run('document.querySelector("details:has(#eta_time)").open = true')
@@ -235,6 +241,7 @@ class BrowserTest(Pages):
             self.assertEqual(page.run(lines), 1)
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_the_contents_open_the_topic_of_a_figure(self):
         page = self.open(1280)
         self.assertFalse(page.run("""document.querySelector("details:has(#spectra)").open"""))
@@ -246,6 +253,7 @@ class BrowserTest(Pages):
             (part, i, all) => i === 0 || !!(all[i - 1].compareDocumentPosition(part) & 4))""")
         self.assertTrue(all(tops), "the contents have the order of the page")
 
+    @pytest.mark.extended
     def test_the_legend_shows_references_dashed(self):
         for width, page in self.both():
             styles = page.run("""Object.fromEntries(Array.from(
@@ -257,6 +265,7 @@ class BrowserTest(Pages):
             self.assertGreater(marker[0], 3 * marker[1])  # a part of a line, not a square
             self.assertEqual(page.run("[8e-7, 1.234e-5, 2e-3].map(numberText)"), ["8e\N{MINUS SIGN}7", "1.234e\N{MINUS SIGN}5", "0.002"])
 
+    @pytest.mark.extended
     def test_crosses_of_readings_that_are_not_valid_have_values(self):
         folder = self.new_folder()
         for f in (100.0, 200.0, 400.0):
@@ -287,6 +296,7 @@ class BrowserTest(Pages):
             self.assertIn("not valid: AM frequency (Hz) 200, efficiency η 0.2", page.run(output))
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_labels_and_notes_are_complete_on_a_phone(self):
         preset = "medium.preset"
         folder = self.new_folder(series=[preset], swept=[AM, preset])
@@ -307,6 +317,7 @@ class BrowserTest(Pages):
         self.assertEqual(page.run("getComputedStyle(document.querySelector('.tall')).backgroundAttachment"),
                          "local, local, scroll, scroll")  # a shadow at an edge behind which there are columns
 
+    @pytest.mark.extended
     def test_panels_show_the_settled_part_the_instant_and_the_modulation_frequencies(self):
         folder = self.new_folder(series=[FWHM], swept=[AM, FWHM])
         for fwhm in (2.0, 3.0):

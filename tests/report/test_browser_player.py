@@ -2,6 +2,7 @@
 """Tests of the player of surfaces in a headless chromium."""
 
 import h5py
+import pytest
 
 import test_browser
 from synthetic import case_id
@@ -35,6 +36,7 @@ class PlayerTest(test_browser.Pages):
             self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_a_load_that_repeats_starts_again_after_its_period(self):
         page = self.at_start(1280)
         found = page.run("""(() => { const player = document.querySelector(".player").player, panel = player.panels[0];
@@ -43,6 +45,7 @@ class PlayerTest(test_browser.Pages):
             return [player.times, player.times.map((t, i) => { player.slider.value = i; return panel.frame(); })]; })()""")
         self.assertEqual(found, [[1, 2, 3, 4], [0, 1, 0, 1]])  # the other panel shows 2 and 4 ms
 
+    @pytest.mark.extended
     def test_pointing_at_the_surface_shows_u_in_both_panels(self):
         for _, page in self.both(self.at_start):
             x, y = page.run("""(() => {
@@ -56,6 +59,7 @@ class PlayerTest(test_browser.Pages):
             for text in page.run(texts):  # the centre of a spot of 3 um, within a pixel of 1 mm
                 self.assertRegex(text, r"^x 2[78][0-9.]* mm, y .* mm: u (2\.[5-9][0-9]*|3) µm$")
 
+    @pytest.mark.extended
     def test_every_case_can_be_chosen_and_colours_follow_the_scale(self):
         page = self.at_start(1280)
         selects = page.run("""Object.fromEntries(Array.from(document.querySelector(".player-panel").querySelectorAll("label"),
@@ -78,6 +82,7 @@ class PlayerTest(test_browser.Pages):
             choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")
         self.assertNotEqual(page.run('document.querySelector(".high").textContent'), before)
 
+    @pytest.mark.extended
     def test_a_single_surface_has_no_controls_of_the_time(self):
         folder = self.new_folder(swept=(), x="")
         folder.add({})
@@ -93,6 +98,7 @@ class PlayerTest(test_browser.Pages):
             self.assertTrue(page.run('!!document.querySelector(".clock").offsetParent'))
             self.assertEqual(page.errors(), [])
 
+    @pytest.mark.extended
     def test_play_moves_the_slider_and_pause_stops_it(self):
         for _, page in self.both(self.at_start):
             page.run('document.querySelector(".speed").value = "10"')

@@ -7,9 +7,12 @@ import sys
 
 import h5py
 import numpy as np
+import pytest
 
 from program import ROOT, environment
 from synthetic import AM, PHYSICS, Folder, InFolder, sweep
+
+pytestmark = pytest.mark.extended
 
 # LaTeX is not installed on most machines; the backend does not exist.
 HOSTILE = """backend: module://no_such_backend
