@@ -104,7 +104,8 @@ TEST_CASE("frames with open edges are identical on any number of ranks", "[mpi]"
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
 }
 
-TEST_CASE("frames of a moving array focus are identical on any number of ranks", "[mpi]") {
+TEST_CASE("frames of a moving array focus are identical on any number of ranks",
+          "[mpi][extended]") {
     Case c = on_rigid_base(8e-3, 20);
     c.scene.load.footprint = ArrayFootprint{.reach_m = 0.02};
     c.measure.depths_m = {0.0};
@@ -120,7 +121,7 @@ TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mp
     CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
 
-TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
+TEST_CASE("frames with a map are identical on any number of ranks", "[mpi][extended]") {
     Case c = on_rigid_base(8e-3, 8);
     auto map = std::make_shared<MaterialMap>();
     map->counts = {5, 4, 6};

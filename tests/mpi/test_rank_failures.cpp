@@ -211,7 +211,8 @@ Seen refuse_memory(Runner& runner, const Comm& team, int victim, long all) {
 
 } // namespace
 
-TEST_CASE("memory refused to one rank at any place fails its case only", "[mpi][faults]") {
+TEST_CASE("memory refused to one rank at any place fails its case only",
+          "[mpi][faults][extended]") {
     const Comm team = Comm::world().split(0);
     const test::SharedFolder folder(team);
     // With their steps between checkpoints; 0: none are written.

@@ -61,7 +61,7 @@ static bool everywhere(Vec3) {
 constexpr std::array<std::size_t, components> not_swapped = {0, 1, 2, 3, 4, 5};
 
 TEST_CASE("the stress around a cylinder does not depend on the axis along which it lies",
-          "[verify]") {
+          "[verify][extended]") {
     const Case c = stress_case(Along::x), other = stress_case(Along::y);
     const std::ptrdiff_t ny = other.domain.ny;
     // xx and yy, yz and xz exchange their places.
@@ -71,7 +71,7 @@ TEST_CASE("the stress around a cylinder does not depend on the axis along which 
         CHECK(d.difference < 1e-8 * d.largest); // rounding, which lambda/mu = 1e5 amplifies
 }
 
-TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify]") {
+TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify][extended]") {
     const Case c = stress_case(Along::y);
     Case moved = c;
     constexpr std::ptrdiff_t points = 7;

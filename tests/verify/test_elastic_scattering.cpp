@@ -158,7 +158,7 @@ TEST_CASE("an elastic cylinder scatters shear waves as the closed form", "[verif
 }
 
 TEST_CASE("a dense or viscous elastic cylinder scatters shear waves as the closed form",
-          "[verify]") {
+          "[verify][extended]") {
     const double kappa = 0.5;
     SECTION("dense") {
         const Errors found = cylinder_errors(false, {10.0, 1.9}, 5.0, kappa);
@@ -189,7 +189,8 @@ TEST_CASE("an elastic sphere scatters shear waves as the closed form", "[verify]
     CHECK(found < allowed(modulus));
 }
 
-TEST_CASE("a viscous elastic sphere scatters shear waves as the closed form", "[verify]") {
+TEST_CASE("a viscous elastic sphere scatters shear waves as the closed form",
+          "[verify][extended]") {
     const double kappa = 0.5, viscous = 1.0; // times the modulus of the solid at this growth
     Body body = with(sphere(), {10.0, 1.0});
     body.viscosity_Pa_s = viscous * solid_mu_Pa / (kappa / body_radius_m * 5.0);
@@ -199,7 +200,7 @@ TEST_CASE("a viscous elastic sphere scatters shear waves as the closed form", "[
 }
 
 TEST_CASE("an inclined elastic cylinder scatters shear waves as the closed form",
-          "[long][verify]") {
+          "[long][verify][extended]") {
     // The middle of a cylinder that is twelve radii long; the effect of its ends decays as
     // e^{-kappa r} around it. A much stiffer one carries their motion along.
     constexpr double kappa = 1.0, half_length = 1.5;

@@ -72,7 +72,7 @@ TEST_CASE("open edges agree with a periodic domain four times as wide", "[open_e
     }
 }
 
-TEST_CASE("open edges hold for several foci and for an array", "[open_edges]") {
+TEST_CASE("open edges hold for several foci and for an array", "[open_edges][extended]") {
     Case open = circle();
     open.measure.depths_m = {0.0};
     if (GENERATE(true, false)) {

@@ -150,7 +150,7 @@ TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pst
 }
 
 TEST_CASE("spheres have the same effect in the engines pstd and spectral on a finer grid",
-          "[long][pstd]") {
+          "[long][pstd][extended]") {
     struct Sphere {
         double contrast, most;
     };

@@ -66,7 +66,7 @@ TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]")
 }
 
 TEST_CASE("receptor stress just above a rigid layer equals that above a rigid base",
-          "[verify][neural]") {
+          "[verify][neural][extended]") {
     Case c = skin_case(), base = c;
     c.scene.medium.bodies = {{.name = "slab", // 0.2 mm below the deepest receptors
                               .shape = Box{{1.0, 1.0, 3e-3}},

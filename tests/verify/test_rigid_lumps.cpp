@@ -76,7 +76,8 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
     test::check_conserved_energy(c, step_s, 17);
 }
 
-TEST_CASE("mirror image of rigid lumps yields the mirror image of the field", "[verify]") {
+TEST_CASE("mirror image of rigid lumps yields the mirror image of the field",
+          "[verify][extended]") {
     Case c = lump_case(0.5);
     std::vector<Body>& bodies = c.scene.medium.bodies;
     const Body body = bodies[0];

@@ -22,7 +22,7 @@ TEST_CASE("exchanging source and receiver above rigid bodies preserves the trace
     CHECK(test::reciprocity_error(c, {{{-4e-3, 1e-3}, {5e-3, 3e-3}}}) < 1e-6); // required
 }
 
-TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
+TEST_CASE("two rigid bodies far apart act independently", "[verify][extended]") {
     // Their axes are 32 spacings apart, which a wave travels in more than the 1 ms of the case;
     // what remains is the almost static near field.
     Case both = bone_case(Along::y, 0.5);
@@ -162,7 +162,7 @@ TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
     CHECK(difference < 2e-3); // required
 }
 
-TEST_CASE("a rigid body below a rigid layer has no effect", "[verify]") {
+TEST_CASE("a rigid body below a rigid layer has no effect", "[verify][extended]") {
     const Case alone = slab_case(0.5);
     Case both = alone;
     Body below = alone.scene.medium.bodies[0];
@@ -191,7 +191,7 @@ TEST_CASE("a rigid body below a rigid layer has no effect", "[verify]") {
     CHECK(on_elements(both) == on_elements(alone));
 }
 
-TEST_CASE("energy of a lossless medium with a rigid slab is conserved", "[verify]") {
+TEST_CASE("energy of a lossless medium with a rigid slab is conserved", "[verify][extended]") {
     const double step_s = GENERATE(25e-6, 200e-6);
     const Case c = test::with_step(slab_case(0.0), step_s);
     const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction

@@ -92,7 +92,8 @@ TEST_CASE("force on a rigid sphere converges as the grid is refined", "[verify]"
     CHECK(std::abs(at_8.about_x) < 0.5 * std::abs(at_4.about_x));
 }
 
-TEST_CASE("force of a shear wave on a rigid sphere agrees with the closed form", "[verify]") {
+TEST_CASE("force of a shear wave on a rigid sphere agrees with the closed form",
+          "[verify][extended]") {
     // The force is the amplitude of the scattered wave far from the sphere.
     const double kappa = GENERATE(1.0, 2.0);
     const RigidSphere sphere(6.0, kappa, 10.0);

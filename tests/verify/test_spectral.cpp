@@ -91,7 +91,8 @@ TEST_CASE("engine spectral is stable at any step and for layers of any contrast"
     CHECK(test::largest(test::last_frame(with_step(c, 100e-6))) < 2.0 * reference);
 }
 
-TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundred", "[verify]") {
+TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundred",
+          "[verify][extended]") {
     Case c = required_case();
     Layer stiff = c.scene.medium.layers[0], soft = stiff;
     stiff.c_s_m_s = 50.0;
@@ -110,7 +111,7 @@ TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundr
 }
 
 TEST_CASE("engine spectral reproduces the table of layered for the medium of the quickstart",
-          "[verify]") {
+          "[verify][extended]") {
     Case c = required_case();
     c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
     c.measure.depths_m = {0.0};

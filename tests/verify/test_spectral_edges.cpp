@@ -87,7 +87,7 @@ TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "
 }
 
 TEST_CASE("field of a moving focus with a sponge equals that of a wide domain for 14 ms",
-          "[verify]") {
+          "[verify][extended]") {
     const auto scan = [](std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
         Case c = pulse(nx, ny, sponge_m);
         c.scene.medium.layers[0].thickness_m = 12e-3;
@@ -108,7 +108,7 @@ TEST_CASE("field of a moving focus with a sponge equals that of a wide domain fo
     CHECK(error < 0.06); // square root of the returned energy, 0.4 %; observed 0.04
 }
 
-TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify]") {
+TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify][extended]") {
     Case c = lossless_with_body();
     SECTION("elastic") {}
     SECTION("rigid") {

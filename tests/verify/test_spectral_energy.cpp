@@ -126,7 +126,7 @@ struct Compressible {
     double layer_c_p_m_s, layer_c_s_m_s, body_c_p_m_s, body_c_s_m_s;
 };
 
-TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
+TEST_CASE("a body of any compressibility is stable at any step", "[verify][extended]") {
     // Below c_p = sqrt(2) c_s lambda is negative; the bulk modulus is positive above 1.155 c_s.
     // Then the least lambda and the least mu of a plane together are no solid.
     const auto m = GENERATE(Compressible{20.0, 5.0, 12.0, 10.0}, // four times stiffer
@@ -155,7 +155,8 @@ TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
     CHECK(last > 1.0 - 1e-6);
 }
 
-TEST_CASE("energy of a compressible layer with a stiff viscous body never increases", "[verify]") {
+TEST_CASE("energy of a compressible layer with a stiff viscous body never increases",
+          "[verify][extended]") {
     const double step_s = 25e-6, viscosity_Pa_s = GENERATE(0.0, 1.0, 4.0);
     Case c = compressible_case(20.0, step_s);
     c.scene.medium.layers[0].c_s_m_s = 5.0;

@@ -94,7 +94,8 @@ static Case pulsating(double ratio, double frequency_Hz) {
     return c;
 }
 
-TEST_CASE("neither compressional nor shear waves return from below a half-space", "[verify]") {
+TEST_CASE("neither compressional nor shear waves return from below a half-space",
+          "[verify][extended]") {
     // At 800 Hz and c_p = 50 m/s (wavelength 62 mm) compressional waves leave downward at oblique
     // angles as well; otherwise only their mean over the plane does, except at 4 c_s and less.
     const auto [ratio, frequency_Hz] =
@@ -138,7 +139,7 @@ TEST_CASE("the estimated error of an absorber is within a factor of two of its e
     CHECK(estimated > 0.5 * error);
 }
 
-TEST_CASE("the field at the end of a path is that of the exact half-space", "[verify]") {
+TEST_CASE("the field at the end of a path is that of the exact half-space", "[verify][extended]") {
     // The load ends at the last frame, where its jump has no influence yet.
     const double ratio = GENERATE(2.0, 10.0, 300.0);
     Case c = pulsating(ratio, 200.0);

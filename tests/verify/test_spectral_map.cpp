@@ -50,7 +50,7 @@ TEST_CASE("a map of a box is equivalent to a body", "[verify]") {
     CHECK(test::relative_l2(test::last_frame(c), test::last_frame(body)) < 1e-12);
 }
 
-TEST_CASE("a map of a sphere is equivalent to a body", "[verify]") {
+TEST_CASE("a map of a sphere is equivalent to a body", "[verify][extended]") {
     Case c = tissue_case();
     Layer layer = test::tissue(1500.0, 10.0);
     layer.thickness_m = 10e-3;

@@ -107,11 +107,12 @@ TEST_CASE("error with bodies of any material is within its limit at 25 us", "[ve
     if (changes_shear(kind)) CHECK(seen > 10.0 * error);
 }
 
-TEST_CASE("field with bodies of any material is stable for 14 ms", "[verify]") {
+TEST_CASE("field with bodies of any material is stable for 14 ms", "[verify][extended]") {
     check_stable(GENERATE(from_range(test::parameters(8, kinds()))), 50e-6);
 }
 
-TEST_CASE("field with extreme bodies is stable for 14 ms with half the step", "[verify]") {
+TEST_CASE("field with extreme bodies is stable for 14 ms with half the step",
+          "[verify][extended]") {
     const std::string name = GENERATE("100 times stiffer", "half as dense");
     const auto kind = std::ranges::find(kinds(), name, &Kind::name);
     REQUIRE(kind != kinds().end());

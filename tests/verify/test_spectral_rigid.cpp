@@ -104,7 +104,8 @@ TEST_CASE("a rigid body along x is equivalent to one along y", "[verify]") {
     CHECK(relative_l2(turned, of_y) < 1e-10); // sums in a different order
 }
 
-TEST_CASE("mirror image of a rigid body yields the mirror image of the field", "[verify]") {
+TEST_CASE("mirror image of a rigid body yields the mirror image of the field",
+          "[verify][extended]") {
     Case c = bone_case(Along::y, 0.5);
     const auto frame = last_frame(c);
     test::travel_of(c).path = Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
@@ -113,7 +114,8 @@ TEST_CASE("mirror image of a rigid body yields the mirror image of the field", "
     CHECK(test::asymmetry(c.domain, frame, mirrored) < 1e-10 * test::largest(frame)); // required
 }
 
-TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[verify]") {
+TEST_CASE("a rigid body across the periodic edge is the same body elsewhere",
+          "[verify][extended]") {
     Case c = bone_case(Along::y, 0.5);
     const auto frame = last_frame(c);
     const std::ptrdiff_t shift = c.domain.nx / 2 - 1; // the body then crosses the edge
@@ -130,7 +132,7 @@ TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[
     CHECK(relative_l2(back, frame) < 1e-9); // rounding of the phases
 }
 
-TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
+TEST_CASE("a rigid body converges as the grid is refined", "[verify][extended]") {
     // The change of the surface field due to a bone of 3 mm radius, at the points of the coarsest
     // grid, compared with a spacing of 0.3 mm.
     const bool fixed = GENERATE(false, true);

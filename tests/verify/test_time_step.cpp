@@ -72,7 +72,7 @@ TEST_CASE("chosen step reaches the requested accuracy without being much too sho
     }
 }
 
-TEST_CASE("chosen step reaches the requested accuracy with a stiff body", "[verify]") {
+TEST_CASE("chosen step reaches the requested accuracy with a stiff body", "[verify][extended]") {
     const auto [contrast, top_m] = GENERATE(table<double, double>({{4, 2e-3}, {16, 1e-3}}));
     Case c = scan_case({3e-3, 7.0, 5.0, 0.5});
     c.domain = {32, 24, 1e-3, 0.0};

@@ -61,7 +61,8 @@ TEST_CASE("a rigid box turned by 90 degrees has the field of one with exchanged 
     CHECK(relative_l2(turned, plain) < 1e-10);
 }
 
-TEST_CASE("energy of a lossless medium with a turned elastic body is conserved", "[verify]") {
+TEST_CASE("energy of a lossless medium with a turned elastic body is conserved",
+          "[verify][extended]") {
     Case c = test::with_step(lump_case(0.0), 100e-6);
     Body& body = c.scene.medium.bodies[0];
     body.shape = Box{{8e-3, 5e-3, 3e-3}, {35.0, 25.0, -20.0}};
@@ -72,7 +73,8 @@ TEST_CASE("energy of a lossless medium with a turned elastic body is conserved",
     test::check_conserved_energy(c, 100e-6, 17);
 }
 
-TEST_CASE("a rigid cylinder inclined by 90 degrees has the field of a vertical one", "[verify]") {
+TEST_CASE("a rigid cylinder inclined by 90 degrees has the field of a vertical one",
+          "[verify][extended]") {
     const Case inclined = with_shapes(
         lump_case(0.5), {Cylinder{.radius_m = 3e-3, .length_m = 6e-3, .inclination_deg = 90.0}});
     const Case vertical =
@@ -81,7 +83,8 @@ TEST_CASE("a rigid cylinder inclined by 90 degrees has the field of a vertical o
     CHECK(relative_l2(last_frame(inclined), last_frame(vertical)) < 1e-10); // rounding, as above
 }
 
-TEST_CASE("the orientation of a rigid sphere has little effect on the field", "[verify]") {
+TEST_CASE("the orientation of a rigid sphere has little effect on the field",
+          "[verify][extended]") {
     // Only the places of its markers change. At 4.8 spacings per radius, they change the effect of
     // the sphere on the surface by 1 to 2 %; at 2.4, by 20 %.
     Case c = lump_case(0.5);
