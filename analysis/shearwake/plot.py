@@ -95,24 +95,19 @@ class SweepPlot(ReportFigures):
     def __call__(self, column: str, *, axes: Axes | None = None) -> Figure:
         """One curve of the column per combination of the other swept keys, with error bars, and the references as dashed lines. Readings
         that are not valid are grey crosses. Raises KeyError, and NotRecorded without a swept key."""
-        answer, style, warnings_of, fig_curves, fig_measures = map(
-            report_module, ("answer", "style", "warnings_of", "figures.fig_curves", "figures.fig_measures"))
+        style, warnings_of, curve_chart, fig_curves, chart_figure = map(
+            report_module, ("style", "warnings_of", "page.curve_chart", "figures.fig_curves", "figures.chart_figure"))
         selection = self._selection()
         if not selection.x or not fig_curves.has_any(selection, self._known(column)):
             raise NotRecorded(f"there is no curve of {column}: no key is swept, or no case has a value")
+        chart = curve_chart.curve_chart(selection, warnings_of.figure_of(column), column)
         with figure_style.current() if axes is None else contextlib.nullcontext():
             if axes is None:
                 _, axes = style.plt.subplots(layout="constrained")
-            curves, name = fig_curves.curves_of(selection), warnings_of.figure_of(column)
-            fig_measures.draw_column(axes, selection, curves, column, name)
-            for value, text, colour in fig_curves.reference_lines(axes, selection, curves, column, name):
-                axes.plot([], [], color=colour, linestyle="--", label=text.split("\n")[0])
-            for group, colour, marker in curves if len(curves) > 1 else ():
-                axes.plot([], [], color=colour, marker=marker, label=group.label)
-            fig_curves.set_x_axis(axes, selection)
-            axes.set_ylabel(answer.column_label(selection, column))
-            if axes.get_legend_handles_labels()[0]:
-                axes.legend()
+            chart_figure.draw(axes, chart, chart_figure.markers([chart]))
+            axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+            if len(handles := chart_figure.legend_handles([chart])) > 1:
+                axes.legend(handles=handles)
             figure: Any = axes.figure
             style.finish(figure)
             return finished(figure)

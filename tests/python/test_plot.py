@@ -27,7 +27,7 @@ class Plots(InFolder):
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("AM frequency (Hz)", "efficiency η"))
         drawn = next(line for line in axes.lines if len(line.get_xdata()) == len(self.sweep))
         np.testing.assert_array_equal(drawn.get_ydata(), [case.value("eta_period_1") for case in self.sweep])
-        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["plain STM"])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["AM-STM", "plain STM"])
         with self.assertRaisesRegex(KeyError, "did you mean eta_period_1"):
             self.sweep.plot("eta_periood_1")
 

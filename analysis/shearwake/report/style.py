@@ -118,50 +118,6 @@ def distinct(count: int) -> list:
     return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
 
 
-def readable(colour: Any) -> tuple[float, ...]:
-    """A colour, darkened until text in it has a contrast of 4.5 on white (WCAG 2)."""
-    rgb = np.array(matplotlib.colors.to_rgb(colour))
-    while True:
-        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-        if 1.05 / (linear @ [0.2126, 0.7152, 0.0722] + 0.05) >= 4.5:
-            return tuple(rgb)
-        rgb = 0.95 * rgb
-
-
-def spread(places: Any, gap: float) -> np.ndarray:
-    """`places`, moved as little as necessary to be at least `gap` apart, in the same order."""
-    order = np.argsort(places)
-    moved = np.array(places, dtype=float)
-    for _ in range(200):
-        steps = np.diff(moved[order])
-        if np.all(steps >= gap * 0.999):
-            break
-        for low, high in zip(order[:-1], order[1:]):
-            missing = gap - (moved[high] - moved[low])
-            if missing > 0:
-                moved[low] -= 0.5 * missing
-                moved[high] += 0.5 * missing
-    return moved
-
-
-def label_right(axes: Axes, labels: list[Any]) -> None:
-    """Writes each (y, text, colour) at the right edge near the height y, without overlaps and within the height of the
-    axes if there is room."""
-    if not labels:
-        return
-    fractions = [axes.transLimits.transform(axes.transScale.transform((1.0, y)))[1]
-                 for y, _, _ in labels]
-    height_pt = 72.0 * axes.figure.get_figheight() * axes.get_position().height
-    lines = max(text.count("\n") + 1 for _, text, _ in labels)
-    gap = 12.0 * lines / height_pt
-    places = spread(fractions, gap)
-    places -= max(0.0, places.max() + gap / 2 - 1.0)
-    places += max(0.0, gap / 2 - places.min())
-    for place, (_, text, colour) in zip(places, labels):
-        axes.text(1.015, place, text, transform=axes.transAxes, va="center", ha="left", fontsize=plt.rcParams["legend.fontsize"],
-                  color=readable(colour), clip_on=False, linespacing=1.15)
-
-
 def panels(count: int, columns: int, height_in: float, more_in: float, **options: Any) -> tuple[Any, np.ndarray]:
     """A figure with rows of panels of this height, of which the first `count` are visible, and their axes."""
     rows = -(-count // columns)

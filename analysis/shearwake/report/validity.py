@@ -33,5 +33,4 @@ def invalid_cases(selection: Selection, figure: str, *columns: str) -> list[Case
 def invalid_caption(selection: Selection, figure: str, *columns: str) -> str:
     """The sentence of a caption about grey crosses; '' if all readings are valid."""
     found = invalid_cases(selection, figure, *columns)
-    marks = "crosses and dotted lines" if any(c.is_reference for c in found) else "crosses"
-    return f" Grey {marks}, not valid: {layout.count_of(found)}." if found else ""
+    return f" Grey crosses, not valid: {layout.count_of(found)}." if found else ""

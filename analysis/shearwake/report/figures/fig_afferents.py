@@ -6,11 +6,11 @@ import math
 from dataclasses import replace
 
 from ...case import Case
-from .. import labels as labels_module, layout, style
+from .. import labels, layout, style
 from ..figure import Figure
 from ..load import Selection
-from ..validity import invalid_caption
-from . import fig_curves as curves_module, fig_heat
+from ..page.curve_chart import curve_chart
+from . import fig_curves
 
 PANELS = ("total_rate_Hz", "peak_rate_Hz", "active_1", "rate_Hz", "near_path_1", "spread_mm", "vector_strength_1")
 
@@ -42,29 +42,18 @@ def with_enough_spikes(selection: Selection, kind: str) -> tuple[Selection, list
 
 def class_figure(selection: Selection, kind: str) -> Figure | None:
     selection, few = with_enough_spikes(selection, kind)
-    columns = [column for name in PANELS if curves_module.has_any(selection, column := f"{kind}_{name}")]
-    if not columns or not any(c.value(f"{kind}_spikes_1", math.nan) > 0 for c in layout.ordinary(selection)):
+    name = f"afferents_{kind}"
+    charts = {column: curve_chart(selection, name, column) for panel in PANELS if fig_curves.has_any(selection, column := f"{kind}_{panel}")}
+    if not charts or not any(c.value(f"{kind}_spikes_1", math.nan) > 0 for c in layout.ordinary(selection)):
         return None
-    name, curves = f"afferents_{kind}", curves_module.curves_of(selection)
-    figure, made = curves_module.panels(len(columns), curves, height_in=1.35)
-    for axes, column in zip(made, columns):
-        for group, colour, marker in curves:
-            curves_module.draw_curve(axes, selection, group, column, name, marker=marker, color=colour,
-                                     linestyle="-" if layout.is_numeric(selection) else "none")
-        labels = curves_module.reference_lines(axes, selection, curves, column, name)
-        low, high = axes.get_ylim()
-        axes.set_ylim(min(0.0, low), max(1.06 * high, 1e-9))
-        axes.set_ylabel(fig_heat.measure_label(selection, column, 20))
-        style.label_right(axes, labels)
-    curves_module.set_x_axis(made[-1], selection)
-    curves_module.legend_above(figure, curves)
-    title = f"{kind} afferents against {labels_module.name(selection, selection.x)}"
-    return Figure(figure, name, title,
-                  f"Response of the {kind} afferents: the spikes per second of all of them together, on average and in the 50 ms "
-                  "with most spikes, the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a "
-                  "focal radius from the path of the focus, the rms distance of the spikes from the path, and the vector strength of "
-                  "the spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
-                  + " Panels without a value in any case are omitted." + invalid_caption(selection, name, *columns), title)
+    for chart in charts.values():
+        chart.begin_at_zero()
+    return fig_curves.curves_figure(
+        selection, name, f"{kind} afferents against {labels.name(selection, selection.x)}", charts,
+        f"Response of the {kind} afferents: the spikes per second of all of them together, on average and in the 50 ms with most spikes, "
+        "the number of afferents that respond and their mean rate, the fraction of the spikes whose receptors are at most a focal radius "
+        "from the path of the focus, the rms distance of the spikes from the path, and the vector strength of the spikes at the modulation "
+        "frequency (1: all spikes have the same phase)." + few_caption(few) + " Panels without a value in any case are omitted.", 1.35)
 
 
 def few_caption(few: list[Case]) -> str:

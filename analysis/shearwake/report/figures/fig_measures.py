@@ -6,15 +6,13 @@ import math
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from ... import wake
-from .. import answer, labels, layout, style
+from .. import labels, layout, style
 from ..figure import Figure
 from ..load import Selection
 from ..page.chart import Chart, Line
-from ..page.curve_chart import curve_chart, draw_errors, error_caption, errors
-from ..validity import invalid_caption
+from ..page.curve_chart import curve_chart, errors
 from ..words import number
 from . import fig_curves as curves_module, fig_heat
 
@@ -51,17 +49,6 @@ PERCEIVED: dict[str, Any] = {
                "nothing below 0 dB, and a difference of 2.3 dB is just noticeable."}
 
 
-def draw_column(axes: Axes, selection: Selection, curves: list[tuple[layout.Group, str, str]], column: str,
-                figure: str) -> None:
-    """Draws one column of the table with its error bars, one line per curve, as a part of the figure of this name."""
-    for (group, colour, marker), aside in zip(curves, curves_module.asides(selection, curves)):
-        x, y = curves_module.draw_curve(axes, selection, group, column, figure, aside, marker=marker, color=colour,
-                                        linestyle="-" if layout.is_numeric(selection) else "none")
-        draw_errors(axes, x, y, group.cases, column, colour)
-    axes.margins(y=0.12)
-    curves_module.widen(axes)
-
-
 def drawn_values(selection: Selection, column: str) -> np.ndarray:
     """The values of a column with their error bars."""
     values = np.array([c.value(column, math.nan) for c in layout.ordinary(selection)])
@@ -69,28 +56,15 @@ def drawn_values(selection: Selection, column: str) -> np.ndarray:
     return np.concatenate([values, np.where(half < values, values - half, values), values + half])
 
 
-def ratio_curves(selection: Selection, column: str, name: str) -> tuple[Any, list[Chart]]:
-    """One panel with a measure relative to the reference on a logarithmic scale around 1: the picture and its chart."""
-    curves = [curve for curve in curves_module.curves_of(selection) if any(selection.reference_of(c) is not c for c in curve[0].cases)]
-    figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    draw_column(axes, selection, curves, selection.ratio_of(column), name)
-    axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
-    limits = style.ratio_limits(drawn_values(selection, selection.ratio_of(column)))
-    if limits:
-        axes.set_yscale("log")
-        axes.set_ylim(*limits)
-        style.ratio_axis(axes.yaxis, limits)
-    axes.set_ylabel(answer.column_label(selection, selection.ratio_of(column)))
-    reference = layout.reference_name(layout.all_references(selection))
-    style.label_right(axes, [(1.0, reference, style.INK)])
-    curves_module.set_x_axis(axes, selection)
-    curves_module.legend_above(figure, curves)
-    chart = curve_chart(selection, name, selection.ratio_of(column))
-    x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
-    if limits:
+def ratio_chart(selection: Selection, column: str, name: str) -> dict[str, Chart]:
+    """The panel of a measure relative to the reference, on a logarithmic scale around 1."""
+    ratio = selection.ratio_of(column)
+    chart = curve_chart(selection, name, ratio)
+    if limits := style.ratio_limits(drawn_values(selection, ratio)):
         chart.y_log, chart.y_limits, chart.y_ticks = True, limits, style.ratio_ticks(limits)
-    chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
-    return figure, [chart]
+    x = sorted({layout.x_position(selection, c) for c in layout.ordinary(selection)})
+    chart.lines.append(Line(layout.reference_name(layout.all_references(selection)), x, [1.0] * len(x), style.INK, dashed=True))
+    return {ratio: chart}
 
 
 def gain_figure(selection: Selection) -> Figure | None:
@@ -98,56 +72,41 @@ def gain_figure(selection: Selection) -> Figure | None:
     if not selection.x or not curves_module.has_any(selection, selection.ratio_of("eta_period_1")):
         return None
     name = layout.reference_name(layout.all_references(selection))
-    figure, charts = ratio_curves(selection, "eta_period_1", "gain")
-    title = f"Efficiency relative to {name} against {labels.name(selection, selection.x)}"
     within = "in the same medium" if curves_module.is_steady(selection) else "in the same time window and medium"
-    return Figure(figure, "gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
-                  f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
-                  + error_caption(selection, selection.ratio_of("eta_period_1"))
-                  + invalid_caption(selection, "gain", selection.ratio_of("eta_period_1")), title, charts)
+    return curves_module.curves_figure(
+        selection, "gain", f"Efficiency relative to {name} against {labels.name(selection, selection.x)}",
+        ratio_chart(selection, "eta_period_1", "gain"),
+        f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above it, a case keeps a larger "
+        f"fraction of the energy at the focus than {name} does.")
 
 
 def strength_figure(selection: Selection) -> Figure | None:
     """rms over the focal disc relative to the reference; None without a reference."""
     if not selection.x or not layout.all_references(selection) or not curves_module.has_any(selection, "focal_rms_um"):
         return None
-    title = f"Strength at the focus against {labels.name(selection, selection.x)}"
     name = layout.reference_name(layout.all_references(selection))
-    figure, charts = ratio_curves(selection, "focal_rms_um", "strength")
-    caption = (f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed "
-               "line at 1." + impulse_caption(selection, name) + error_caption(selection, selection.ratio_of("focal_rms_um"))
-               + invalid_caption(selection, "strength", selection.ratio_of("focal_rms_um")))
-    return Figure(figure, "strength", title, caption, title, charts)
-
-
-DISPLACEMENT = [("focal_rms_um", "rms over the focal disc"), ("peak_um", "largest displacement")]
+    return curves_module.curves_figure(
+        selection, "strength", f"Strength at the focus against {labels.name(selection, selection.x)}",
+        ratio_chart(selection, "focal_rms_um", "strength"),
+        f"The rms of u over the focal disc and {curves_module.period_words(selection)}, relative to {name}, the dashed line at 1."
+        + impulse_caption(selection, name))
 
 
 def displacement_figure(selection: Selection) -> Figure | None:
     """The rms over the focal disc and the peak in micrometres."""
-    rows = [row for row in DISPLACEMENT if curves_module.has_any(selection, row[0])]
-    if not selection.x or not rows:
+    words = {"focal_rms_um": ("rms over the focal disc", f"rms of u over the focal disc and {curves_module.period_words(selection)}."),
+             "peak_um": ("largest displacement", "largest |u| within one period." if curves_module.is_steady(selection) else
+                         "largest |u| from the start of the run to the instant measure.at_ms.")}
+    charts = {column: curve_chart(selection, "displacement", column, title) for column, (title, _) in words.items()
+              if curves_module.has_any(selection, column)}
+    if not selection.x or not charts:
         return None
-    curves = curves_module.curves_of(selection)
-    figure, made = curves_module.panels(len(rows), curves)
-    for axes, (column, title) in zip(made, rows):
-        draw_column(axes, selection, curves, column, "displacement")
-        style.label_right(axes, curves_module.reference_lines(axes, selection, curves, column, "displacement"))
-        axes.set_ylabel(answer.column_label(selection, column))
-        axes.set_title(title, loc="left", color="#555555")
-    curves_module.set_x_axis(made[-1], selection)
-    curves_module.legend_above(figure, curves)
-    title = f"Displacement in µm against {labels.name(selection, selection.x)}"
-    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(selection)}.",
-             "peak_um": "largest |u| within one period." if curves_module.is_steady(selection) else
-             "largest |u| from the start of the run to the instant measure.at_ms."}
-    starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
-    caption = " ".join(f"{start} {words[column]}" for start, (column, _) in zip(starts, rows))
+    starts = ("Above: the", "Below: the") if len(charts) == 2 else ("The",)
+    caption = " ".join(f"{start} {words[column][1]}" for start, column in zip(starts, charts))
     if layout.added_references(selection):
         caption += f" Dashed lines: {layout.reference_name(layout.added_references(selection))}."
-    columns = [row[0] for row in rows]
-    caption += error_caption(selection, *columns) + invalid_caption(selection, "displacement", *columns)
-    return Figure(figure, "displacement", title, caption, title, [curve_chart(selection, "displacement", *row) for row in rows])
+    return curves_module.curves_figure(selection, "displacement", f"Displacement in µm against {labels.name(selection, selection.x)}", charts,
+                                       caption)
 
 
 def impulse_caption(selection: Selection, name: str) -> str:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from ...case import Case
-from .. import answer, labels, layout, style, validity, warnings_of
+from .. import labels, layout, style, validity, warnings_of
 from ..figure import Figure
 from ..load import Selection
-from ..page.curve_chart import draw_errors, error_caption
+from ..page.chart import Line
+from ..page.curve_chart import empty_chart, error_caption, errors, with_crosses
 from ..words import listed, some_of
-from . import fig_curves
+from .chart_figure import chart_figure
 
 PANELS = 9
 COLUMNS = 3
@@ -60,12 +59,13 @@ def curves(selection: Selection, colour: Any, others: Any) -> Any:
     return every
 
 
-def draw_references(axes: Axes, selection: Selection, cases: list[Case], column: str, name: str) -> None:
-    """Draws the valid references of the cases of a line in grey behind it."""
+def lines_of(selection: Selection, cases: list[Case], column: str, name: str, label: str, colour: Any) -> list[Line]:
+    """A line with its crosses, and the valid references of its cases in grey behind it."""
     pairs = [(layout.x_position(selection, c), r.value(column, math.nan)) for c in cases
              if (r := selection.added_reference_of(c)) and warnings_of.is_valid(r, name)]
-    if pairs:
-        axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
+    reference = [Line(layout.reference_name(layout.all_references(selection)), [x for x, _ in pairs], [y for _, y in pairs], "#909090", dashed=True)]
+    line = Line(label, [layout.x_position(selection, c) for c in cases], [], colour, error=errors(cases, column), points=True)
+    return [*(reference if pairs else []), *with_crosses(line, validity.split(selection, cases, column, name, [c.value(column, math.nan) for c in cases]))]
 
 
 def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
@@ -76,37 +76,13 @@ def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
     if not any(math.isfinite(c.value(column, math.nan)) for c in layout.ordinary(selection)):
         return None
     values = layout.evenly(layout.values_of(selection, colour), style.CURVES)
-    ordered = all(map(layout.is_number, values))
-    colours = ([style.sequential(i / max(1, len(values) - 1)) for i in range(len(values))]
-               if ordered else style.distinct(len(values)))
-    columns = 2 if len(shown) == 4 else min(COLUMNS, len(shown))
-    figure, made = style.panels(len(shown), columns, 1.75, 1.3, sharex=True, sharey=True)
-    for axes, (panel, lines) in zip(made.flat, shown):
-        for value, line in zip(values, colours):
-            cases = lines.get(value, [])
-            draw_references(axes, selection, cases, column, name)
-            x = [layout.x_position(selection, c) for c in cases]
-            y, invalid = validity.split(selection, cases, column, name, [c.value(column, math.nan) for c in cases])
-            axes.plot(x, y, color=line, linewidth=1.3, marker="o", markersize=2.5)
-            draw_errors(axes, np.array(x), y, cases, column, line)
-            axes.plot(x, invalid, **{**validity.CROSSES, "markersize": 4, "markeredgewidth": 1.0})
-        settings = ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, panel))
-        axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
-    for i in range(len(shown)):
-        made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
-    if layout.is_numeric(selection):
-        if layout.is_logarithmic(layout.x_values(selection)):
-            made[0, 0].set_xscale("log")
-    else:
-        fig_curves.set_x_axis(made[0, 0], selection)
-        made[0, 0].set_xlabel("")
-    figure.supxlabel(labels.axis_label(selection, selection.x), fontsize=9.5)
-    figure.supylabel(answer.column_label(selection, column), fontsize=9.5)
-    handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(selection, colour, v))
-               for v, c in zip(values, colours)]
-    if layout.added_references(selection):
-        handles.append(plt.Line2D([], [], color="#b0b0b0", linewidth=2.2, label=layout.reference_name(layout.all_references(selection))))
-    style.legend_strip(figure, handles)
+    colours = ([style.sequential(f) for f in np.linspace(0.0, 1.0, len(values))] if all(map(layout.is_number, values))
+               else style.distinct(len(values)))
+    charts = []
+    for panel, lines in shown:
+        charts.append(empty_chart(selection, column, ", ".join(layout.setting_text(selection, k, v) for k, v in zip(others, panel))))
+        for value, look in zip(values, colours):
+            charts[-1].lines += lines_of(selection, lines.get(value, []), column, name, layout.setting_text(selection, colour, value), look)
     head = f"{title} against {labels.name(selection, selection.x)}"
     text = (f"One panel per {listed(labels.name(selection, k) for k in others)} and one colour per "
             f"{labels.name(selection, colour)}; means over periods, with the same axes in all panels.")
@@ -116,6 +92,7 @@ def curve_figure(selection: Selection, measure: Any, plan: Any) -> Any:
         text += f" {some_of(len(shown), len(every), 'panel')}, spread evenly."
     if len(values) < len(layout.values_of(selection, colour)):
         text += f" {some_of(len(values), len(layout.values_of(selection, colour)), 'value')}."
+    figure = chart_figure(charts, 1.75, 2 if len(shown) == 4 else min(COLUMNS, len(shown)), sharey=True)
     return Figure(figure, name, head, text + error_caption(selection, column) + validity.invalid_caption(selection, name, column), head + ", one line per value")
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ... import wake
 from ...case import Case
-from .. import layout, load, style, warnings_of
+from .. import layout, load, warnings_of
 from ..figure import Figure
 from ..page.chart import Chart, Line
 from ..words import number, strongest_text
 from . import fig_surface, fig_time
+from .chart_figure import chart_figure
 
 
 def sample(shot: fig_surface.Snapshot, x_mm: np.ndarray, y_mm: np.ndarray) -> np.ndarray:
@@ -52,26 +52,10 @@ def profile(shot: fig_surface.Snapshot, along: bool) -> tuple[np.ndarray, np.nda
     return distance[np.isfinite(u)], u[np.isfinite(u)]
 
 
-def draw(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str]) -> tuple[Any,
-         list[Chart]]:
-    figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.width_in(), 4.8))
-    charts = []
-    for axes, along, title in zip(made, (True, False), titles):
-        lines = []
-        for shot, label in zip(shots, labels):
-            distance, u = profile(shot, along)
-            look = {"linestyle": "--" if shot.case.is_reference else "-"}
-            axes.plot(distance, u, color=colours[shot.case.id], linewidth=1.2, **look)
-            lines.append(Line(label, distance, u, colours[shot.case.id], shot.case.id,
-                              dashed=shot.case.is_reference))
-        axes.set_title(title, loc="left", color="#555555")
-        axes.set_ylabel("$u_z$ (µm)")
-        axes.set_xlabel("distance from the focus (mm)")
-        charts.append(Chart("distance from the focus (mm)", "u_z (µm)", lines, title))
-    handles = [plt.Line2D([], [], color=colours[s.case.id], linestyle="--" if s.case.is_reference else "-",
-                          label=label) for s, label in zip(shots, labels)]
-    style.legend_strip(figure, handles)
-    return figure, charts
+def charts_of(shots: list[fig_surface.Snapshot], colours: dict[str, Any], labels: list[str], titles: tuple[str, str]) -> list[Chart]:
+    return [Chart("distance from the focus (mm)", "$u_z$ (µm)", [
+        Line(label, *profile(shot, along), colours[shot.case.id], shot.case.id, dashed=shot.case.is_reference)
+        for shot, label in zip(shots, labels)], title) for along, title in zip((True, False), titles)]
 
 
 def figures(selection: load.Selection) -> list[Figure]:
@@ -87,7 +71,7 @@ def figures(selection: load.Selection) -> list[Figure]:
               ("along x", "along y") if not any(moves) else
               ("along the path, or along x if the focus rests", "across the path, or along y if the focus rests"))
     labels = [warnings_of.label(some, c, "profiles") for c in drawn]
-    figure, charts = draw(shots, colours, labels, titles)
+    charts = charts_of(shots, colours, labels, titles)
     times = sorted({number(1e3 * s.t_s) for s in shots}, key=float)
     text = (f"Displacement of {layout.plane_name(drawn)} on two lines through the focus at t = {times[0]}"
             f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts."
@@ -95,4 +79,4 @@ def figures(selection: load.Selection) -> list[Figure]:
     if any(c.is_reference for c in drawn):
         text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
     title = "Profiles through the focus"
-    return [Figure(figure, "profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]
+    return [Figure(chart_figure(charts, sharex=False), "profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]

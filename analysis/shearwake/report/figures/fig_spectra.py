@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from ... import wake
 from ...case import Case
-from .. import labels, layout, style, warnings_of
+from .. import labels, layout, warnings_of
 from ..figure import Figure
 from ..layout import Panel
 from ..load import Selection, amplitude_spectrum, traces
@@ -21,6 +19,7 @@ from ..page.chart import Chart, Line, Mark
 from ...keys import split_unit
 from ..words import listed, millimetres, number
 from . import fig_frequency, fig_time
+from .chart_figure import chart_figure
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
 SEEN = 0.02  # smallest visible amplitude relative to the largest
@@ -62,38 +61,6 @@ def velocity_spectrum(case: Case) -> Any:
         return np.fft.rfftfreq(len(velocity), interval_s)[1:], 2e3 * np.abs(np.fft.rfft(velocity))[1:] / len(velocity)
     frequency, amplitude = amplitude_spectrum(velocity, interval_s)
     return frequency[1:], 1e3 * amplitude[1:]
-
-
-def of_one_period(cases: list[Case]) -> bool:
-    """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
-    ends = {round(float(c.over_time["time"][-1]), 9) for c in cases}
-    return all(layout.repeats(c) for c in cases) and len(ends) == 1
-
-
-def draw_spectrum(axes: Axes, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool, **look: Any) -> None:
-    """A curve. In the periodic regime a dot per line of the spectrum, with a bar per visible line; if the lines of all
-    cases coincide, bars would hide each other, and thin lines join the dots."""
-    if coincide:
-        axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
-        axes.plot(frequency, values, color=look["color"], linewidth=0.4, linestyle=look.get("linestyle", "-"))
-        return
-    if not layout.repeats(case):
-        axes.plot(frequency, values, **look)
-        return
-    seen = values > 0.2 * SEEN * np.nanmax(values, initial=0.0)
-    frequency, values = frequency[seen], values[seen]
-    axes.vlines(frequency, 0.0, values, colors=look["color"], linewidth=look["linewidth"],
-                linestyles=look.get("linestyle", "-"))
-    axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
-
-
-def draw_case(axes: Axes, selection: Selection, case: Case, frequency: np.ndarray, values: np.ndarray, coincide: bool,
-              colour: str | tuple[float, float, float, float], **look: Any) -> None:
-    draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
-    own = own_frequency_Hz(selection, case)
-    if own <= SHOWN_Hz:
-        axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
-                  transform=axes.get_xaxis_transform())
 
 
 def plain_of(selection: Selection, case: Case) -> Case | None:
@@ -139,43 +106,28 @@ def draw_panels(selection: Selection, panels: list[Panel], label: str, curve_of:
     their scale, and their charts."""
     cases = [c for panel in panels for c in panel.cases]
     colours = fig_time.colours_by_x(selection, cases)
-    few = len(layout.x_values(selection)) <= style.DIRECT_LABELS if selection.x else True
-    height = 3.4 if len(panels) == 1 else 2.3
     tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in panel.drawn) for panel in panels]
     alike = bool(max(tops) <= UNLIKE * min(tops))
-    own_Hz = [own_frequency_Hz(selection, c) for c in cases]
-    coincide = of_one_period([c for panel in panels for c in panel.drawn])
-    shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
-    figure, made = style.panels(len(panels), 1, height, 0.75, sharex=True, sharey=alike)
-    for axes, panel in zip(made[:, 0], panels):
-        for low, high in bands(panel.cases):
-            axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
-        if panel.reference:
-            frequency, values = curve_of(panel.reference)
-            draw_spectrum(axes, panel.reference, frequency, values, coincide, color="black", linewidth=1.4, linestyle=fig_time.DASHED)
-        for case in panel.cases:
-            frequency, values = curve_of(case)
-            draw_case(axes, selection, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
-                      linestyle=fig_time.DASHED if case.is_reference else "-")
-            if peaks:
-                top = np.nanargmax(values)
-                axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
-        axes.set_xlim(0.0, min(shown_Hz, traces(panel.cases[0]).frequency_Hz[-1]))
-        axes.set_ylabel(label)
-        axes.set_title(panel.title, loc="left", color="#555555")
-    for axes in made[:, 0]:
-        axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
-    made[-1, 0].set_xlabel("frequency (Hz)")
-    if selection.x:
-        fig_time.add_x_key(figure, list(made[:, 0]), selection, colours)
-    y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
-    return figure, alike, [panel_chart(selection, panel, colours, label, curve_of, y_limits, end_Hz, peaks) for panel in panels]
+    shown_Hz = highest([curve_of(c) for c in cases], [own_frequency_Hz(selection, c) for c in cases], end_Hz)
+    charts = []
+    for panel, top in zip(panels, tops):
+        lines = []
+        for case in panel.drawn:
+            frequency, values = (values[curve_of(case)[0] <= shown_Hz] for values in curve_of(case))
+            lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency, values,
+                              "black" if case is panel.reference else colours[case.id], case.id, dashed=case.is_reference,
+                              dots=layout.repeats(case)))
+        top = max(tops) if alike else top
+        charts.append(Chart("frequency (Hz)", label, lines, panel.title, y_limits=(0.0, 1.06 * top) if top > 0.0 else None,
+                            marks=panel_marks(selection, panel.cases, colours, curve_of, shown_Hz, peaks)))
+    figure = chart_figure(charts, 3.4 if len(panels) == 1 else 2.3, handles=fig_time.x_key(selection, colours), sharey=alike)
+    return figure, alike, charts
 
 
 def panel_marks(selection: Selection, cases: list[Case], colours: dict[str, Any], curve_of: Callable[..., Any], end_Hz: float,
                 peaks: bool) -> list[Mark]:
     """The band of the table, the modulation frequencies of the cases, and the largest values."""
-    marks = [Mark("band", low, end=high) for low, high in bands(cases)]
+    marks = [Mark("band", low, end=min(high, end_Hz)) for low, high in bands(cases)]
     for case in cases:
         own = own_frequency_Hz(selection, case)
         if own <= end_Hz:
@@ -185,20 +137,6 @@ def panel_marks(selection: Selection, cases: list[Case], colours: dict[str, Any]
             top = int(np.nanargmax(values))
             marks.append(Mark("dot", float(frequency[top]), y=float(values[top]), colour=colours[case.id], case=case.id))
     return marks
-
-
-def panel_chart(selection: Selection, panel: Panel, colours: dict[str, Any], label: str, curve_of: Callable[..., Any],
-                y_limits: tuple[float, float] | None, end_Hz: float, peaks: bool) -> Chart:
-    """The interactive version of a panel."""
-    lines = []
-    for case in panel.drawn:
-        frequency, values = curve_of(case)
-        shown = frequency <= end_Hz
-        lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency[shown], values[shown],
-                          "black" if case is panel.reference else colours[case.id], case.id, dashed=case.is_reference,
-                          dots=layout.repeats(case)))
-    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, panel.title,
-                 y_limits=y_limits, marks=panel_marks(selection, panel.cases, colours, curve_of, end_Hz, peaks))
 
 
 def bands(cases: list[Case]) -> list[Any]:

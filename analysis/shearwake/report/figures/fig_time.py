@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from ...case import Case
 from .. import answer, labels, layout, style, warnings_of
@@ -17,8 +15,8 @@ from ..layout import Panel
 from ..load import Selection
 from ..page.chart import Chart, Line, Mark
 from ..words import number
+from .chart_figure import chart_figure
 
-DASHED = (0, (4.0, 2.0))  # the line of a reference
 DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
 
 
@@ -68,21 +66,15 @@ def limits(cases: list[Case], measure: dict[str, Any]) -> tuple[float, float] | 
 
 
 def colours_by_x(selection: Selection, cases: list[Case]) -> dict[str, Any]:
-    """The colours of the cases. Few numeric values of x are coloured by rank, many by value; strings get
-    distinct colours. A reference that has an x gets the colour of x, other references are black."""
+    """The colours of the cases: numeric values of x are coloured by rank, strings get distinct colours. A reference that has an x
+    gets the colour of x, other references are black."""
     if not selection.x:
         return {c.id: style.PALETTE[0] for c in cases}
-    colours = dict.fromkeys((c.id for c in layout.all_references(selection)), "black")
-    cases = [c for c in [*layout.all_references(selection), *cases] if selection.x in c.settings]
     values = layout.x_values(selection)
-    if not layout.is_numeric(selection):
-        table = dict(zip(values, style.distinct(len(values))))
-        return colours | {c.id: table[c.settings[selection.x]] for c in cases}
-    if len(values) <= style.DIRECT_LABELS:
-        fractions = {v: i / max(1, len(values) - 1) for i, v in enumerate(values)}
-        return colours | {c.id: style.sequential(fractions[c.settings[selection.x]]) for c in cases}
-    norm = x_norm(selection)
-    return colours | {c.id: style.sequential(float(norm(c.settings[selection.x]))) for c in cases}
+    ranked = [style.sequential(f) for f in np.linspace(0.0, 1.0, len(values))] if layout.is_numeric(selection) else style.distinct(len(values))
+    table = dict(zip(values, ranked))
+    colours = dict.fromkeys((c.id for c in layout.all_references(selection)), "black")
+    return colours | {c.id: table[c.settings[selection.x]] for c in [*layout.all_references(selection), *cases] if selection.x in c.settings}
 
 
 def colours_in_one_panel(selection: Selection, cases: list[Case]) -> dict[str, Any]:
@@ -97,39 +89,12 @@ def colours_in_one_panel(selection: Selection, cases: list[Case]) -> dict[str, A
     return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(selection, cases)}
 
 
-def x_norm(selection: Selection) -> Any:
-    values = layout.x_values(selection)
-    kind = plt.matplotlib.colors.LogNorm if layout.is_logarithmic(values) else plt.Normalize
-    return kind(values[0], values[-1])
-
-
-def mark_times(axes: Axes, cases: list[Case]) -> None:
-    """Grey where the run is not settled, a line at each instant."""
-    after, instants = marked_times(cases)
-    if after > 0:
-        axes.axvspan(0.0, after, color="#f1f1f1", zorder=0, linewidth=0)
-    for at in instants:
-        axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
-
-
-def draw(axes: Axes, case: Case, measure: dict[str, Any], **look: Any) -> None:
-    axes.plot(time_ms(case), positive(measure, case), **look)
-
-
 def positive(measure: dict[str, Any], case: Case) -> np.ndarray:
     """The values of a measure over time; a logarithmic axis shows only positive values."""
     values = np.array(measure["value"](case), dtype=float)
     if measure.get("log"):
         values[values <= 0] = math.nan
     return values
-
-
-def frame(axes: Axes, cases: list[Case], measure: dict[str, Any], y_limits: tuple[float, float] | None) -> None:
-    axes.set_xlim(0.0, max(time_ms(c)[-1] for c in cases) * 1.005)
-    if measure.get("log") and y_limits:
-        axes.set_yscale("log")
-    if y_limits:
-        axes.set_ylim(*y_limits)
 
 
 def panels_of(selection: Selection, measure: dict[str, Any]) -> list[Panel]:
@@ -139,43 +104,15 @@ def panels_of(selection: Selection, measure: dict[str, Any]) -> list[Panel]:
     return [panel for panel in panels if panel.cases]
 
 
-def overlay(selection: Selection, measure: dict[str, Any], panels: list[Panel], colours: dict[str, Any]) -> Any:
-    """The panels with their cases as thin lines coloured by x."""
-    figure, made = style.panels(len(panels), 1, 2.3, 1.1, sharex=True, sharey=True)
-    cases = [c for panel in panels for c in panel.cases]
-    for axes, panel in zip(made[:, 0], panels):
-        for case in panel.cases:
-            draw(axes, case, measure, color=colours.get(case.id, "black"), linewidth=0.9,
-                 linestyle=DASHED if case.is_reference else "-")
-        mark_times(axes, panel.cases)
-        frame(axes, cases, measure, limits(cases, measure))
-        axes.set_title(panel.title, loc="left", color="#555555")
-        axes.set_ylabel(answer.column_label(selection, measure["column"]))
-    made[-1, 0].set_xlabel("time (ms)")
-    if selection.x:
-        add_x_key(figure, list(made[:, 0]), selection, colours)
-    return figure
-
-
-def add_x_key(figure: Any, all_axes: list[Axes], selection: Selection, colours: dict[str, Any]) -> None:
-    """Adds the key of the colours: a legend for few values, a colour bar for many."""
-    values = layout.x_values(selection)
-    if layout.is_numeric(selection) and len(values) > style.DIRECT_LABELS:
-        shown = plt.cm.ScalarMappable(norm=x_norm(selection), cmap=style.sequential_map())
-        bar = style.bar_beside(figure, shown, all_axes, labels.axis_label(selection, selection.x), aspect=30, pad=0.02)
-        if layout.is_logarithmic(values):
-            bar.set_ticks(values[:: max(1, len(values) // 8)])
-            bar.minorticks_off()
-            bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
-        return
+def x_key(selection: Selection, colours: dict[str, Any]) -> list[Any] | None:
+    """The legend of lines whose colour is that of x; None without x."""
+    if not selection.x:
+        return None
     found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
-    handles = [plt.Line2D([], [], color=found[v], label=labels.value_text(selection, selection.x, v)) for v in values]
-    title = textwrap.fill(labels.name(selection, selection.x), 18)
+    handles = [plt.Line2D([], [], color=found[v], label=labels.setting_text(selection, selection.x, v)) for v in layout.x_values(selection)]
     if any(panel.reference for panel in layout.panels(selection)):
-        name = layout.reference_name(layout.all_references(selection))
-        handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
-    all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
-                       bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
+        handles.append(plt.Line2D([], [], color="black", linestyle="--", label=layout.reference_name(layout.all_references(selection))))
+    return handles
 
 
 def time_figure(selection: Selection, measure: dict[str, Any]) -> list[Figure]:
@@ -183,14 +120,14 @@ def time_figure(selection: Selection, measure: dict[str, Any]) -> list[Figure]:
     cases = [c for c in layout.ordinary(selection) if measure["needs"] in c.over_time and len(c.over_time["time"])]
     if not cases:
         return []
-    colours, panels = colours_by_x(selection, cases), panels_of(selection, measure)
-    figure = overlay(selection, measure, panels, colours)
+    colours = colours_by_x(selection, cases)
+    charts = time_charts(selection, colours, measure, panels_of(selection, measure))
     marks = key_caption(selection, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(selection)]))
-    return [Figure(figure, measure["name"], measure["title"], measure["caption"] + marks,
-                   f"{measure['title']}, one line per case", time_charts(selection, colours, measure, panels), cases=shown)]
+    return [Figure(chart_figure(charts, 2.3, handles=x_key(selection, colours), sharey=True), measure["name"], measure["title"],
+                   measure["caption"] + marks, f"{measure['title']}, one line per case", charts, cases=shown)]
 
 
 def marked_times(cases: list[Case]) -> tuple[float, list[float]]:

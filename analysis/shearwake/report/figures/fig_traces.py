@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ...case import Case
-from .. import layout, style, warnings_of
+from .. import layout, warnings_of
 from ..figure import Figure
 from ..load import Selection, traces
 from ..page.chart import Chart, Line
 from ..words import millimetres, some_of
 from . import fig_spectra, fig_time
+from .chart_figure import chart_figure
 
 POINTS = 12  # largest number of trace points with a row
 
@@ -40,30 +40,6 @@ def title_of(place: tuple[float, float]) -> str:
     return f"x = {millimetres(place[0])} mm, y = {millimetres(place[1])} mm"
 
 
-def draw(figure: Any, made: np.ndarray, cases: list[tuple[Case, str]], places: list[tuple[float, float]],
-         colours: dict[str, Any]) -> None:
-    """Fills the rows: the run and the spectrum."""
-    coincide = fig_spectra.of_one_period([case for case, _ in cases])
-    for row, place in zip(made, places):
-        for case, _ in cases:
-            values = at(case, place)
-            if values is None:
-                continue
-            u, frequency, amplitude = values
-            look = {"color": colours[case.id], "linewidth": 1.0, "linestyle": "--" if case.is_reference else "-"}
-            row[0].plot(fig_time.time_ms(case), u, **look)
-            fig_spectra.draw_spectrum(row[-1], case, frequency, amplitude, coincide, **look)
-        row[0].set_title(title_of(place), loc="left", color="#555555")
-        row[0].set_ylabel("$u_z$ (µm)")
-        row[-1].set_ylim(bottom=0.0)
-        row[-1].set_title("amplitude (µm)", loc="left", color="#555555")
-    made[-1][0].set_xlabel("time (ms)")
-    made[-1][-1].set_xlabel("frequency (Hz)")
-    handles = [plt.Line2D([], [], color=colours[c.id], linestyle="--" if c.is_reference else "-", label=label)
-               for c, label in cases]
-    style.legend_strip(figure, handles)
-
-
 def charts_of(cases: list[tuple[Case, str]], places: list[tuple[float, float]], colours: dict[str, Any]) -> list[Chart]:
     """For each point the run and the spectrum."""
     made = []
@@ -74,8 +50,8 @@ def charts_of(cases: list[tuple[Case, str]], places: list[tuple[float, float]], 
                 for (case, _, (u, _, _)), (label, colour, name, dashed) in zip(found, look)]
         spectrum = [Line(label, frequency, amplitude, colour, name, dashed=dashed, dots=layout.repeats(case))
                     for (case, _, (_, frequency, amplitude)), (label, colour, name, dashed) in zip(found, look)]
-        made.append(Chart("time (ms)", "u_z (µm)", time, title_of(place)))
-        made.append(Chart("frequency (Hz)", "amplitude of u_z (µm)", spectrum, title_of(place)))
+        made.append(Chart("time (ms)", "$u_z$ (µm)", time, title_of(place)))
+        made.append(Chart("frequency (Hz)", "amplitude of $u_z$ (µm)", spectrum, title_of(place)))
     return made
 
 
@@ -87,8 +63,7 @@ def figures(selection: Selection) -> list[Figure]:
     places, every = places_of(drawn)
     colours = fig_time.colours_in_one_panel(some, drawn)
     cases = [(c, warnings_of.label(some, c, "traces")) for c in drawn]
-    figure, made = style.panels(2 * len(places), 2, 1.5, 0.9, sharex="col")
-    draw(figure, made, cases, places, colours)
+    charts = charts_of(cases, places, colours)
     plane = layout.plane_name(drawn)
     if all(layout.repeats(c) for c in drawn):
         text = (f"Displacement u of {plane} over one period of the load, and the lines of its one-sided amplitude spectrum, "
@@ -101,5 +76,5 @@ def figures(selection: Selection) -> list[Figure]:
     if len(places) < every:
         text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
     title = "Displacement and spectrum at every trace point"
-    return [Figure(figure, "traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
+    return [Figure(chart_figure(charts, 1.5, 2, sharex="col"), "traces", title, text, title + ", one line per case", charts,
                    cases=[c.id for c in drawn])]

@@ -49,9 +49,16 @@ class Chart:
     x_names: list | None = None  # of positions 0, 1, ... if x is a string
     x_log: bool = False
     y_log: bool = False
-    y_limits: tuple | None = None
+    y_limits: tuple[float, float] | None = None
     y_ticks: list | None = None  # of a logarithmic scale around 1; None: chosen by uPlot
     marks: list = field(default_factory=list)
+
+    def begin_at_zero(self) -> None:
+        """Limits the vertical axis to 0 and the largest value, unless a value is negative."""
+        values = np.concatenate([np.asarray(line.y, float) for line in self.lines] or [np.zeros(1)])
+        largest = np.max(values, initial=0.0, where=np.isfinite(values))
+        if largest > 0.0 and not np.any(values < 0.0):
+            self.y_limits = 0.0, 1.08 * largest
 
 
 def rounded(values: list[float] | np.ndarray) -> list[Any]:
@@ -82,6 +89,6 @@ def mark_data(mark: Mark) -> dict[str, Any]:
 def chart_data(chart: Chart) -> dict[str, Any]:
     """A chart as JSON object for charts.js."""
     limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
-    return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,
+    return {"x_label": chart.x_label, "y_label": chart.y_label.replace("$", ""), "title": chart.title, "x_names": chart.x_names,
             "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits, "y_ticks": chart.y_ticks,
             "marks": [mark_data(mark) for mark in chart.marks], "lines": [line_data(line) for line in chart.lines]}

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Interactive versions of the curves against the swept key, with their error bars."""
+"""Charts of curves against the swept key, with their error bars."""
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from ...case import Case
 from .. import answer, labels, layout, style
@@ -19,16 +18,6 @@ from .chart import Chart, Line
 def errors(cases: list[Case], column: str) -> np.ndarray:
     """Half the lengths of the error bars, which `reduce` adds as columns; NaN without."""
     return np.array([case.value(column + "_error", math.nan) for case in cases])
-
-
-def draw_errors(axes: Axes, x: np.ndarray, y: np.ndarray, cases: list[Case], column: str, colour: str) -> bool:
-    """Adds error bars to a curve of a picture if a case has an error. Returns whether it did."""
-    half = errors(cases, column)
-    known = np.isfinite(half) & np.isfinite(y)
-    if known.any():
-        axes.errorbar(np.asarray(x)[known], np.asarray(y)[known], half[known], fmt="none", ecolor=colour,
-                      elinewidth=1.2, capsize=3.5, zorder=2.5)
-    return bool(known.any())
 
 
 def have_errors(selection: Selection, column: str) -> bool:
@@ -68,10 +57,18 @@ def with_crosses(line: Line, parts: tuple[np.ndarray, np.ndarray]) -> list[Line]
     return [line, crosses] if np.isfinite(line.y).any() else [crosses]
 
 
+def empty_chart(selection: Selection, column: str, title: str = "", y_log: bool = False) -> Chart:
+    """The axes of curves of a column."""
+    values = layout.x_values(selection)
+    names = None if layout.is_numeric(selection) else [labels.value_text(selection, selection.x, v) for v in values]
+    return Chart(labels.axis_label(selection, selection.x), answer.column_label(selection, column), [], title, names,
+                 names is None and bool(layout.is_logarithmic(values)), y_log)
+
+
 def curve_chart(selection: Selection, figure: str, column: str, title: str = "", y_log: bool = False) -> Chart:
     """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
     references."""
-    found, y_label = layout.groups(selection), answer.column_label(selection, column)
+    chart, found = empty_chart(selection, column, title, y_log), layout.groups(selection)
     name = layout.reference_name(layout.all_references(selection))
     lines, colours = [], {}
     for group, colour in zip(found, style.distinct(len(found))):
@@ -79,7 +76,7 @@ def curve_chart(selection: Selection, figure: str, column: str, title: str = "",
         y = [layout.curve_value(selection, c, column) for c in group.cases]
         if all(map(math.isnan, y)) and selection.is_ratio(column):
             continue  # the references themselves
-        line = Line(group.label or "all cases" if len(found) > 1 else layout.modulation(selection) or y_label, x, y, colour,
+        line = Line(group.label or "all cases" if len(found) > 1 else layout.modulation(selection) or chart.y_label, x, y, colour,
                     error=errors(group.cases, column), points=True, dots=not is_joined(selection, column))
         lines += with_crosses(line, split(selection, group.cases, column, figure, y))
         colours[group.label] = colour
@@ -88,8 +85,5 @@ def curve_chart(selection: Selection, figure: str, column: str, title: str = "",
         label = name if len(sets) == 1 else layout.references_label(selection, same)
         colour = style.INK if len(sets) == 1 else colours[same[0].label]
         lines += reference_lines(selection, figure, same[0], column, label, colour)
-    lines.sort(key=lambda line: (line.dashed, line.crossed))
-    values = layout.x_values(selection)
-    names = None if layout.is_numeric(selection) else [labels.value_text(selection, selection.x, v) for v in values]
-    return Chart(labels.axis_label(selection, selection.x), y_label, lines, title, names,
-                 names is None and bool(layout.is_logarithmic(values)), y_log)
+    chart.lines = sorted(lines, key=lambda line: (line.dashed, line.crossed))
+    return chart
