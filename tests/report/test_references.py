@@ -4,13 +4,13 @@
 from synthetic import AM, FWHM, Folder, InFolder, case_id, plain
 
 from shearwake.report import layout, load, references
-from shearwake.report.figures import fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time
+from shearwake.report.figures import fig_drive, fig_measures, fig_surface, fig_time
 from shearwake.report.page import curve_chart
 
 
 class ReferencesTest(InFolder):
-    def with_own_references(self, widths=(3.0,), equal=False):
-        """Three draw frequencies, each with its own reference, for each width; `equal`: which the width does not change."""
+    def with_own_references(self, widths=(3.0,)):
+        """Three draw frequencies, each with its own reference, for each width."""
         draw = "load.modulation.draw_frequency_Hz"
         folder = Folder(self.root, x=draw, series=[FWHM], swept=[draw, FWHM])
         count = 3 * len(widths)
@@ -19,7 +19,7 @@ class ReferencesTest(InFolder):
                 folder.add({draw: f, FWHM: width}, case_id(count + 1 + n * len(widths) + m))
         for f in (50.0, 75.0, 100.0):
             for width in widths:
-                folder.add({draw: f, FWHM: width}, is_reference=True, kind="STM", strength=f if equal else f * width**2)
+                folder.add({draw: f, FWHM: width}, is_reference=True, kind="STM", strength=f * width**2)
         return load.load(folder.save())
 
     def test_references_that_depend_on_a_key_appear_once_per_value_with_their_label(self):
@@ -55,22 +55,6 @@ class ReferencesTest(InFolder):
         self.assertEqual(dashed, [("plain STM, focus FWHM 2 mm", lines[0].colour), ("plain STM, focus FWHM 3 mm", lines[2].colour)])
         eta = fig_measures.figures(sweep)[0]
         self.assertIn("A line that belongs to several curves has the colour of the first of them.", eta.caption)
-
-    def test_references_with_equal_fields_appear_once(self):
-        sweep = self.with_own_references(widths=(2.0, 3.0), equal=True)
-        labels = [f"plain STM, draw frequency {f} Hz" for f in (50, 75, 100)]
-
-        def shown(figure):
-            return [plain(line.label) for panel in figure.charts for line in panel.lines
-                    if line.dashed]
-
-        spectra, = fig_spectra.figures(sweep)[:1]
-        self.assertEqual(shown(spectra), labels)
-        self.assertEqual([plain(panel.title) for panel in spectra.charts],
-                         ["focus FWHM 2 mm", "plain STM", "focus FWHM 3 mm"])
-        self.assertEqual(shown(fig_time.figures(sweep)[0]), labels)
-        self.assertEqual(shown(fig_profiles.figures(sweep)[0])[:3], labels)
-        self.assertEqual(len([c for c in fig_surface.cells(sweep)[0] if c and c.is_reference]), 3)
 
     def test_lines_over_time_of_two_swept_keys_have_a_panel_per_curve_and_different_names(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))

@@ -14,7 +14,7 @@ from ..case import Case
 from ..keys import follows
 from . import words
 from .labels import is_number, labels, ordinary, setting_text, swept_cases, values_of
-from .load import Selection, remembered, traces
+from .load import Selection, remembered
 
 
 @dataclass
@@ -109,19 +109,12 @@ def medium_label(selection: Selection, case: Case) -> str:
 def case_label(selection: Selection, case: Case) -> str:
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
     if case.is_reference:
-        keys = [k for k in axes(selection) if k in case.settings and not is_reading(k) and affects(selection, k, case)]
+        keys = [k for k in axes(selection) if k in case.settings and not is_reading(k)]
         return ", ".join([reference_name([case]), *(setting_text(selection, k, case.settings[k]) for k in keys)])
     if not selection.sweep.swept_keys:
         return ", ".join(["this case", *(setting_text(selection, k, v) for k, v in case.settings.items() if not is_reading(k))])
     keys = ([selection.x] if selection.x in case.settings else []) + group_keys(selection)
     return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys if k in case.settings)
-
-
-def affects(selection: Selection, key: str, reference: Case) -> bool:
-    """Whether a key changes the field of a reference: no reference with another value of the key has the same field."""
-    others = [c for c in selection.cases if c.is_reference and c.is_complete and key in c.settings
-              and c.settings[key] != reference.settings[key]]
-    return not any(have_same_motion(reference, other) for other in others)
 
 
 CHARACTERS = 12  # of a title per inch
@@ -227,47 +220,24 @@ def references(selection: Selection, group: Group) -> list[Case]:
     return list(found.values())
 
 
-ROUNDING = 1e-9  # of the largest value: fields that differ by less are equal
-
-
 @remembered
-def field_settings(case: Case) -> dict[str, str]:
+def field_settings(case: Case) -> str:
     """All settings except those that affect only the measurement."""
-    return {k: str(v) for k, v in case.settings.items() if not is_reading(k)}
+    return str({k: v for k, v in case.settings.items() if not is_reading(k)})
 
 
 def have_same_motion(one: Case, other: Case) -> bool:
-    """Whether two cases have the same field: their settings differ only in the measurement, or all that is recorded of
-    them is equal, since a swept key often changes nothing in a reference."""
-    if field_settings(one) == field_settings(other):
-        return True
-    if abs(one.value("peak_um", math.nan) - other.value("peak_um", math.nan)) > 1e-3 * abs(one.value("peak_um", math.nan)):
-        return False  # without reading their files
-    ours, theirs = traces(one), traces(other)
-    if not ours or len(ours) != len(theirs) or one.over_time.keys() != other.over_time.keys():
-        return False
-    pairs = [(one.over_time[name], other.over_time[name]) for name in one.over_time]
-    pairs += [pair for a, u, b, v in zip(ours.points_m, ours.u_z_m, theirs.points_m, theirs.u_z_m)
-              for pair in ((np.array(a), np.array(b)), (u, v))]
-    return all(a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=ROUNDING * np.nanmax(np.abs(a), initial=0.0),
-                                                  equal_nan=True) for a, b in pairs)
-
-
-def motion_sets(cases: Iterable[Case]) -> list[list[Case]]:
-    """The cases in sets of the same field, each set in the order of the cases."""
-    sets: list[list[Case]] = []
-    for case in cases:
-        found = next((s for s in sets if have_same_motion(s[0], case)), None)
-        if found is None:
-            sets.append([case])
-        else:
-            found.append(case)
-    return sets
+    """Whether two references have the same field: their settings differ only in the measurement. The program leaves out the keys that
+    change nothing in a reference."""
+    return field_settings(one) == field_settings(other)
 
 
 def motions(cases: Iterable[Case]) -> list[Case]:
-    """One case of each set of cases that have the same field."""
-    return [same[0] for same in motion_sets(cases)]
+    """One case of each set of references that have the same field."""
+    found: dict[str, Case] = {}
+    for case in cases:
+        found.setdefault(field_settings(case), case)
+    return list(found.values())
 
 
 def by_reference(selection: Selection, found: list[Group], column: str) -> list[list[Group]]:
