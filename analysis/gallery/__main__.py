@@ -21,7 +21,7 @@ from PIL import Image
 
 from shearwake import program
 
-from . import efficiency, mach_cone
+from . import efficiency
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -50,7 +50,7 @@ GALLERY = {
     "gaussian-or-array": "eta",
     "gel-dispersion": "surface",
     "lens-letter": "surface",
-    "mach-cone": mach_cone.draw_folder,
+    "mach-cone": "surface",
     "pointers": "intensity",
     "quickstart": "eta",
     "reardon-square": "displacement",

@@ -37,7 +37,7 @@ xtick.direction: in
 """
 PLAIN = ""
 COMPARED = "depths_m = [0.0]\n[solver]\nengine = \"layered\"\n"
-MACH_CONE = "from gallery import mach_cone; from pathlib import Path; mach_cone.draw_folder(Path('first'), Path('mach-cone.png'))"
+EFFICIENCY = "from gallery import efficiency; from pathlib import Path; efficiency.draw_folder(Path('first'), Path('efficiency.png'))"
 
 COMPARE = "import sys; from shearwake.report.compare.__main__ import main; sys.exit(main(sys.argv[1:]) != 1)"  # 1: differs
 
@@ -81,7 +81,7 @@ class UserMatplotlibrc(InFolder):
         case = next((self.root / "first" / "cases").glob("*.h5"))
         commands = {"report": ("-m", "shearwake.report", "second"), "movie": ("-m", "shearwake.report.movie", str(case), "--out", "m", "--width", "320"),
                     "modulation": ("-m", "shearwake.report.modulation", "modulation.json", "modulation.png"),
-                    "fit": ("-m", "shearwake.laboratory.fit_figures", "fit"), "gallery": ("-c", MACH_CONE),
+                    "fit": ("-m", "shearwake.laboratory.fit_figures", "fit"), "gallery": ("-c", EFFICIENCY),
                     "compare": ("-c", COMPARE, "second", "third", "--page", "page.html")}
         for name, command in commands.items():
             with self.subTest(name):
