@@ -41,7 +41,7 @@ class Compare(ProgramTest):
         self.contains(moved, "peak_um", "surface", "traces")
         self.assertNotIn("eta_period_1", moved)  # a ratio, in which the strength of the load cancels
         self.assertTrue(self.compare("other", self.out, "--tolerance", "*=0.011", expect=0)["equal"])
-        (self.folder / "t.toml").write_text('ignore = ["traces"]\n[tolerance]\n"*" = 0.011\nsurface = 1e-3\n', encoding="utf-8")
+        (self.folder / "t.toml").write_text('[tolerance]\ntraces = inf\n"*" = 0.011\nsurface = 1e-3\n', encoding="utf-8")
         output = self.shearwake("diff", "other", self.out, "--tolerance", "t.toml", expect=1, ranks=2).output
         self.contains(output, "surface  1 % of its largest value", "2 of 2 cases differ", "not compared: wall_s, note, traces",
                       "1 column changed", "2 cases with different ids")

@@ -14,7 +14,6 @@ from shearwake.report.compare import compare_page
 from shearwake.report.compare.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
                                                      place_of_largest, relative_l2)
 from shearwake.report.compare.records import incomplete, record_cell
-from shearwake.report.compare.tolerances import Tolerance
 
 
 def axis(count, spacing):
@@ -91,16 +90,16 @@ class CompareFields(unittest.TestCase):
         difference[1, 2] = np.nan
         (found,) = self.surfaces_with(difference)
         self.assertEqual(found["largest_um"], np.inf)
-        self.assertEqual(record_cell([found], ("largest_um", "peak_um"), Tolerance(1e9), "")["words"], "other")
+        self.assertEqual(record_cell([found], ("largest_um", "peak_um"), 1e9, "")["words"], "other")
 
     def test_a_record_differs_by_its_largest_difference_relative_to_its_largest_value(self):
         entries = [{"largest": 1e-6, "peak": 1e-6}, {"largest": 2e-6, "peak": 1.0}]  # the skin hardly moves at first
-        self.assertIsNone(record_cell(entries, ("largest", "peak"), Tolerance(2e-6), ""))
-        cell = record_cell(entries, ("largest", "peak"), Tolerance(1e-6), "")
+        self.assertIsNone(record_cell(entries, ("largest", "peak"), 2e-6, ""))
+        cell = record_cell(entries, ("largest", "peak"), 1e-6, "")
         self.assertEqual((cell["change"], cell["over_tolerance"]), (2e-6, 2.0))
         still = [{"largest": 0.0, "peak": 0.0}]
-        self.assertIsNone(record_cell(still, ("largest", "peak"), Tolerance(0.0), ""))
-        self.assertEqual(record_cell(still, ("largest", "peak"), Tolerance(1.0), incomplete("times", 3, 2, 2))["words"],
+        self.assertIsNone(record_cell(still, ("largest", "peak"), 0.0, ""))
+        self.assertEqual(record_cell(still, ("largest", "peak"), 1.0, incomplete("times", 3, 2, 2))["words"],
                          "recorded at 3 and 2 times, of which 2 are common")
 
     def test_of_equal_differences_the_place_with_the_largest_y_is_chosen(self):

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...case import Case
 from ...inputs import text_of
-from .tolerances import Tolerance, Tolerances
+from .tolerances import Tolerances
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -129,10 +129,10 @@ def match_rows(first: Table, second: Table) -> Matched:
                    sum(a.get("id") != b.get("id") for a, b in pairs))
 
 
-def change_words(change: float, over: float, tolerance: Tolerance) -> str:
+def change_words(change: float, over: float, tolerance: float) -> str:
     """'+2.3 %, 2.3e+05 times its tolerance (1e-07)'"""
     parts = [f"{100.0 * change:+.3g} %"] if math.isfinite(change) else []
-    parts += [f"{over:.2g} times its tolerance ({tolerance.relative:g})"] if math.isfinite(over) else []
+    parts += [f"{over:.2g} times its tolerance ({tolerance:g})"] if math.isfinite(over) else []
     return ", ".join(parts) or "changed"
 
 
@@ -142,16 +142,14 @@ def text_cell(now: str, reference: str) -> dict[str, Any]:
     return {"now": now, "reference": reference, "change": math.nan, "over_tolerance": math.inf, "words": words}
 
 
-def compare_cell(column: str, now: str, reference: str, largest: float, tolerance: Tolerance) -> tuple[float, dict[str, Any] | None]:
+def compare_cell(column: str, now: str, reference: str, largest: float, tolerance: float) -> tuple[float, dict[str, Any] | None]:
     """The relative change, and the difference if it exceeds the tolerance. `largest` is the largest magnitude of the reference
     column. Levels in dB: a change is that of the amplitude, wherever 0 dB is."""
     a, b, is_level = number_of(now), number_of(reference), column.endswith("_dB")
     if a is None or b is None:
         return math.nan, None if now == reference else text_cell(now, reference)
     scale = 20.0 / math.log(10.0) if is_level else abs(b) or largest
-    allowed = tolerance.relative * scale
-    if (is_level or b == 0.0) and tolerance.absolute is not None:
-        allowed = tolerance.absolute
+    allowed = tolerance * scale
     try:
         change = math.nan if scale == 0.0 else math.expm1((a - b) / scale) if is_level else (a - b) / scale
     except OverflowError:
@@ -182,8 +180,8 @@ class Comparison:
     missing_columns: list[str]
     extra_columns: list[str]
 
-    def add(self, column: str, tolerance: Tolerance, case: str, cell: dict[str, Any] | None) -> None:
-        self.tolerances[column] = tolerance.relative
+    def add(self, column: str, tolerance: float, case: str, cell: dict[str, Any] | None) -> None:
+        self.tolerances[column] = tolerance
         if cell is not None:
             self.cells.setdefault(column, []).append({"case": case, **cell})
 
@@ -211,7 +209,7 @@ def compare_tables(first: Table, second: Table, matched: Matched, tolerances: To
             found.add(name, tolerance, "every case", {**text_cell(*map(str, units)), "words": "other unit"})
             continue
         largest = max((abs(number_of(row[name]) or 0.0) for row in second.rows), default=0.0)
-        found.tolerances[name] = tolerance.relative
+        found.tolerances[name] = tolerance
         compared = [n for n in range(len(matched.pairs)) if not skipped(n, name)]
         if len(compared) < len(matched.pairs):
             found.not_compared.append(name)

@@ -13,9 +13,9 @@ import numpy as np
 from ...case import Case
 from .. import load
 from .compare_tables import Comparison, text_cell
-from .tolerances import Tolerance, Tolerances
+from .tolerances import Tolerances
 
-SINGLE_PRECISION = Tolerance(1e-6)  # of stored fields
+SINGLE_PRECISION = 1e-6  # of stored fields
 
 
 def incomplete(noun: str, first: int, second: int, common: int) -> str:
@@ -23,16 +23,16 @@ def incomplete(noun: str, first: int, second: int, common: int) -> str:
     return "" if first == second == common else f"recorded at {first} and {second} {noun}, of which {common} are common"
 
 
-def record_cell(entries: list[dict[str, Any]], keys: tuple[str, str], tolerance: Tolerance, reason: str) -> dict[str, Any] | None:
+def record_cell(entries: list[dict[str, Any]], keys: tuple[str, str], tolerance: float, reason: str) -> dict[str, Any] | None:
     """The difference of a record beyond its tolerance. `keys` name the largest difference and the largest value."""
     largest, peak = (float(np.max([entry[key] for entry in entries])) if entries else math.nan for key in keys)
-    allowed = tolerance.absolute if peak == 0.0 and tolerance.absolute is not None else tolerance.relative * peak
+    allowed = tolerance * peak
     if not reason and largest <= allowed:
         return None
     change = largest / peak if peak > 0.0 else math.nan
     over = largest / allowed if not reason and allowed > 0.0 and math.isfinite(largest) else math.inf
     parts = [f"{100.0 * change:.3g} % of its largest value"] if math.isfinite(change) else []
-    parts += [f"{over:.2g} times its tolerance ({tolerance.relative:g})"] if math.isfinite(over) else []
+    parts += [f"{over:.2g} times its tolerance ({tolerance:g})"] if math.isfinite(over) else []
     return {"now": "", "reference": "", "change": change, "over_tolerance": over, "words": reason or ", ".join(parts) or "other"}
 
 
@@ -56,7 +56,7 @@ def compare_records(a: Case, b: Case, pair: dict[str, Any], case: str, tolerance
     """Adds the differences of the records of two cases."""
     first, second = (", ".join(f"{z:.6g}" for z in depths) + " mm" for depths in pair["depths_mm"])
     if first != second:
-        found.add("measured depths", Tolerance(0.0), case, text_cell(first, second))
+        found.add("measured depths", 0.0, case, text_cell(first, second))
     for name, (entries, keys, reason) in reasons_of(a, b, pair).items():
         if not tolerances.ignores(name):
             tolerance = tolerances.for_column(name, SINGLE_PRECISION)
