@@ -37,17 +37,6 @@ def rounding_of(words: Iterable[str]) -> float:
     return 0.5 * 10.0 ** (math.floor(math.log10(largest)) - most + 1) if most >= LEAST_DIGITS and 0.0 < largest < math.inf else 0.0
 
 
-def plain_step_s(step_s: float, rounding_s: float) -> float:
-    """The time step of the rate with the fewest digits that agrees with a rounded step, if it has fewer digits than the step:
-    1.95312e-05 s is 1 / 51200 Hz."""
-    def digits(value: float) -> int:
-        return len(f"{value:.9e}".partition("e")[0].rstrip("0").replace(".", ""))
-
-    rates = (float(f"{1.0 / step_s:.{n}e}") for n in range(9))
-    found = next((rate for rate in rates if abs(1.0 / rate - step_s) <= 1.000001 * rounding_s), None)
-    return 1.0 / found if found is not None and digits(found) < digits(step_s) else step_s
-
-
 @dataclass
 class Scan:
     time_s: np.ndarray  # (time,), uniform
@@ -79,7 +68,7 @@ class Scan:
         """With the rate that has a whole number of samples in a period, if the printed times allow it; otherwise unchanged."""
         samples = period_s * self.rate_Hz
         count = round(samples)
-        if count < 2 or abs(samples - count) > self.rate_rounding * samples:
+        if count < 2 or abs(samples - count) > 1.00001 * self.rate_rounding * samples:  # a step may be rounded by exactly half a unit
             return self
         return replace(self, time_s=self.time_s[0] + np.arange(len(self.time_s)) * (period_s / count))
 

@@ -18,7 +18,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from .scan import BadScan, Scan, plain_step_s, rounding_of
+from .scan import BadScan, Scan, rounding_of
 from .scan_arrays import read_hdf5, read_mat5, write_hdf5
 from .scan_settings import DELAYS, NOT_A_SCAN, SETTINGS, is_ignored, settings
 from .scan_uff import read_uff, uff_bytes
@@ -69,16 +69,6 @@ def checked(scan: Scan) -> Scan:
     return scan.along_z()
 
 
-def at_plain_rate(scan: Scan) -> Scan:
-    """With the rate of the fewest digits that agrees with the rounded times."""
-    step_s = 1.0 / scan.rate_Hz
-    plain_s = plain_step_s(step_s, scan.rate_rounding * step_s)
-    if abs(plain_s - step_s) > 1e-9 * step_s:
-        scan.time_s = scan.time_s[0] + plain_s * np.arange(len(scan.time_s))
-        scan.notes.append(f"the sampling rate {1.0 / plain_s:.9g} Hz agrees with the rounded times")
-    return scan
-
-
 def read_scan(path: str | Path) -> Scan:
     """The scan in a file. Raises BadScan or OSError."""
     path = Path(path)
@@ -88,9 +78,9 @@ def read_scan(path: str | Path) -> Scan:
     with path.open("rb") as file:
         start = file.read(128).removeprefix(codecs.BOM_UTF8)
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
-        return at_plain_rate(checked(read_hdf5(path)))
+        return checked(read_hdf5(path))
     if start.startswith(b"MATLAB 5.0"):
-        return at_plain_rate(checked(read_mat5(path)))
+        return checked(read_mat5(path))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
         return checked(read_uff(path))
     return read_csv(path)
@@ -154,7 +144,7 @@ def read_csv(path: Path) -> Scan:
                 **settings(remarks, lambda value, _: value, notes))
     if len(times) > 1 and times[-1] > times[0]:
         scan.rate_rounding = 2.0 * rounding_of(header[3:]) / (times[-1] - times[0])
-    return at_plain_rate(checked(scan))
+    return checked(scan)
 
 
 def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:

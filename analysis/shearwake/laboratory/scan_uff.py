@@ -15,7 +15,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, half_unit, plain_step_s
+from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan, half_unit
 from .units import TIMES, metres, speed_of, unit_label
 
 TIME_RESPONSE, GENERAL = 1, 0
@@ -224,11 +224,9 @@ class Function:
         rounding_s = to_s * half_unit(head[6][43:56])
         exact_s = own.get("dt", [0.0])[0]
         self.is_exact = abs(exact_s - step) <= 2.0 * rounding_s  # another program may have sampled again
-        self.step_s = exact_s if self.is_exact else plain_step_s(step, rounding_s)
+        self.step_s = exact_s if self.is_exact else step
         self.start_s = own["t0"][0] if self.is_exact and "t0" in own else first
         self.rate_rounding = 0.0 if self.is_exact else rounding_s / step
-        if self.step_s != step and not self.is_exact:
-            self.notes.append(f"the sampling rate {1.0 / self.step_s:.9g} Hz agrees with the rounded time step {step:g} s")
         self.quality = own.get("q", [1.0])[0]
         self.delay_s = own.get("delay", [0.0])[0]
         self.read_direction(head[5], own.get("direction"))
