@@ -20,7 +20,6 @@ from .. import answer, labels, layout, style, warnings_of
 from ..figure import Figure
 from ..load import Selection, traces
 from ..page import hover
-from ..page.curve_chart import have_errors
 from ..words import counted, listed, number, some_of
 
 NAME = "heat_"  # followed by the column
@@ -191,16 +190,6 @@ def write_numbers(axes: Axes, values: Any, norm: Any, colours: Any, error: np.nd
                   color="white" if dark else style.INK)
 
 
-def draw_errors(axes: Axes, values: np.ndarray, error: np.ndarray, norm: Any, colours: Any) -> None:
-    """Two corners of each cell with a known error: the colours of value + error and of value - error."""
-    for row, column in np.argwhere(np.isfinite(values) & np.isfinite(error)):
-        for sign in (-1.0, 1.0):
-            at = np.array([column, row]) + 0.5 * np.array([-sign, sign])
-            corner = [at, at + [0.4 * sign, 0.0], at - [0.0, 0.4 * sign]]
-            axes.add_patch(plt.Polygon(corner, facecolor=colours(norm(values[row, column] + sign * error[row, column])),
-                                       edgecolor="white", linewidth=0.5))
-
-
 def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: Any, written: Any, error: Any) -> None:
     valid = np.where(invalid, math.nan, grid)
     axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
@@ -215,7 +204,6 @@ def draw(axes: Axes, grid: Any, failed: Any, invalid: Any, norm: Any, colours: A
         if corners:  # one hatched area, since each patch takes a millisecond; without its effect on the limits
             squares = Outline(np.concatenate(corners), np.tile(Outline(SQUARE, closed=True).codes, len(corners)))
             axes.add_artist(PathPatch(squares, facecolor="#f1f1f1", edgecolor="#9a9a9a", hatch=mark, linewidth=0))
-    draw_errors(axes, valid, error, norm, colours)
     if written:
         write_numbers(axes, valid, norm, colours, error)
     axes.grid(False)
@@ -264,9 +252,6 @@ def heat_figure(selection: Selection, measure: tuple[str, str], plan: tuple[str,
     name = NAME + column
     head = f"{title} over {labels.name(selection, x)} and {labels.name(selection, y)}"
     text = caption(every, [labels.name(selection, k) for k in others], len(shown), of)
-    if have_errors(selection, column):
-        text += (" Corners of cells: the colours of the value plus (upper left) and minus (lower right) its estimated numerical "
-                 "error.")
     return Figure(figure, name, head, text, head + ", as colours")
 
 
