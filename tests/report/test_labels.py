@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Numbers in heat maps, legends, lines of references, and the scale of a uniform medium."""
 import math
-from unittest import mock
 
 from synthetic import AM, FWHM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load, style
-from shearwake.report.figures import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface
+from shearwake.report.figures import fig_frequency, fig_heat, fig_measures, fig_medium
 from shearwake.report.style import plt
 from shearwake.report.words import number
 import texts
@@ -63,15 +62,6 @@ class LabelsTest(InFolder):
         self.assertIn("\n", wrapped)
         for line in wrapped.replace("\u00a0", " ").splitlines():
             self.assertFalse(line.endswith(("=", "body")) or line.startswith(("=", "1")), wrapped)
-
-    def test_ticks_of_a_scale_that_follows_the_root_do_not_touch(self):
-        for end in (1e-3, 0.97, 3.3, 7.0, 45.0):
-            with mock.patch.object(fig_surface, "scale", max):  # the largest value of a snapshot
-                _, norm = fig_surface.colour_scale([[end], [0.1 * end]])
-            places = [float(norm(value)) for value in fig_surface.root_ticks(end, norm)]
-            self.assertGreaterEqual(len(places), 3)
-            # The bar is 4.3 in long; six characters of 9 pt are 0.38 in wide.
-            self.assertGreater(min(b - a for a, b in zip(places, places[1:])), 0.38 / 4.3)
 
     def test_ticks_of_a_scale_around_one_do_not_touch(self):
         for most in (1.01, 1.08, 1.3, 2.2, 12.0):

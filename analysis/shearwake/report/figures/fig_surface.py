@@ -21,7 +21,6 @@ from ..words import counted, listed, number
 COLUMNS = 4  # largest number of curves side by side
 ALL_ROWS = 5  # up to this number of values of x, all are drawn
 SEEN = 0.1  # smallest visible displacement relative to the end of the colour scale
-UNLIKE = 2.0  # if the wakes of curves differ by a larger factor, colours follow the root of u
 
 
 @dataclass
@@ -136,26 +135,6 @@ def note(axes: Axes, text: str, colour: str) -> Any:
     return axes.text(0.97, 0.04, text, transform=axes.transAxes, fontsize=8, color=colour, ha="right")
 
 
-def colour_scale(curves: list[list[Snapshot]]) -> tuple[float, Any]:
-    """End and norm of the common colour scale. The norm is the root of u if the wakes of the curves, given as
-    lists of snapshots, differ strongly, for example because of the size of the focus."""
-    ends = [scale(shots) for shots in curves if shots]
-    end = max(ends)
-    if end <= UNLIKE * min(ends):
-        return end, plt.Normalize(-end, end)
-    root = (lambda u: np.sign(u) * np.sqrt(np.abs(u)), lambda r: np.sign(r) * r**2)
-    return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
-
-
-def root_ticks(end: Any, norm: Any) -> Any:
-    """Ticks of a colour bar that follows the root of u: those of a linear axis whose labels do not touch."""
-    chosen: list[float] = []
-    for value in plt.MaxNLocator(4).tick_values(0.0, end)[::-1]:
-        if 0.0 < value <= end and min([norm(last) for last in chosen], default=2.0) - norm(value) > 0.09 < norm(value) - 0.5:
-            chosen.append(value)
-    return [*(-value for value in chosen), 0.0, *reversed(chosen)]
-
-
 def arrange(selection: load.Selection, shots: list[Any], columns: int,
             limits: tuple[float, float, float, float]) -> tuple[Any, list[Axes], Axes]:
     """Axes of equal scale with titles, hidden where there is no snapshot, and the axes of the colour bar.
@@ -191,11 +170,10 @@ def arrange(selection: load.Selection, shots: list[Any], columns: int,
     return figure, made, bar
 
 
-def draw_scale(figure: Any, image: Any, axes: Axes, label: str, extend: str) -> Any:
+def draw_scale(figure: Any, image: Any, axes: Axes, label: str, extend: str) -> None:
     bar = figure.colorbar(image, cax=axes, orientation="horizontal", label=label, extend=extend)
     bar.outline.set_linewidth(0.5)
     axes.grid(False)
-    return bar
 
 
 def times(shots: list[Snapshot]) -> str:
@@ -209,28 +187,23 @@ def figures(selection: load.Selection) -> list[Figure]:
     shots = [s for s in grid if s]
     if not shots:
         return []
-    curves = min(columns, len(layout.groups(selection)))
-    end, norm = colour_scale([[s for s in grid[i::curves] if s] for i in range(curves)])
+    end = scale(shots)
     limits = window(shots, end)
     figure, made, bar_axes = arrange(selection, grid, columns, limits)
     any_lines = False
     for axes, shot in zip(made, grid):
         if shot:
-            image, lines = draw(axes, shot, norm, limits)
+            image, lines = draw(axes, shot, plt.Normalize(-end, end), limits)
             any_lines = any_lines or lines
     peak = max(np.nanmax(np.abs(s.u_um)) for s in shots)
     clipped = peak > 1.001 * end
     label = "$u_z$ (µm), positive into the tissue"
     if clipped:
         label += ("\n" if style.width_in() < 5.0 else " ").join((";", f"clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"))
-    bar = draw_scale(figure, image, bar_axes, label, "both" if clipped else "neither")
-    if isinstance(norm, plt.matplotlib.colors.FuncNorm):
-        bar.set_ticks(root_ticks(end, norm))
+    draw_scale(figure, image, bar_axes, label, "both" if clipped else "neither")
     plane = layout.plane_name([s.case for s in shots])
     title = f"{plane[:1].upper()}{plane[1:]} at {times(shots)}"
     text = caption(shots, any_lines, clipped)
-    if isinstance(norm, plt.matplotlib.colors.FuncNorm):
-        text += " The colours are proportional to the root of |u|, so that weak and strong wakes are both visible."
     return [Figure(figure, "surface", title, text, title + ", seen from above",
                    cases=[s.case.id for s in shots])]
 
