@@ -2,10 +2,9 @@
 """Datasets of xarray over the cases of a sweep, which are read when their values are needed."""
 from __future__ import annotations
 
-import functools
-import operator
+import math
 from dataclasses import dataclass
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -14,7 +13,7 @@ from . import stored
 from .case import Case, SweepInterface
 from .errors import HOW, NotRecorded, suggestion
 from .keys import cf_unit, described, follows, label, short_keys, split_unit, typed
-from .lazy import Cells, Columns, axis_of, lazy, union
+from .lazy import Cells, axis_of, lazy, union
 
 MAIN = {"traces": "u_z", "surface": "u_z", "mean": "u_z_squared"}  # the variable that the name of a group stands for
 OWN_TIME = ("surface", "volume")  # groups whose times are not those of the quantities over time
@@ -144,11 +143,10 @@ class Builder:
                                                             item.attributes)
 
 
-def value_of(column: str, case: Case) -> float:
-    return case.value(column)
-
-
-VALID, RATIO_VALID = operator.attrgetter("validity"), operator.attrgetter("ratio_validity")
+def of_cells(grid: Grid, value: Callable[[Case], float], attributes: dict[str, Any]) -> xr.Variable:
+    """A number of each case; NaN in cells without a case."""
+    values = np.array([math.nan if case is None else value(case) for case in grid.cells.flat], dtype=float)
+    return xr.Variable(grid.dims, values.reshape(grid.cells.shape), attributes)
 
 
 def of_sweep(sweep: SweepInterface, names: Sequence[str], references: bool) -> xr.Dataset:
@@ -162,13 +160,13 @@ def of_sweep(sweep: SweepInterface, names: Sequence[str], references: bool) -> x
         add_named(builder, sweep, name)
     has_ratios = not {c.name for c in sweep.columns if c.over_reference_of}.isdisjoint(names)
     judged = list(builder.complete)
-    flags = {"valid": VALID}
+    flags: dict[str, Callable[[Case], float]] = {"valid": lambda case: case.validity}
     if has_ratios:
         judged += [case.reference for case in builder.complete if case.reference is not None]
-        flags = {"valid": RATIO_VALID, "valid_case": VALID}
+        flags = {"valid": lambda case: case.ratio_validity, "valid_case": lambda case: case.validity}
     sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
-    for name, of in flags.items():
-        builder.variables[name] = lazy(Columns(grid.cells, of), grid.dims, {
+    for name, value in flags.items():
+        builder.variables[name] = of_cells(grid, value, {
             "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
             "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
     return xr.Dataset(builder.variables, builder.coordinates)
@@ -178,8 +176,7 @@ def add_named(builder: Builder, sweep: SweepInterface, name: str) -> None:
     """Adds what a name of Sweep.dataset stands for. Raises KeyError and NotRecorded."""
     column = next((c for c in sweep.columns if c.name == name), None)
     if column is not None:
-        cells = Columns(builder.grid.cells, functools.partial(value_of, name))
-        builder.variables[name] = lazy(cells, builder.grid.dims, described(name, column.unit, column.meaning))
+        builder.variables[name] = of_cells(builder.grid, lambda case: case.value(name), described(name, column.unit, column.meaning))
         return
     group, _, variable = name.partition("/")
     if variable:

@@ -2,9 +2,7 @@
 """Arrays of xarray that are read from case files when their values are needed."""
 from __future__ import annotations
 
-import math
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -123,26 +121,6 @@ def lazy(array: BackendArray, dims: list[str], attributes: dict[str, Any]) -> xr
     """A variable of xarray that reads its values when they are needed, and keeps them."""
     read_late: Any = indexing.LazilyIndexedArray(array)  # of xarray, whose releases state its type differently
     return xr.Variable(dims, indexing.MemoryCachedArray(indexing.CopyOnWriteArray(read_late)), attributes)
-
-
-class Columns(BackendArray):
-    """Numbers of cases on a grid, which are computed when they are needed. `value` is a picklable function of a case."""
-
-    def __init__(self, cells: np.ndarray, value: Callable[[Any], float]) -> None:
-        self.cells, self.value, self.shape, self.dtype = cells, value, cells.shape, np.dtype(float)
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self.read)
-
-    def __dask_tokenize__(self) -> tuple[Any, ...]:
-        values = self.read(tuple(slice(None) for _ in self.shape))
-        return (self.shape, values.tobytes())
-
-    def read(self, key: tuple[Any, ...]) -> np.ndarray:
-        rows = [np.arange(n)[part] for n, part in zip(self.shape, key)]
-        chosen = self.cells[np.ix_(*[np.atleast_1d(part) for part in rows])] if rows else self.cells
-        values = np.array([math.nan if case is None else self.value(case) for case in chosen.flat], dtype=float)
-        return values.reshape([len(part) for part in rows if part.ndim])
 
 
 def of_group(path: Path, group: str) -> xr.Dataset:
