@@ -14,13 +14,12 @@ from ..checksum import Damaged, read_json, sealed
 from ..errors import ProgramError
 from ..inputs import text_of
 from .bounds import Certificate, ceiling
-from .envelopes import AmEnvelope, Envelope, Forms, Required, am_values, best_am, best_envelope, forms_in, measured
+from .envelopes import AmEnvelope, Envelope, Forms, Required, best_am, best_envelope, forms_in, measured
 
 LARGEST_DEVIATION = 0.6  # of an oscillating speed, relative to the mean
 FEWEST_KNOTS_PER_PERIOD = 6.0  # of AM-STM
 MOST_SM_PERIODS = 5
 FIRST_DEVIATION, DEVIATION_STEP = 0.45, 0.15  # of SM-STM, relative to the speed
-SAME = 1e-9  # relative: numbers that are computed again from stored values
 
 Variant = dict[str, Any]
 """A case for the program: the number of the optimised case, and what differs from it (src/studies/optimise/study.hpp)."""
@@ -239,28 +238,18 @@ def read_forms(path: Path, knots: int, reference: float | None = None) -> Forms:
 
 
 def read_optimum(path: Path, case: OptimisedCase, strength: float, forms: Forms, moved: Forms) -> Optimum:
-    """A stored optimum, whose numbers are computed again from the forms. Raises StudyError if they are not those of the file."""
+    """A stored optimum, whose numbers are computed again from the forms. Raises StudyError if it belongs to another case or its
+    certificate is not valid."""
     def envelope(document: Any, its_forms: Forms) -> Envelope:
-        values = np.array(document["values"], dtype=float)
-        if values.shape != (case.knots,):
-            raise ValueError(f"an envelope does not have {case.knots} values")
-        found = measured(its_forms, values)
-        is_rejected = document["eta"] == 0.0  # it does not meet the requirements
-        if not math.isclose(found.strength, document["strength"], rel_tol=SAME) or not (
-                is_rejected or math.isclose(found.eta, document["eta"], rel_tol=SAME)):
-            raise ValueError("eta and strength of an envelope are not those of its values")
-        return replace(found, eta=0.0) if is_rejected else found
+        found = measured(its_forms, np.array(document["values"], dtype=float))
+        return replace(found, eta=0.0) if document["eta"] == 0.0 else found  # it does not meet the requirements
 
     def use(document: Any) -> Optimum:
         bound, am = document["ceiling"], document["am"]
         certificate = Certificate(strength, bound["eta"], bound["mu"], bound["tau"], np.array(bound["weights"], dtype=float))
+        if document["strength_at_least"] != strength or document["case"] != case.id or not certificate.is_valid(moved):
+            raise ValueError("it belongs to another case or strength, or its certificate is not valid")
         best = AmEnvelope(am["frequency_Hz"], am["depth"], am["phase_rad"], envelope(am["envelope"], forms))
-        if certificate.weights.shape != (case.knots,) or not certificate.is_valid(moved):
-            raise ValueError("its certificate is not valid")
-        if not np.array_equal(am_values(best, case.knots, case.interval_s), best.envelope.values):
-            raise ValueError("the envelope of AM-STM is not that of its depth and phase")
-        if document["strength_at_least"] != strength or document["case"] != case.id:
-            raise ValueError("it belongs to another case or strength")
         return Optimum(strength, MotionChange(**document["motion"]), envelope(document["found"], moved), certificate, best,
                        forms.eta(np.ones(forms.knots)))
     return read_checked(path, use)
