@@ -181,14 +181,6 @@ void EndlessSystems::assemble_blocks(const VerticalOperator& op, const Solve& so
     }
 }
 
-DepthWeights depth_weights(const DepthMesh& mesh, double depth_m) {
-    const auto above = std::upper_bound(mesh.ends_m.begin() + 1, mesh.ends_m.end() - 1, depth_m);
-    const auto e = static_cast<std::size_t>(above - mesh.ends_m.begin()) - 1;
-    return {static_cast<std::ptrdiff_t>(e) * mesh.degree,
-            interpolation_weights(mesh.rule,
-                                  2.0 * (depth_m - mesh.ends_m[e]) / mesh.length_m(e) - 1.0)};
-}
-
 SectionMarkers::SectionMarkers(const RigidPlan& plan, const DepthMesh& mesh,
                                const WaveVectors& vectors)
     : vectors_(vectors), nodes_(mesh.degree + 1),

@@ -14,14 +14,6 @@
 
 namespace shearwake::spectral {
 
-/// Interpolation at a depth: the first level of its element, and the weights of the element's
-/// nodes.
-struct DepthWeights {
-    std::ptrdiff_t first;
-    std::vector<double> weights;
-};
-DepthWeights depth_weights(const DepthMesh& mesh, double depth_m);
-
 /// The markers of all endless rigid bodies with the data for MarkerKernels. They are
 /// ordered by depth. Not collective.
 class SectionMarkers {

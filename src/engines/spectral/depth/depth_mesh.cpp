@@ -236,4 +236,12 @@ std::vector<double> smoothing_weights(const GaussLobatto& rule, double x) {
     return weights;
 }
 
+DepthWeights depth_weights(const DepthMesh& mesh, double depth_m) {
+    const auto above = std::upper_bound(mesh.ends_m.begin() + 1, mesh.ends_m.end() - 1, depth_m);
+    const auto e = static_cast<std::size_t>(above - mesh.ends_m.begin()) - 1;
+    return {static_cast<std::ptrdiff_t>(e) * mesh.degree,
+            interpolation_weights(mesh.rule,
+                                  2.0 * (depth_m - mesh.ends_m[e]) / mesh.length_m(e) - 1.0)};
+}
+
 } // namespace shearwake::spectral

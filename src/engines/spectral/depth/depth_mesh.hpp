@@ -74,6 +74,14 @@ struct DepthMesh {
 /// is not limited. Throws UsageError if too many elements are needed. Not collective.
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step_s);
 
+/// Interpolation at a depth: the first level of its element, and the weights of the element's
+/// nodes.
+struct DepthWeights {
+    std::ptrdiff_t first;
+    std::vector<double> weights;
+};
+DepthWeights depth_weights(const DepthMesh& mesh, double depth_m);
+
 /// The largest eigenvalue of the stiffness D^T w D of the reference element relative to its mass w:
 /// the squared wavenumber of the finest mode. For an element of length h multiply by (2/h)^2
 /// [1/m^2].

@@ -114,5 +114,79 @@ struct Direction {
     return {{kx, -kx}, {k > 0.0 ? c : one, k > 0.0 ? -c : one}, k > 0.0 ? ky / divisor : zero, ky};
 }
 
+/// U, W and V at a depth, or forces on them.
+struct AtDepth {
+    Value u{}, w{}, v{};
+};
+
+/// Calls use(weight, place of U and W in a pencil, place of V) for the nodes of an element from the
+/// level `first` on. The base does not move.
+template <class Use>
+[[gnu::always_inline]] inline void each_node(std::ptrdiff_t nodes, std::ptrdiff_t levels,
+                                             std::ptrdiff_t first, const double* weights,
+                                             const Use& use) {
+    for (std::ptrdiff_t j = 0; j < nodes && first + j < levels; ++j)
+        use(weights[j], 2 * (first + j) * parts, (2 * levels + first + j) * parts);
+}
+
+[[gnu::always_inline]] inline AtDepth interpolated(std::ptrdiff_t nodes, std::ptrdiff_t levels,
+                                                   std::ptrdiff_t first, const double* weights,
+                                                   std::ptrdiff_t s, const Block* pencil) {
+    AtDepth at;
+    each_node(nodes, levels, first, weights,
+              [&](double weight, std::ptrdiff_t uw, std::ptrdiff_t of_v) {
+                  const Vector all = simd::all_lanes(weight);
+                  add(all, get_parts(pencil + uw, s), at.u);
+                  add(all, get_parts(pencil + uw + parts, s), at.w);
+                  add(all, get_parts(pencil + of_v, s), at.v);
+              });
+    return at;
+}
+
+/// The adjoint of interpolated(), times `scale`: adds a force to a pencil.
+[[gnu::always_inline]] inline void add_to_nodes(std::ptrdiff_t nodes, std::ptrdiff_t levels,
+                                                std::ptrdiff_t first, const double* weights,
+                                                double scale, const AtDepth& force,
+                                                std::ptrdiff_t s, Block* pencil) {
+    each_node(nodes, levels, first, weights,
+              [&](double weight, std::ptrdiff_t uw, std::ptrdiff_t of_v) {
+                  const Vector all = simd::all_lanes(scale * weight);
+                  for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                      Block &to_u = pencil[uw + p], &to_w = pencil[uw + parts + p],
+                            &to_v = pencil[of_v + p];
+                      set(to_u, s, get(to_u, s) + all * force.u.part[p]);
+                      set(to_w, s, get(to_w, s) + all * force.w.part[p]);
+                      set(to_v, s, get(to_v, s) + all * force.v.part[p]);
+                  }
+              });
+}
+
+/// x and y of a lateral displacement u_x = i x, u_y = i y, or of a force.
+struct Lateral {
+    Value x, y;
+};
+
+[[gnu::always_inline]] inline Lateral lateral_of(const Direction& to, const AtDepth& at) {
+    Lateral l;
+    for (std::ptrdiff_t p = 0; p < parts; ++p) {
+        const Vector c = to.c[p / 2];
+        l.x.part[p] = c * at.u.part[p] - to.s * at.v.part[p];
+        l.y.part[p] = to.s * at.u.part[p] + c * at.v.part[p];
+    }
+    return l;
+}
+
+[[gnu::always_inline]] inline AtDepth radial_of(const Direction& to, const Lateral& l,
+                                                const Value& w) {
+    AtDepth at;
+    at.w = w;
+    for (std::ptrdiff_t p = 0; p < parts; ++p) {
+        const Vector c = to.c[p / 2];
+        at.u.part[p] = c * l.x.part[p] + to.s * l.y.part[p];
+        at.v.part[p] = c * l.y.part[p] - to.s * l.x.part[p];
+    }
+    return at;
+}
+
 } // namespace
 } // namespace shearwake::spectral

@@ -7,25 +7,6 @@
 namespace shearwake::spectral {
 namespace {
 
-/// U, W and V at a depth.
-struct AtDepth {
-    Value u, w, v;
-};
-
-[[gnu::always_inline]] inline AtDepth at_depth(const MarkerArrays& a, const MarkerDepth& depth,
-                                               std::ptrdiff_t s, const Block* pencil) {
-    AtDepth at{};
-    // The base does not move.
-    for (std::ptrdiff_t j = 0; j < a.nodes && depth.first + j < a.levels; ++j) {
-        const Vector weight = simd::all_lanes(depth.weights[j]);
-        const Block* uw = pencil + 2 * (depth.first + j) * parts;
-        add(weight, get_parts(uw, s), at.u);
-        add(weight, get_parts(uw + parts, s), at.w);
-        add(weight, get_parts(pencil + (2 * a.levels + depth.first + j) * parts, s), at.v);
-    }
-    return at;
-}
-
 /// Sums and differences of the contributions of +kx and -kx.
 struct Folded {
     Vector re_cos, re_sin, im_cos, im_sin;
@@ -38,12 +19,9 @@ void evaluate(const MarkerArrays& a, const WaveBlock& waves, const Block& mirror
         const Vector counts = get(mirrored, s);
         for (std::ptrdiff_t d = 0; d < a.depths; ++d) {
             const MarkerDepth& depth = a.depth[d];
-            const AtDepth at = at_depth(a, depth, s, pencil);
-            Value x, y; // u_x = i x, u_y = i y
-            for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                x.part[p] = to.c[p / 2] * at.u.part[p] - to.s * at.v.part[p];
-                y.part[p] = to.s * at.u.part[p] + to.c[p / 2] * at.v.part[p];
-            }
+            const AtDepth at =
+                interpolated(a.nodes, a.levels, depth.first, depth.weights, s, pencil);
+            const auto [x, y] = lateral_of(to, at);
             const Value moved[marker_components] = {a.along_x ? x : y, times_i(a.along_x ? y : x),
                                                     at.w};
             Folded folded[marker_components];
@@ -94,22 +72,9 @@ void add_force(const MarkerArrays& a, const WaveBlock& waves, const Block* value
             const Value f_along = force_on(a, depth, along, s, values, phase);
             const Value f_across = times_minus_i(force_on(a, depth, across, s, values, phase));
             const Value f_down = force_on(a, depth, down, s, values, phase);
-            const Value &x = a.along_x ? f_along : f_across, &y = a.along_x ? f_across : f_along;
-            Value u, v;
-            for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                u.part[p] = to.c[p / 2] * x.part[p] + to.s * y.part[p];
-                v.part[p] = to.c[p / 2] * y.part[p] - to.s * x.part[p];
-            }
-            for (std::ptrdiff_t j = 0; j < a.nodes && depth.first + j < a.levels; ++j) {
-                const Vector weight = simd::all_lanes(scale * depth.weights[j]);
-                Block* uw = pencil + 2 * (depth.first + j) * parts;
-                Block* of_v = pencil + (2 * a.levels + depth.first + j) * parts;
-                for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                    set(uw[p], s, get(uw[p], s) + weight * u.part[p]);
-                    set(uw[parts + p], s, get(uw[parts + p], s) + weight * f_down.part[p]);
-                    set(of_v[p], s, get(of_v[p], s) + weight * v.part[p]);
-                }
-            }
+            const Lateral l = {a.along_x ? f_along : f_across, a.along_x ? f_across : f_along};
+            add_to_nodes(a.nodes, a.levels, depth.first, depth.weights, scale,
+                         radial_of(to, l, f_down), s, pencil);
         }
     }
 }

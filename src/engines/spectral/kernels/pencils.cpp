@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/kernels/pencils.hpp"
 
-#include "engines/spectral/kernels/line_slices.hpp"
+#include "engines/spectral/kernels/slices.hpp"
 #include "simd/kernels.hpp"
 
 namespace shearwake::spectral {
@@ -74,54 +74,8 @@ void put_load(std::ptrdiff_t count, const LoadSample* samples, const Block* shap
     }
 }
 
-constexpr std::ptrdiff_t components = 3;
-
-/// u_x = i (c U - s V), u_y = i (s U + c V) and W.
-void put(const WaveBlock& waves, std::ptrdiff_t levels, const Block* now, const Block* before,
-         double* line, std::ptrdiff_t stride) {
-    for (std::ptrdiff_t s = 0; s < slices; ++s) {
-        const Direction to = direction(waves, s);
-        for (std::ptrdiff_t level = 0; level < levels; ++level) {
-            const std::ptrdiff_t uw = 2 * level * parts, v = (2 * levels + level) * parts;
-            Value x, y, w;
-            for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                const Vector radial = get(now[uw + p], s) - get(before[uw + p], s);
-                const Vector across = get(now[v + p], s) - get(before[v + p], s);
-                w.part[p] = get(now[uw + parts + p], s) - get(before[uw + parts + p], s);
-                x.part[p] = to.c[p / 2] * radial - to.s * across;
-                y.part[p] = to.s * radial + to.c[p / 2] * across;
-            }
-            double* of_level = line + components * level * stride;
-            put_slice(waves, s, times_i(x), of_level);
-            put_slice(waves, s, times_i(y), of_level + stride);
-            put_slice(waves, s, w, of_level + 2 * stride);
-        }
-    }
-}
-
-void gather(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, const double* line,
-            std::ptrdiff_t stride, Block* pencil) {
-    for (std::ptrdiff_t s = 0; s < slices; ++s) {
-        const Direction to = direction(waves, s);
-        for (std::ptrdiff_t level = 0; level < levels; ++level) {
-            const double* of_level = line + components * level * stride;
-            const Value x = times_minus_i(load_slice(waves, s, of_level)); // the inverse
-            const Value y = times_minus_i(load_slice(waves, s, of_level + stride));
-            const Value w = load_slice(waves, s, of_level + 2 * stride);
-            const std::ptrdiff_t uw = 2 * level * parts, v = (2 * levels + level) * parts;
-            for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                const Vector c = to.c[p / 2];
-                set(pencil[uw + p], s, scale[level] * (c * x.part[p] + to.s * y.part[p]));
-                set(pencil[uw + parts + p], s, scale[level] * w.part[p]);
-                set(pencil[v + p], s, scale[level] * (c * y.part[p] - to.s * x.part[p]));
-            }
-        }
-    }
-}
-
-constexpr PencilKernels pencil_table = {advance,    advance_by_sum, add_scaled,
-                                        difference, product,        put_load};
-constexpr SpongeKernels sponge_table = {put, gather};
+constexpr PencilKernels table = {advance,    advance_by_sum, add_scaled,
+                                 difference, product,        put_load};
 
 } // namespace
 } // namespace shearwake::spectral
@@ -129,11 +83,5 @@ constexpr SpongeKernels sponge_table = {put, gather};
 template <>
 const shearwake::spectral::PencilKernels&
 shearwake::simd::compiled<shearwake::spectral::PencilKernels, shearwake::simd::this_set>() {
-    return spectral::pencil_table;
-}
-
-template <>
-const shearwake::spectral::SpongeKernels&
-shearwake::simd::compiled<shearwake::spectral::SpongeKernels, shearwake::simd::this_set>() {
-    return spectral::sponge_table;
+    return spectral::table;
 }

@@ -33,14 +33,4 @@ struct PencilKernels {
                      Block* surface);
 };
 
-/// Transfers the velocity for the sponge between pencils and three planes per level (u_x, u_y,
-/// u_z); `stride` is the number of doubles between the lines of consecutive planes.
-struct SpongeKernels {
-    void (*put)(const WaveBlock& waves, std::ptrdiff_t levels, const Block* now,
-                const Block* before, double* line, std::ptrdiff_t stride);
-    /// Writes scale[level] times the contents of the lines to the pencil.
-    void (*gather)(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale,
-                   const double* line, std::ptrdiff_t stride, Block* pencil);
-};
-
 } // namespace shearwake::spectral

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/kernels/displacements.hpp"
 #include "engines/spectral/stepping/receptor_stress.hpp"
 #include "engines/spectral/stepping/stages.hpp"
 #include "engines/spectral/stepping/tensor_volumes.hpp"
@@ -9,45 +10,6 @@
 
 namespace shearwake::spectral {
 namespace {
-
-/// A component of u at one node: u_x = i (c U - s V), u_y = i (s U + c V), u_z = W.
-void component_of(std::size_t component, const WaveBlock& waves, const Block* uw, const Block* v,
-                  Block* value) {
-    for (std::ptrdiff_t p = 0; p < parts; ++p) {
-        for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
-            const double k = waves.k[lane], kx = p < minus_re ? waves.kx[lane] : -waves.kx[lane];
-            const double c = k > 0.0 ? kx / k : 1.0, s = k > 0.0 ? waves.ky / k : 0.0;
-            value[p][lane] = component == 0   ? c * uw[p][lane] - s * v[p][lane]
-                             : component == 1 ? s * uw[p][lane] + c * v[p][lane]
-                                              : uw[parts + p][lane];
-        }
-    }
-    if (component == 2) return;
-    for (const std::ptrdiff_t p : {plus_re, minus_re}) {
-        std::swap(value[p], value[p + 1]);
-        for (double& negated : value[p].lane)
-            negated = -negated;
-    }
-}
-
-/// A component of u (0: x, 1: y, 2: z) at a level, in the layout of put_plane_of_w(). Not
-/// collective.
-void put_plane_of_u(const StepState& s, std::size_t component, std::size_t level, double* plane) {
-    const auto at_level = static_cast<std::ptrdiff_t>(level);
-    const LineKernels& lines = simd::kernels<LineKernels>();
-    for (std::ptrdiff_t row = 0; row < s.vectors.rows(); ++row) {
-        for (std::ptrdiff_t block = 0; block < s.vectors.blocks(); ++block) {
-            const Block* u = s.u(s.pencil(row, block));
-            const WaveBlock waves = s.vectors.waves(row, block);
-            Block value[parts] = {};
-            if (at_level < s.vertical.levels())
-                component_of(component, waves, u + 2 * at_level * parts,
-                             u + (s.vertical.psv() + at_level) * parts, value);
-            lines.put(waves, {}, value, plane + 2 * row * s.vectors.nx());
-        }
-    }
-    s.vectors.clear_nyquist(plane);
-}
 
 class Output : public OutputStage {
 public:
@@ -125,7 +87,7 @@ void Output::emit_earlier(engines::Observer& observer) {
 
 void Output::emit_frame(std::ptrdiff_t number, engines::Observer& observer) {
     for (std::size_t depth = 0; depth < s_.c.measure.depths_m.size(); ++depth) {
-        put_plane_of_w(s_, s_.c.measure.depths_m[depth], plane_.data());
+        put_plane(s_, 2, depth_weights(s_.mesh, s_.c.measure.depths_m[depth]), plane_.data());
         s_.slabs.to_physical(plane_.data());
         observer.frame({.number = number, .depth = depth, .u_z_m = plane()});
     }
@@ -135,7 +97,7 @@ void Output::emit_displacement(std::size_t snapshot, std::size_t field,
                                engines::Observer& observer) {
     for (std::size_t component = 0; component < 3; ++component)
         for (std::size_t level = 0; level < s_.mesh.clear_levels(); ++level) {
-            put_plane_of_u(s_, component, level, plane_.data());
+            put_plane(s_, component, {static_cast<std::ptrdiff_t>(level), {1.0}}, plane_.data());
             s_.slabs.to_physical(plane_.data());
             inside_.set_displacement(s_.mesh.z_m(level), component, s_.bodies->motions(),
                                      plane_.data());
@@ -158,27 +120,23 @@ std::unique_ptr<OutputStage> make_output(StepState& state, std::ptrdiff_t per_fr
     return std::make_unique<Output>(state, per_frame);
 }
 
-void put_plane_of_w(const StepState& s, double depth_m, double* plane) {
-    const auto above = std::upper_bound(s.mesh.ends_m.begin(), s.mesh.ends_m.end() - 1, depth_m);
-    const auto element = static_cast<std::size_t>(above - s.mesh.ends_m.begin()) - 1;
-    const std::vector<double> weights = interpolation_weights(
-        s.mesh.rule, 2.0 * (depth_m - s.mesh.ends_m[element]) / s.mesh.length_m(element) - 1.0);
-    const auto first = static_cast<std::ptrdiff_t>(element) * s.mesh.degree;
-    const LineKernels& lines = simd::kernels<LineKernels>();
+void put_plane(const StepState& s, std::size_t component, DepthWeights at, double* plane) {
+    while (at.weights.back() == 0.0) // all but one at a node
+        at.weights.pop_back();
+    const DisplacementKernels& kernels = simd::kernels<DisplacementKernels>();
+    const DisplacementDepth depth = {at.first, at.weights.data()};
+    const DisplacementArrays arrays = {.nodes = std::ssize(at.weights),
+                                       .levels = s.vertical.levels(),
+                                       .depths = 1,
+                                       .depth = &depth};
+    const std::ptrdiff_t stride = 2 * s.vectors.nx();
+    fft::AlignedVector<double> lines(static_cast<std::size_t>(3 * stride));
     for (std::ptrdiff_t row = 0; row < s.vectors.rows(); ++row) {
-        for (std::ptrdiff_t block = 0; block < s.vectors.blocks(); ++block) {
-            const Block* u = s.u(s.pencil(row, block));
-            Block w[parts] = {};
-            for (std::ptrdiff_t i = 0; i <= s.mesh.degree; ++i) {
-                const double weight = weights[static_cast<std::size_t>(i)];
-                const std::ptrdiff_t unknown = 2 * (first + i) + 1;
-                if (unknown >= s.vertical.psv() || weight == 0.0)
-                    continue; // the base does not move
-                for (std::ptrdiff_t part = 0; part < parts; ++part)
-                    add_scaled(weight, u[unknown * parts + part], w[part]);
-            }
-            lines.put(s.vectors.waves(row, block), {}, w, plane + 2 * row * s.vectors.nx());
-        }
+        for (std::ptrdiff_t block = 0; block < s.vectors.blocks(); ++block)
+            kernels.displacement(arrays, s.vectors.waves(row, block), s.u(s.pencil(row, block)),
+                                 lines.data(), stride);
+        std::copy_n(lines.data() + static_cast<std::ptrdiff_t>(component) * stride, stride,
+                    plane + row * stride);
     }
     s.vectors.clear_nyquist(plane);
 }

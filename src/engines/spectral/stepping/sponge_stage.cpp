@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/units.hpp"
+#include "engines/spectral/kernels/displacements.hpp"
 #include "engines/spectral/stepping/stages.hpp"
 #include "fft/run_transform.hpp"
 #include "parallel/agree.hpp"
@@ -129,8 +130,9 @@ private:
     /// u-).
     void damp(const Pencil& p) {
         Block* change = s_.scratch.data();
-        kernels_.gather(vectors_.waves(p.row, p.block), s_.vertical.levels(), impulses_.data(),
-                        line(p.row), runs_->lines_reals(), change);
+        std::fill_n(change, s_.size(), Block{});
+        kernels_.add_force(arrays(impulse_depths_), vectors_.waves(p.row, p.block), line(p.row),
+                           runs_->lines_reals(), 1.0, change);
         s_.solve_constrained(p, change);
         add_impulse(p, change);
     }
@@ -157,8 +159,9 @@ private:
             const bool is_nyquist = vectors_.is_nyquist(row);
             for (std::ptrdiff_t block = 0; acts_on(row, block); ++block) {
                 const Pencil p = s_.pencil(row, block);
-                kernels_.put(vectors_.waves(row, block), s_.vertical.levels(), s_.u(p),
-                             s_.u_before(p), line(row), stride);
+                s_.kernels.difference(s_.size(), 1.0, s_.u(p), s_.u_before(p), s_.scratch.data());
+                kernels_.displacement(arrays(depths_), vectors_.waves(row, block),
+                                      s_.scratch.data(), line(row), stride);
             }
             for (std::ptrdiff_t plane = 0; plane < count_; ++plane) {
                 double* modes = line(row) + plane * stride;
@@ -197,7 +200,15 @@ private:
             slabs_->line_to_spectral(line(row) + p * runs_->lines_reals());
     }
 
-    const SpongeKernels& kernels_;
+    /// All levels, each at its own depth.
+    DisplacementArrays arrays(const std::vector<DisplacementDepth>& depths) const {
+        return {.nodes = 1,
+                .levels = s_.vertical.levels(),
+                .depths = s_.vertical.levels(),
+                .depth = depths.data()};
+    }
+
+    const DisplacementKernels& kernels_;
     WaveVectors vectors_; // on which the sponge acts
     std::optional<fft::SlabTransform> slabs_;
     std::ptrdiff_t count_ = 0;
@@ -206,11 +217,12 @@ private:
     fft::AlignedVector<double> planes_; // [level][component], lines of ky over x
     std::vector<double> values_;        // of a few planes
     std::vector<double> impulses_;      // factor of b (u - u-) for each level
-    std::optional<fft::RunTransform> runs_; // all of this rank's rows
+    std::vector<DisplacementDepth> depths_, impulse_depths_; // weights 1, and those of impulses_
+    std::optional<fft::RunTransform> runs_;                  // all of this rank's rows
 };
 
 SpongeStage::SpongeStage(StepState& state)
-    : Sponge(state), kernels_(simd::kernels<SpongeKernels>()), vectors_(s_.vectors) {
+    : Sponge(state), kernels_(simd::kernels<DisplacementKernels>()), vectors_(s_.vectors) {
     const auto [every, nx, ny] = s_.sponge;
     if (every == 0) return;
     vectors_ = s_.vectors.coarser(nx, ny);
@@ -237,6 +249,11 @@ SpongeStage::SpongeStage(StepState& state)
     for (std::ptrdiff_t level = 0; level < s_.vertical.levels(); ++level)
         impulses_.push_back(-0.5 * s_.vertical.mass_kg_m2(level) /
                             (static_cast<double>(nx * ny) * s_.step_s * s_.step_s));
+    static constexpr double unit = 1.0;
+    for (std::ptrdiff_t level = 0; level < s_.vertical.levels(); ++level) {
+        depths_.push_back({level, &unit});
+        impulse_depths_.push_back({level, &impulses_[static_cast<std::size_t>(level)]});
+    }
     count_ = displacements * s_.vertical.levels();
     together(s_.team, [&] {
         planes_.assign(static_cast<std::size_t>(count_ * runs_->lines_reals()), 0.0);

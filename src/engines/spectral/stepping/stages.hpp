@@ -52,9 +52,9 @@ public:
 };
 /// `per_frame`: number of steps of a frame.
 std::unique_ptr<OutputStage> make_output(StepState& state, std::ptrdiff_t per_frame);
-/// u_z [m] at a depth as rows of the transposed spectrum, in the layout of SlabTransform. Not
-/// collective.
-void put_plane_of_w(const StepState& state, double depth_m, double* plane);
+/// A component of the displacement [m] (0: x, 1: y, 2: z) at a depth as rows of the transposed
+/// spectrum, in the layout of SlabTransform. Not collective.
+void put_plane(const StepState& state, std::size_t component, DepthWeights at, double* plane);
 
 /// Removes a share of the velocity in the margin of the domain (sponge_stage.cpp).
 class Sponge : public Stage {

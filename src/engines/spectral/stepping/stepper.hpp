@@ -57,7 +57,9 @@ public:
 
     EnergyBalance energy() { return energy_of(state_); }
 
-    void plane_of_w(double depth_m, double* plane) const { put_plane_of_w(state_, depth_m, plane); }
+    void plane_of_w(double depth_m, double* plane) const {
+        put_plane(state_, 2, depth_weights(state_.mesh, depth_m), plane);
+    }
 
     /// The pencils of the displacement at the current and the previous step, row by row.
     const fft::AlignedVector<Block>& now() const { return state_.now; }
