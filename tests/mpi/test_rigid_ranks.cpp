@@ -12,8 +12,9 @@ using namespace shearwake;
 static spectral::Stepper stepper_of(const Case& c, const fft::SlabTransform& slabs,
                                     const Comm& team) {
     const auto& options = std::get<SpectralOptions>(c.solver);
-    return {c, spectral::choose_mesh(c, options, *options.time_step_s), slabs, *options.time_step_s,
-            team};
+    const spectral::RigidPlan plan(c);
+    return {plan, spectral::choose_mesh(plan.c, options, *options.time_step_s), slabs,
+            *options.time_step_s, team};
 }
 
 static void advance_to(std::ptrdiff_t step, spectral::Stepper& stepper) {

@@ -63,8 +63,9 @@ void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {
     const Comm rank = alone();
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, rank);
     const auto& options = std::get<SpectralOptions>(c.solver);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
-                              *options.time_step_s, rank);
+    const spectral::RigidPlan plan(c);
+    spectral::Stepper stepper(plan, spectral::choose_mesh(plan.c, options, *options.time_step_s),
+                              slabs, *options.time_step_s, rank);
     while (stepper.step() < steps) {
         stepper.advance();
         f(stepper);

@@ -162,49 +162,4 @@ TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
     CHECK(difference < 2e-3); // required
 }
 
-TEST_CASE("a rigid body below a rigid layer has no effect", "[verify][extended]") {
-    const Case alone = slab_case(0.5);
-    Case both = alone;
-    Body below = alone.scene.medium.bodies[0];
-    below.centre_m.z = 10.5e-3; // the slab ends at 9 mm, the base is at 12 mm
-    SECTION("a lump") {
-        below.shape = Ellipsoid{{4e-3, 4e-3, 1e-3}};
-    }
-    SECTION("a body across the domain") {
-        below.shape = Cylinder{.radius_m = 1.3e-3, .azimuth_deg = 90.0};
-    }
-    both.scene.medium.bodies.push_back(below);
-    // Elements end at bodies: the same ones for both.
-    const auto on_elements = [&](const Case& c) {
-        const Comm rank = Comm::world().split(Comm::world().rank());
-        const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, rank);
-        const auto& options = std::get<SpectralOptions>(c.solver);
-        spectral::Stepper stepper(c, spectral::choose_mesh(both, options, 50e-6), slabs, 50e-6,
-                                  rank);
-        while (stepper.step() < 20)
-            stepper.advance();
-        CHECK(stepper.bodies().motions().empty());
-        fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
-        stepper.plane_of_w(0.0, plane.data());
-        return std::vector<double>(plane.begin(), plane.end());
-    };
-    CHECK(on_elements(both) == on_elements(alone));
-}
-
-TEST_CASE("energy of a lossless medium with a rigid slab is conserved", "[verify][extended]") {
-    const double step_s = GENERATE(25e-6, 200e-6);
-    const Case c = test::with_step(slab_case(0.0), step_s);
-    const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction
-    double after = 0.0, worst = 0.0;
-    step_through(c, std::lround(14e-3 / step_s), [&](spectral::Stepper& stepper) {
-        if (stepper.step() < end || (stepper.step() > end && stepper.step() % 9 != 0)) return;
-        const double energy_J = stepper.energy().energy_J;
-        if (stepper.step() == end) after = energy_J;
-        worst = std::max(worst, std::abs(energy_J / after - 1.0));
-    });
-    CAPTURE(step_s, after, worst);
-    CHECK(after > 0.0);
-    CHECK(worst < 1e-8); // as without bodies
-}
-
 } // namespace test_rigid_places

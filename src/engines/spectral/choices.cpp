@@ -60,6 +60,8 @@ std::string rigid_note(const Case& c, std::size_t i, const std::string& why) {
                        rest.empty() ? "moves with its mass" : rest,
                        is_below_rigid_layer(body, c.scene.medium, c.domain)
                            ? "no effect on the field"
+                       : endless_along(body, c.domain) == Endless::both
+                           ? "the computed medium ends at its top"
                            : "one additional background solve per step, no cap on its stiffness");
 }
 
@@ -141,8 +143,8 @@ std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors)
 std::vector<std::string> body_notes(const RigidPlan& plan) {
     std::vector<std::string> notes;
     for (std::size_t i = 0; i < plan.reasons.size(); ++i) {
-        const bool is_rigid = plan.c.scene.medium.bodies[i].rigid;
-        notes.push_back((is_rigid ? rigid_note : elastic_note)(plan.c, i, plan.reasons[i]));
+        const bool is_rigid = plan.marked.scene.medium.bodies[i].rigid;
+        notes.push_back((is_rigid ? rigid_note : elastic_note)(plan.marked, i, plan.reasons[i]));
     }
     return notes;
 }
@@ -181,7 +183,7 @@ std::vector<std::string> SpectralPlan::notes(const std::optional<ProbedErrors>& 
     std::vector<std::string> all = discretisation_notes(time, mesh, errors);
     if (const SpongePlan acting = sponge(varying); acting.every > 0)
         all.push_back(sponge_note(rigid.c, acting));
-    for (const auto& more : {body_notes(rigid), engines::notes_of(cap_choices(rigid.c))})
+    for (const auto& more : {body_notes(rigid), engines::notes_of(cap_choices(rigid.marked))})
         all.insert(all.end(), more.begin(), more.end());
     if (!rigid.why.empty()) all.push_back(rigid.why);
     if (varying.points > 0.0) all.push_back(variation_note(varying, mesh));

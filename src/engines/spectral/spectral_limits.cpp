@@ -90,7 +90,7 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
         refused.push_back(std::move(remark));
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
-    const Case chosen = rigid_plan(c).c;
+    const Case chosen = rigid_plan(c).marked;
     for (Remark& warning : receptors_near_bodies(chosen))
         refused.push_back(std::move(warning));
     for (Remark& warning : resolution_remarks(chosen))

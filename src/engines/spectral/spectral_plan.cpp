@@ -4,7 +4,6 @@
 #include "base/block.hpp"
 #include "base/text.hpp"
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_variation.hpp"
@@ -242,7 +241,6 @@ engines::Resources SpectralPlan::resources(const SampledVariation& sampled, int 
     for (const engines::Allocation& array : arrays_of_output(rigid.layers, mesh, v, ranks))
         all.arrays.push_back(array);
     all.arrays.push_back({"material map", map_bytes(c.scene.medium)});
-    all.arrays.push_back({"rigid layers", slab_memory_B(c, mesh, ranks)});
     if (rigid.treatment == RigidTreatment::endless)
         all.arrays.push_back({"endless rigid bodies", endless_memory_B(rigid, mesh, ranks)});
     if (rigid.treatment == RigidTreatment::lumps)

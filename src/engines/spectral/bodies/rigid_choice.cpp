@@ -188,6 +188,26 @@ double stiffness_contrast(const Body& body, const Medium& medium) {
 
 namespace {
 
+/// Ends the medium at the uppermost rigid body that is a complete layer.
+Case above_rigid_layers(Case c) {
+    Medium& medium = c.scene.medium;
+    double end_m = std::numeric_limits<double>::infinity();
+    for (const Body& body : medium.bodies)
+        if (body.rigid && endless_along(body, c.domain) == Endless::both)
+            end_m = std::min(end_m, bounds(body).low_m.z);
+    if (std::isinf(end_m)) return c;
+    constexpr double rounding = 1e-9;
+    std::erase_if(medium.bodies, [&](const Body& body) {
+        return bounds(body).low_m.z >= end_m * (1.0 - rounding);
+    });
+    while (medium.layers.size() > 1 &&
+           depths(medium, medium.layers.size() - 1).top_m >= end_m * (1.0 - rounding))
+        medium.layers.pop_back();
+    medium.layers.back().thickness_m = end_m - depths(medium, medium.layers.size() - 1).top_m;
+    medium.base = Base::rigid;
+    return c;
+}
+
 /// Why an elastic body that is stiff enough is not treated as rigid, or an empty text if it is.
 std::string obstacle(const Case& c, std::size_t i) {
     const Body& body = c.scene.medium.bodies[i];
@@ -250,9 +270,9 @@ std::vector<Body> rigid_bodies(const Case& c) {
     return rigid;
 }
 
-RigidPlan::RigidPlan(Case marked)
-    : c(std::move(marked)), layers(c), bodies(moving_bodies(c)),
-      treatment(treatment_of(bodies, c.domain)), reasons(c.scene.medium.bodies.size()) {
+RigidPlan::RigidPlan(Case given)
+    : marked(std::move(given)), c(above_rigid_layers(marked)), layers(c), bodies(rigid_bodies(c)),
+      treatment(treatment_of(bodies, c.domain)), reasons(marked.scene.medium.bodies.size()) {
     std::erase_if(layers.scene.medium.bodies, [](const Body& body) { return body.rigid; });
     if (treatment == RigidTreatment::endless)
         why = fmt::format("the rigid bodies have one system per wavenumber along {}, because all "
@@ -335,13 +355,7 @@ std::vector<Remark> receptors_near_bodies(const Case& c) {
 }
 
 InsideBodies::InsideBodies(const Case& c, const fft::SlabShare& share)
-    : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {
-    // Complete layers, and bodies below them, are at rest and have no motion.
-    std::size_t moving = 0;
-    for (const Body& body : bodies_)
-        motion_.push_back(has_markers(body, c.scene.medium, c.domain) ? std::optional(moving++)
-                                                                      : std::nullopt);
-}
+    : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {}
 
 template <class Use>
 void InsideBodies::each_point(double depth_m, const Use& use) const {
@@ -365,7 +379,7 @@ void InsideBodies::each_point(double depth_m, const Use& use) const {
 void InsideBodies::set_displacement(double depth_m, std::size_t component,
                                     const std::vector<RigidMotion>& motions, double* plane) const {
     each_point(depth_m, [&](std::ptrdiff_t at, std::size_t body, Vec3 offset) {
-        const Vec3 u = motion_[body] ? motions[*motion_[body]].at(offset) : Vec3{};
+        const Vec3 u = motions[body].at(offset);
         plane[at] = component == 0 ? u.x : component == 1 ? u.y : u.z;
     });
 }

@@ -34,16 +34,20 @@ enum class RigidTreatment { none, endless, lumps };
 /// The treatment of the bodies of a case, decided once.
 struct RigidPlan {
     /// Of a case in which all rigid bodies are marked. Not collective.
-    RigidPlan(Case marked);
+    RigidPlan(Case given);
 
+    Case marked;
+    /// The case that is solved. A rigid body that is a complete layer is at rest, and the medium
+    /// ends at the top of the uppermost one, like one with a rigid base.
     Case c;
     /// The case without its rigid bodies: the material in their place is that of the surroundings,
     /// and forces at markers make it move rigidly.
     Case layers;
-    std::vector<Body> bodies; // the rigid ones with markers
+    std::vector<Body> bodies; // the rigid ones of c, all with markers
     RigidTreatment treatment = RigidTreatment::none;
-    std::string why;                  // this treatment; one line; empty without such bodies
-    std::vector<std::string> reasons; // per body of c: why a stiff one is rigid or not; or empty
+    std::string why; // this treatment; one line; empty without such bodies
+    std::vector<std::string>
+        reasons; // per body of `marked`: why a stiff one is rigid or not; or empty
 };
 /// Marks those bodies as rigid whose contrast exceeds solver.spectral.rigid_above, unless they are
 /// lighter than the layers around them, need more time as lumps than as elastic bodies, or are
@@ -81,7 +85,6 @@ private:
     void each_point(double depth_m, const Use& use) const;
 
     std::vector<Body> bodies_;
-    std::vector<std::optional<std::size_t>> motion_; // index of a body's motion
     Domain domain_;
     fft::SlabShare share_;
 };

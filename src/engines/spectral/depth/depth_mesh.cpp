@@ -237,6 +237,8 @@ std::vector<double> smoothing_weights(const GaussLobatto& rule, double x) {
 }
 
 DepthWeights depth_weights(const DepthMesh& mesh, double depth_m) {
+    if (depth_m > mesh.ends_m.back() * (1.0 + 1e-9)) // inside the base
+        return {static_cast<std::ptrdiff_t>(mesh.levels()) - 1, {1.0}};
     const auto above = std::upper_bound(mesh.ends_m.begin() + 1, mesh.ends_m.end() - 1, depth_m);
     const auto e = static_cast<std::size_t>(above - mesh.ends_m.begin()) - 1;
     return {static_cast<std::ptrdiff_t>(e) * mesh.degree,

@@ -6,7 +6,7 @@ namespace {
 
 /// One pass over the pencils, in which everything happens while the factor of a pencil is in the
 /// cache: d = B^-1 (f - K u - C (u - u-)/dt + E^T s) with the explicit stress s of the elastic
-/// bodies, rigid layers held, and u- becomes 2u - u- + d.
+/// bodies, and u- becomes 2u - u- + d.
 class PencilStage : public Stage {
 public:
     PencilStage(StepState& state, Sponge& sponge) : Stage(state), sponge_(sponge) {}
@@ -39,7 +39,6 @@ private:
         s_.put_forces(p, u, before, force, pressure, s_.factor(p.at));
         s_.add_planes_force(p, force);
         s_.solve(p, force);
-        s_.slab_bodies.constrain(p.row, p.block, s_.background_solve(), force, scale, u, before);
         s_.add_work(p, scale, u, before, force, pressure);
         s_.put_strain(p, force);
         s_.kernels.advance(s_.size(), scale, u, force, before);

@@ -133,7 +133,7 @@ private:
         std::fill_n(change, s_.size(), Block{});
         kernels_.add_force(arrays(impulse_depths_), vectors_.waves(p.row, p.block), line(p.row),
                            runs_->lines_reals(), 1.0, change);
-        s_.solve_constrained(p, change);
+        s_.solve(p, change);
         add_impulse(p, change);
     }
 

@@ -29,7 +29,7 @@ StepState::StepState(RigidPlan plan, const DepthMesh& of_depth, const fft::SlabT
       transfer(mesh, field.variation().strain_points, field.variation().components()),
       load(c, vectors, step_s, {c.scene.load, c.time.duration_s() + 2.0 * step_s}),
       bodies(make_rigid_bodies(rigid, mesh, slabs, vectors, step_s, team)),
-      slab_bodies(c, mesh, vectors), planes(field.cells(), slabs, team, StrainPlanes::Corner{}),
+      planes(field.cells(), slabs, team, StrainPlanes::Corner{}),
       sponge(sponge_plan(c, is_uniform() ? Lateral::uniform : Lateral::varies, step_s)),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
@@ -66,10 +66,9 @@ void StepState::factorise(Operator which) {
                 vertical.factorise(which, vectors.waves(row, block).k, step_s,
                                    factors_.data() +
                                        pencil(row, block).at * vertical.factor_size());
-        slab_bodies.assemble(vertical, background_solve());
     });
     bodies->assemble(vertical, [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        solve_constrained(pencil(row, block), force);
+        solve(pencil(row, block), force);
     });
 }
 
@@ -81,12 +80,6 @@ void StepState::end_step() {
     statistics.transforms = planes.transforms();
 }
 
-RigidBodies::Solve StepState::background_solve() const {
-    return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        vertical.solve_implicit(factor(pencil(row, block).at), force);
-    };
-}
-
 void StepState::each_reaction(const Reaction& use) {
     Block* force = scratch.data();
     each_pencil(
@@ -94,7 +87,7 @@ void StepState::each_reaction(const Reaction& use) {
         [&](const Pencil& p) {
             std::fill(scratch.begin(), scratch.end(), Block{});
             bodies->add_force(p.row, p.block, force);
-            solve_constrained(p, force);
+            solve(p, force);
             if (use) use(p, force);
             put_strain(p, force);
         });

@@ -4,7 +4,6 @@
 #include "engines/engine.hpp"
 #include "engines/march.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/lateral_field.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
@@ -83,7 +82,6 @@ public:
     StrainTransfer transfer;
     MovingLoad load;
     std::unique_ptr<RigidBodies> bodies;
-    SlabBodies slab_bodies; // rigid layers
     StrainPlanes planes;
     const SpongePlan sponge;
 
@@ -110,7 +108,7 @@ public:
     void end_step();
 
     bool varies() const { return !field.variation().empty(); }
-    /// Whether nothing varies laterally: no elastic body, and rigid ones only as complete layers.
+    /// Whether nothing varies laterally: no body.
     bool is_uniform() const { return !varies() && bodies->empty(); }
     /// Weight of the second difference: from rest, the first step has half of it.
     double scale() const { return step == 0 ? 0.5 : 1.0; }
@@ -164,15 +162,10 @@ public:
     void add_planes_force(const Pencil& p, Block* force);
     /// E of a displacement.
     void put_strain(const Pencil& p, const Block* displacement);
-    /// B^-1 alone, and with rigid layers held at rest.
+    /// B^-1.
     void solve(const Pencil& p, Block* force) const {
         vertical.solve_implicit(factor(p.at), force);
     }
-    void solve_constrained(const Pencil& p, Block* force) {
-        solve(p, force);
-        slab_bodies.constrain(p.row, p.block, background_solve(), force);
-    }
-    RigidBodies::Solve background_solve() const;
     /// Adds the work of the load on the motion (u+ - u-)/2 to `energy`.
     void add_work(const Pencil& p, double scale, const Block* u, const Block* before,
                   const Block* change, const Block* pressure);

@@ -39,7 +39,7 @@ private:
         s_.each_pencil({.strain = needs_strain}, [&](const Pencil& p) {
             std::fill(s_.scratch.begin(), s_.scratch.end(), Block{});
             s_.add_planes_force(p, force);
-            s_.solve_constrained(p, force);
+            s_.solve(p, force);
             if (!s_.bodies->empty()) s_.bodies->evaluate(p.row, p.block, force);
             use(p, force);
         });

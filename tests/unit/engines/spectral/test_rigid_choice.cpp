@@ -197,15 +197,18 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     c.scene.medium.bodies.push_back(layer);
     SECTION("with a common matrix") {
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
-        CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
+        CHECK(spectral::rigid_bodies(chosen.marked).size() == 3);
         CHECK(chosen.treatment == spectral::RigidTreatment::lumps);
         CHECK(chosen.bodies.size() == 2);
         CHECK_THAT(chosen.why, Catch::Contains("not all of them cross the domain along the same"));
+        const Medium& solved = chosen.c.scene.medium; // ends at the complete layer
+        CHECK(solved.base == Base::rigid);
+        CHECK(depths(solved, solved.layers.size() - 1).bottom_m == Approx(17e-3));
     }
     SECTION("with one matrix per wavenumber if they are parallel") {
         std::get<Cylinder>(c.scene.medium.bodies[1].shape).azimuth_deg = -90.0;
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
-        CHECK(spectral::rigid_bodies(chosen.c).size() == 3);
+        CHECK(spectral::rigid_bodies(chosen.marked).size() == 3);
         CHECK(chosen.treatment == spectral::RigidTreatment::endless);
         CHECK(chosen.bodies.size() == 2);
         CHECK_THAT(chosen.why, Catch::Contains("along y"));
@@ -213,12 +216,12 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     SECTION("unless their matrix would be too large") {
         c.domain = {.nx = 160, .ny = 120, .spacing_m = 0.5e-3};
         const spectral::RigidPlan chosen = spectral::rigid_plan(c);
-        const std::vector<Body>& bodies = chosen.c.scene.medium.bodies;
+        const std::vector<Body>& bodies = chosen.marked.scene.medium.bodies;
         CHECK(bodies[0].rigid);
         CHECK_FALSE(bodies[1].rigid);
         CHECK(bodies[2].rigid);
         auto notes = spectral::body_notes(chosen);
-        for (const std::string& note : engines::notes_of(spectral::cap_choices(chosen.c)))
+        for (const std::string& note : engines::notes_of(spectral::cap_choices(chosen.marked)))
             notes.push_back(note);
         const auto mentions = [&](const std::string& text) {
             return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
