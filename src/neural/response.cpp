@@ -102,12 +102,17 @@ CountedTime limited(CountedTime counted, std::size_t samples, double rate_Hz) {
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
                             std::size_t count, const AfferentOptions& options, std::uint64_t key,
                             const CountedTime& counted) {
-    const SilencedStimulus silenced = with_silence(without_overlap(stimulus), options.silence_s);
+    SilencedLines silenced =
+        with_silence(stimulus.indentation_mm, stimulus.rate_Hz, options.silence_s);
+    const PinStimulus pins{.at_mm = stimulus.at_mm,
+                           .radius_mm = fitting_radius_mm(stimulus.at_mm, stimulus.radius_mm),
+                           .rate_Hz = stimulus.rate_Hz,
+                           .indentation_mm = std::move(silenced.lines)};
     const auto afferents = std::span(scene.afferents).subspan(first, count);
     RespondOptions how = options_of(options, first, key);
     how.paths = scene.skin_mm.empty() ? straight_paths(stimulus.at_mm)
                                       : paths_within(scene.skin_mm, stimulus.at_mm);
-    return times_of(respond(silenced.stimulus, afferents, how), afferents, silenced.before_s,
+    return times_of(respond(pins, afferents, how), afferents, silenced.before_s,
                     limited(counted, stimulus.indentation_mm.samples, stimulus.rate_Hz),
                     options.conduction_delay);
 }

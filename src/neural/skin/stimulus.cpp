@@ -206,11 +206,6 @@ std::vector<Remark> check_stress(std::span<const std::vector<double>> compressio
     return remarks.all;
 }
 
-PinStimulus without_overlap(PinStimulus stimulus) {
-    stimulus.radius_mm = fitting_radius_mm(stimulus.at_mm, stimulus.radius_mm);
-    return stimulus;
-}
-
 std::size_t resampled_length(std::size_t samples, double rate_Hz) {
     return static_cast<std::size_t>(
         std::nearbyint(static_cast<double>(samples) / rate_Hz * neuron_rate_Hz));
@@ -352,15 +347,6 @@ SilencedLines with_silence(const Lines& lines, double rate_Hz, double silence_s)
         }
     }
     return out;
-}
-
-SilencedStimulus with_silence(const PinStimulus& stimulus, double silence_s) {
-    SilencedLines silenced = with_silence(stimulus.indentation_mm, stimulus.rate_Hz, silence_s);
-    return {{.at_mm = stimulus.at_mm,
-             .radius_mm = stimulus.radius_mm,
-             .rate_Hz = stimulus.rate_Hz,
-             .indentation_mm = std::move(silenced.lines)},
-            silenced.before_s};
 }
 
 } // namespace shearwake::neural

@@ -29,9 +29,6 @@ std::vector<Remark> check_stress(std::span<const std::vector<double>> compressio
                                  double rate_Hz, std::size_t afferents, double silence_s,
                                  Course course = Course::once);
 
-/// The stimulus with a pin radius reduced where pins would overlap.
-PinStimulus without_overlap(PinStimulus stimulus);
-
 /// Number of samples at the neurons' rate for a line of N `samples` at `rate_Hz`: round(N 5000 /
 /// rate), ties to even.
 std::size_t resampled_length(std::size_t samples, double rate_Hz);
@@ -74,18 +71,11 @@ struct SilencedLines {
     double before_s = 0.0; // duration of the silence that precedes the lines
 };
 
-/// A stimulus with silence before and after.
-struct SilencedStimulus {
-    PinStimulus stimulus;
-    double before_s = 0.0; // duration of the silence that precedes the stimulus
-};
-
-/// Adds `silence_s` of skin at rest before the stimulus; afterwards the last indentations decrease
+/// Adds `silence_s` of skin at rest before the lines; afterwards the last indentations decrease
 /// as cos^2 over the same time. Without silence a jump between the ends would cause ringing at both
-/// ends, because resampling to the neurons' rate treats the stimulus as periodic. The end is
-/// extended so that the total duration is an integer number of samples of the neurons. The stimulus
-/// is returned unchanged if `silence_s` is 0. Not collective.
+/// ends, because resampling to the neurons' rate treats them as periodic. The end is
+/// extended so that the total duration is an integer number of samples of the neurons. The lines
+/// are returned unchanged if `silence_s` is 0. Not collective.
 SilencedLines with_silence(const Lines& lines, double rate_Hz, double silence_s);
-SilencedStimulus with_silence(const PinStimulus& stimulus, double silence_s);
 
 } // namespace shearwake::neural

@@ -43,23 +43,23 @@ static std::string words(const std::vector<Remark>& remarks) {
 }
 
 TEST_CASE("adds silence before the stimulus and fades out its last value", "[neural]") {
-    PinStimulus s{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 1000.0};
-    s.indentation_mm = Lines(1, 4);
-    s.indentation_mm.values = {1.0, 2.0, 3.0, 4.0};
-    const SilencedStimulus out = with_silence(s, 2e-3);
+    Lines lines(1, 4);
+    lines.values = {1.0, 2.0, 3.0, 4.0};
+    const SilencedLines out = with_silence(lines, 1000.0, 2e-3);
     CHECK(out.before_s == 2e-3);
-    const auto& values = out.stimulus.indentation_mm.values;
+    const auto& values = out.lines.values;
     REQUIRE(values.size() == 8);
     CHECK(std::vector(values.begin(), values.begin() + 6) ==
           std::vector{0.0, 0.0, 1.0, 2.0, 3.0, 4.0});
     CHECK(values[6] == Approx(2.0).epsilon(1e-14)); // cos^2(pi/4)
     CHECK(values[7] == 0.0);
-    CHECK(with_silence(s, 0.0).stimulus.indentation_mm.values == s.indentation_mm.values);
+    CHECK(with_silence(lines, 1000.0, 0.0).lines == lines);
 }
 
 TEST_CASE("a stimulus with silence lasts an integer number of neuron samples", "[neural]") {
     const double rate_Hz = GENERATE(1000.0, 16000.0, 20000.0, 48000.0, 44100.0);
-    const auto samples = with_silence(tapping({{}}, rate_Hz), 0.02).stimulus.indentation_mm.samples;
+    const auto samples =
+        with_silence(tapping({{}}, rate_Hz).indentation_mm, rate_Hz, 0.02).lines.samples;
     const double neuron_samples = static_cast<double>(samples) / rate_Hz * 5000.0;
     CHECK(std::abs(neuron_samples - std::round(neuron_samples)) < 1e-6); // tolerance of the code
 }
