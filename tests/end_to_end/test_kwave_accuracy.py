@@ -10,8 +10,6 @@ import pytest
 from program import PROGRAM, ProgramTest, environment
 from shearwake.kwave import pstd_elastic_3d
 
-pytestmark = pytest.mark.extended
-
 C_P, SLOW, FAST, DENSITY = 10.0, 2.0, 3.0, 1000.0  # m/s and kg/m3; the second layer has the speed FAST
 WAVELENGTH_m = 5e-3                              # of the shear wave at the centre frequency, in the first layer
 WIDTH_s = 1.5e-3                                 # of the burst

@@ -29,14 +29,6 @@ class Resume(ProgramTest):
             self.shearwake("reduce", out)
         assert_same_table(self, table(whole), table(self.out))
 
-    @pytest.mark.extended
-    def test_a_run_killed_on_one_rank_is_resumed(self):
-        self.kill(self.start_and_stop("run", "job.toml"))
-        self.assertEqual(len(case_files(self.out)), 1)
-        self.assert_undamaged()
-        self.contains(self.shearwake("status", self.out).output, "1 done", "0 running", "next: shearwake run")
-        self.assert_finishes_as_if_undisturbed()
-
     def test_a_run_killed_on_two_ranks_is_resumed(self):
         self.kill(self.start_and_stop("run", "job.toml", "--ranks-per-case", 2, ranks=2))
         self.assertEqual(len(case_files(self.out)), 1)
