@@ -21,6 +21,7 @@ ABSURD = without_reference((SWEEP, '"domain.spacing_mm" = [1.5, 0.005]'), (X, 'x
 NOBODY = 65534
 
 
+@pytest.mark.extended
 class JoinedWorlds(ProgramTest):
     """Runs that a program with MPI has started become ranks of one world."""
 
@@ -28,7 +29,6 @@ class JoinedWorlds(ProgramTest):
         done = self.call("mpirun", *words, expect=None)
         return done.returncode, done.output
 
-    @pytest.mark.extended
     def test_ranks_with_other_arguments_or_folders_end_at_once(self):
         self.write_job()
         other = self.folder / "other"
@@ -44,7 +44,6 @@ class JoinedWorlds(ProgramTest):
         self.contains(output, "have different working folders")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
 
-    @pytest.mark.extended
     def test_remedy_of_the_message_starts_separate_runs(self):
         self.write_job()
         for name, change in (("a", "job.toml"), ("b", "other.toml")):
@@ -57,7 +56,6 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(code, 0, output)
         self.contains(output, "job.toml: ", "other.toml: ")
 
-    @pytest.mark.extended
     def test_run_that_a_rank_with_mpi_starts_ends_at_once(self):
         self.write_job()
         driver = ("import ctypes, subprocess, sys\n"
@@ -74,7 +72,6 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(code, 0, output)
         self.assertEqual(output.count("2 a rank of another MPI program has started this run"), 2, output)
 
-    @pytest.mark.extended
     def test_tasks_of_slurm_without_mpi_are_warned_of(self):
         self.write_job(without_reference())
         with mock.patch.dict(os.environ, {"SLURM_NTASKS": "8"}):

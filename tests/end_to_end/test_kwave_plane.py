@@ -297,6 +297,7 @@ class Scheme(FunctionsTest):
             pstd_elastic_3d(**parts, quiet=True)
 
 
+@pytest.mark.extended
 class Files(KWaveTest, FunctionsTest):
     def plane_file(self, change):
         code, output = import_kwave(self.folder, str(DATA / "layered_2d_study.mat"))
@@ -307,7 +308,6 @@ class Files(KWaveTest, FunctionsTest):
             change(file)
         return path
 
-    @pytest.mark.extended
     def test_motion_along_z_is_computed_if_a_source_drives_it(self):
         """Shear waves that are polarised along z, as in a box that does not vary along z."""
         mask = BOX["mask"]
@@ -325,7 +325,6 @@ class Files(KWaveTest, FunctionsTest):
             numpy.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * numpy.abs(expected).max())
             self.assertEqual(numpy.abs(out["ux"][()]).max(), 0.0)
 
-    @pytest.mark.extended
     def test_layers_along_z_are_refused(self):
         for name, value, *words in (("pml_z_size", 1, "pml_z_size is 1; it must be at most 0"),
                                     ("pml_z", 0.5, "pml_z is 0.5 at index 1; it must be 1: a plane has no absorbing layer along z"), ("Nx", 1, "Nx is 1; it must be 2")):
@@ -333,7 +332,6 @@ class Files(KWaveTest, FunctionsTest):
                 file[name][0, 0, 0] = value
             self.contains(self.run_file(self.plane_file(change), expect=1), *words)
 
-    @pytest.mark.extended
     def test_messages_count_the_axes_of_kwave(self):
         def change(file):
             file["rho0_sgy"][0, 4, 2] = -1.0

@@ -124,6 +124,7 @@ MARKED = [("peak_Pa = 100.0", "peek_Pa = 100.0"), (FOOTPRINT, FOOTPRINT.replace(
           ('engine = "layered"', 'engine = "layerd"')]
 
 
+@pytest.mark.extended
 class Editors(ProgramTest):
     """CONTRIBUTING.md states how to install the tools."""
 
@@ -157,11 +158,9 @@ class Editors(ProgramTest):
                     else:
                         self.assertEqual(lines, {line}, output)
 
-    @pytest.mark.extended
     def test_taplo_marks_errors_and_no_valid_job(self):
         self.check_with("taplo", lambda schema: ["check", "--schema", f"file://{schema}"])
 
-    @pytest.mark.extended
     def test_tombi_marks_errors_and_no_valid_job(self):
         (self.folder / "tombi.toml").write_text('[[schemas]]\npath = "job.schema.json"\ninclude = ["*.toml"]\n', encoding="utf-8")
         self.check_with("tombi", lambda _: ["lint", "--offline", "--error-on-warnings"])

@@ -98,8 +98,8 @@ class Output(ProgramTest):
         self.contains(self.shearwake("reduce", self.out, expect=4).output, "nothing to reduce")
 
 
+@pytest.mark.extended
 class Surroundings(ProgramTest):
-    @pytest.mark.extended
     def test_odd_paths_change_nothing(self):
         self.compute()
         reference = table(self.out)
@@ -150,7 +150,6 @@ class Surroundings(ProgramTest):
                     path.unlink()
                     path.mkdir()
 
-    @pytest.mark.extended
     def test_two_runs_that_write_one_cache_at_once(self):
         self.write_job()
         for n in range(times(2, 10)):
@@ -160,7 +159,6 @@ class Surroundings(ProgramTest):
                     for m in range(2)]
             self.assertEqual([process.wait(PATIENCE_s) for process in both], [0, 0])
 
-    @pytest.mark.extended
     def test_case_files_that_vanish_while_they_are_read(self):
         self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
