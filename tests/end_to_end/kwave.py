@@ -3,12 +3,14 @@
 import contextlib
 import io
 import os
+import types
 import unittest.mock
 
 import h5py
 import numpy
 
 from program import ROOT
+from shearwake.kwave import pstd_elastic_3d
 from shearwake.kwave.main import main
 
 DATA = ROOT / "tests" / "data" / "pstd"
@@ -99,3 +101,25 @@ def at_edge(values, axes):
         found = 1.0 / at_half(at_half(1.0 / values, axes[0]), axes[1])
     last = numpy.logical_or(*(numpy.arange(values.shape[a]).reshape([-1 if b == a else 1 for b in range(3)]) == values.shape[a] - 1 for a in axes))
     return numpy.where(last, values, found)
+
+
+def matlab_order(mask):
+    """The places in MATLAB's order (x fastest) of the nodes of a mask in C order."""
+    nodes = numpy.argwhere(numpy.asarray(mask).T)[:, ::-1]
+    return numpy.lexsort(nodes.T[::-1])
+
+
+def in_matlab_order(kgrid, medium, source, sensor, **options):
+    """The results of pstd_elastic_3d for rows of sources and the sensor in MATLAB's order."""
+    source = types.SimpleNamespace(**vars(source))
+    for mask, fields in (("u_mask", FIELDS[:3]), ("s_mask", FIELDS[3:])):
+        if numpy.max(vars(source).get(mask, 0)) == 1:
+            order = matlab_order(vars(source)[mask])
+            for field, series in vars(source).items():
+                if field in fields and numpy.ndim(series) == 2 and len(series) == len(order) > 1:
+                    setattr(source, field, series[order])
+    found = pstd_elastic_3d(kgrid, medium, source, sensor, quiet=True, **options)
+    if isinstance(found, list) or numpy.ndim(sensor.mask) != 3:
+        return found
+    back = numpy.argsort(matlab_order(sensor.mask))
+    return {name: values if values.ndim == 3 else values[back] for name, values in found.items()}

@@ -9,9 +9,8 @@ import numpy
 import pytest
 import scipy.io
 
-from kwave import FIELDS, POINTS, import_kwave, nodes_of, reference, save, structures_of
+from kwave import FIELDS, POINTS, import_kwave, in_matlab_order, nodes_of, reference, save, structures_of
 from program import PROGRAM, ROOT, ProgramTest, environment
-from shearwake.kwave import pstd_elastic_3d
 from shearwake.kwave.record import NAMES
 
 
@@ -74,9 +73,8 @@ class Records(ImportTest):
         options = structures["options"] = dict(zip(structures["options"][::2], structures["options"][1::2]))
         structures["sensor"].update(sensor)
         os.environ.update(environment(), SHEARWAKE=str(PROGRAM))
-        parts = [types.SimpleNamespace(**structures[name]) for name in ("kgrid", "source", "sensor", "medium")]
-        return structures, pstd_elastic_3d(*parts, quiet=True, pml_size=options["PMLSize"],
-                                           multi_axial_pml_ratio=options["MultiAxialPMLRatio"])
+        parts = [types.SimpleNamespace(**structures[name]) for name in ("kgrid", "medium", "source", "sensor")]
+        return structures, in_matlab_order(*parts, pml_size=options["PMLSize"], multi_axial_pml_ratio=options["MultiAxialPMLRatio"])
 
     def equal(self, output, expected):
         with h5py.File(output) as file:

@@ -89,8 +89,8 @@ class Checks(ProgramTest):
 
     def by_function(self, setup, sensor, record, **options):
         points, spacing_m, step_s, steps, medium, source = setup
-        return pstd_elastic_3d({"N": points, "spacing": spacing_m, "dt": step_s, "Nt": steps}, source, {"mask": sensor, "record": record}, medium,
-                               {"smooth_p0": False}, quiet=True, **options)
+        return pstd_elastic_3d({"N": points, "spacing": spacing_m, "dt": step_s, "Nt": steps}, medium, source, {"mask": sensor, "record": record},
+                               smooth=False, quiet=True, **options)
 
     def same(self, found, expected, limit, name=""):
         self.assertGreater(numpy.abs(expected).max(), 0.0, name)
@@ -156,7 +156,7 @@ class Checks(ProgramTest):
         numpy.moveaxis(sensor, line, 0)[depth // 2] = 1.0
         result = self.by_function(setup, sensor, ["u"], pml_size=2, pml_alpha=0.0)
         for values, axis in zip(expected, numpy.delete(numpy.arange(3), line)):
-            series = result[f"u{AXES[axis]}"].reshape(*plane, steps, order="F")
+            series = result[f"u{AXES[axis]}"].reshape(*plane, steps)
             numpy.testing.assert_allclose(series.transpose(2, 0, 1), values, rtol=0, atol=1e-14 * numpy.abs(expected).max(),
                                           err_msg=f"{kind} {fixed} {line}")
 

@@ -15,6 +15,7 @@ import pytest
 import scipy.io
 
 import shearwake
+from kwave import in_matlab_order
 from program import PROGRAM, ROOT, ProgramTest, environment
 from shearwake.kwave import pstd_elastic_3d
 from test_kwave_program import DATA, references
@@ -80,9 +81,7 @@ class Functions(FunctionsTest):
             for name in ("sensor_mask_corners", "sensor_mask_positions"):
                 if name in one:
                     found["sensor"].mask = one[name][()].T
-            # the deprecated order of arguments, whose rows have the order of MATLAB
-            result = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], quiet=True,
-                                     **{**keywords, **options})
+            result = in_matlab_order(**found, **{**keywords, **options})
             self.compare([result] if isinstance(result, dict) and "corners" == group else result, one)
         return result
 
@@ -102,45 +101,11 @@ class Functions(FunctionsTest):
         self.result("plane_wave")
 
     @pytest.mark.extended
-    def test_newest_interface_has_rows_in_c_order(self):
+    def test_objects_may_be_dictionaries_and_raise_for_missing_fields(self):
         found, keywords = study("stress_lossy")
-        nodes = numpy.argwhere(found["source"].s_mask.T)[:, ::-1]  # x fastest
-        order = numpy.lexsort(nodes.T[::-1])
-        sensor = numpy.argwhere(found["sensor"].mask.T)[:, ::-1]
-        found["sensor"].record = ["p", "u_staggered"]
-        expected = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], quiet=True, **keywords)
-        for name in ("sxx", "syy", "szz", "sxy", "sxz", "syz"):
-            setattr(found["source"], name, getattr(found["source"], name)[order])
-        result = pstd_elastic_3d(found["kgrid"], vars(found["medium"]), KWaveObject(**vars(found["source"])), found["sensor"],
-                                 quiet=True, **keywords)
-        self.assertFalse((order == numpy.arange(len(order))).all())
-        for name in ("p", "ux"):
-            numpy.testing.assert_allclose(result[name], expected[name][numpy.lexsort(sensor.T[::-1])], rtol=0,
-                                          atol=1e-12 * numpy.abs(expected[name]).max())
-
-    @pytest.mark.long
-    def test_deprecated_interface_has_one_meaning_by_position_and_by_name(self):
-        found, keywords = study("stress_lossy")
-        expected = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], quiet=True, **keywords)["p"]
-        # Each axis of the layer by itself, with a common value that they override, as in SimulationOptions.
-        sizes, strengths = (numpy.broadcast_to(numpy.ravel(keywords.get(name, value)), 3) for name, value in (("pml_size", 10), ("pml_alpha", 2)))
-        simulation = types.SimpleNamespace(
-            pml_size=[15], pml_alpha=1.0, pml_inside=keywords.get("pml_inside", True), cartesian_interp="linear", data_cast="off",
-            smooth_p0=True, smooth_c0=False, smooth_rho0=False, use_fd=None, save_to_disk=True, pml_auto=False,
-            **{f"pml_{axis}_size": int(size) for axis, size in zip("xyz", sizes)},
-            **{f"pml_{axis}_alpha": float(alpha) for axis, alpha in zip("xyz", strengths)})
-        more = {name: value for name, value in keywords.items() if not name.startswith("pml_")}
-        result = pstd_elastic_3d(**{name: found[name] for name in ("kgrid", "source", "sensor", "medium")}, quiet=True,
-                                 simulation_options=simulation, execution_options=types.SimpleNamespace(num_threads="all"), **more)
-        # The same sums on another number of ranks.
+        expected = pstd_elastic_3d(**found, quiet=True, **keywords)["p"]
+        result = pstd_elastic_3d(found["kgrid"], vars(found["medium"]), KWaveObject(**vars(found["source"])), found["sensor"], quiet=True, **keywords)
         numpy.testing.assert_allclose(result["p"], expected, rtol=0, atol=1e-12 * numpy.abs(expected).max())
-        simulation.pml_x_alpha = 0.0
-        other = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], simulation, quiet=True, **more)
-        self.assertGreater(numpy.abs(other["p"] - expected).max(), 1e-9 * numpy.abs(expected).max())
-        simulation.data_cast = "single"
-        single = pstd_elastic_3d(found["kgrid"], found["source"], found["sensor"], found["medium"], simulation, quiet=True, **more)
-        difference = numpy.abs(single["p"] - other["p"]).max() / numpy.abs(other["p"]).max()
-        self.assertTrue(1e-9 < difference < 1e-4, difference)  # k-Wave's own results with single precision differ by up to 4e-6
 
     def test_faults_are_value_errors(self):
         found, keywords = study("homogeneous")
@@ -159,10 +124,8 @@ class Functions(FunctionsTest):
                 lambda parts: setattr(parts["sensor"], "time_reversal_boundary_data", numpy.ones((12, 120))))
         refused("medium.alpha_power", lambda parts: setattr(parts["medium"], "alpha_power", 1.5))
         refused("use_sg", use_sg=False)
-        for field, value in (("use_fd", 2), ("axisymmetric", True), ("pml_auto", True), ("save_to_disk_exit", True)):
-            refused(f"simulation_options.{field} is not supported", simulation_options=types.SimpleNamespace(**{field: value}))
-        refused("simulation_options.pml_thickness is unknown", simulation_options={"pml_thickness": 3})
-        refused("save_only is not supported", save_only=True)
+        for field, value in (("use_fd", 2), ("axisymmetric", True), ("pml_auto", True), ("save_to_disk_exit", True), ("save_only", True)):
+            refused(f"{field} is not supported", **{field: value})
         refused("precision must be", precision="half")
         refused("data_cast must be", data_cast="int8")
         for ranks in (0, 1.5, "two"):

@@ -26,13 +26,6 @@ OPTIONS = {"pml_size": "PMLSize", "pml_alpha": "PMLAlpha", "pml_inside": "PMLIns
 REFUSED = ("time_reversal_boundary_data", "frequency_response")
 # Options of k-wave-python about its processors and files.
 IGNORED = {"use_kspace", "backend", "device", "debug", "device_num", "data_path", "binary_path"}
-# The names in SimulationOptions of k-wave-python; those that change no result; and those that must be off, with its defaults.
-DEPRECATED = {"pml_inside": "pml_inside", "multi_axial_PML_ratio": "multi_axial_pml_ratio", "scale_source_terms": "scale_source_terms",
-              "data_cast": "data_cast", "use_sg": "use_sg"}
-COMBINED = {"pml_size", "pml_alpha", "cart_interp", "cartesian_interp", "smooth_p0", "smooth_c0", "smooth_rho0",
-            *(f"pml_{axis}_{what}" for axis in AXES for what in ("size", "alpha"))}
-WITHOUT_EFFECT = {"use_kspace", "data_recast", "hdf_compression_level", "pml_search_range", "radial_symmetry", "create_log",
-                  "stream_to_disk", "save_to_disk", "data_path", "input_filename", "output_filename", "simulation_type", "plot_scale"}
 MUST_BE_OFF = ("use_fd", "use_finite_difference", "axisymmetric", "pml_auto", "save_to_disk_exit", "save_only")
 
 
@@ -154,34 +147,6 @@ def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None,
         raise program.error_of(running.returncode, said)
 
 
-def of_simulation_options(simulation_options: Any) -> dict[str, Any]:
-    """SimulationOptions of k-wave-python as keywords. Raises BadInput for a field that would change the result and is not known."""
-    def value_of(name: str) -> Any:
-        value = attribute(simulation_options, name)
-        return None if callable(value) else value
-    fields = simulation_options if isinstance(simulation_options, dict) else getattr(simulation_options, "__dict__", {})
-    for name, value in fields.items():
-        if name in MUST_BE_OFF and value:
-            raise BadInput(f"simulation_options.{name} is not supported")
-        if not name.startswith("_") and not callable(value) and name not in {*DEPRECATED, *COMBINED, *WITHOUT_EFFECT, *MUST_BE_OFF}:
-            raise BadInput(f"simulation_options.{name} is unknown")
-    if getattr(value_of("simulation_type"), "name", "") == "AXISYMMETRIC":
-        raise BadInput("simulation_options.simulation_type is AXISYMMETRIC, which is not supported")
-    given = {keyword: value_of(name) for name, keyword in DEPRECATED.items()}
-    for what, default in (("size", 10.0), ("alpha", 2.0)):
-        common, axes = value_of(f"pml_{what}"), [value_of(f"pml_{axis}_{what}") for axis in AXES]
-        given[f"pml_{what}"] = common
-        if any(value is not None for value in axes):  # as in k-wave-python, an axis overrides the common value
-            every = np.broadcast_to(np.ravel(default if common is None else common), 3)
-            given[f"pml_{what}"] = [of_all if value is None else float(value) for value, of_all in zip(axes, every)]
-    smooth = [value_of(name) for name in ("smooth_p0", "smooth_c0", "smooth_rho0")]
-    if any(value is not None for value in smooth):
-        given["smooth"] = [float(default if value is None else value) for value, default in zip(smooth, (True, False, False))]
-    nearest = "nearest" in (value_of("cart_interp"), value_of("cartesian_interp"))
-    given["cart_interp"] = "nearest" if nearest else value_of("cart_interp") or value_of("cartesian_interp")
-    return {keyword: value for keyword, value in given.items() if value is not None}
-
-
 def ranks_of(value: Any) -> int:
     """A number of ranks: of the argument or of num_threads, which may be "all"."""
     if value == "all":
@@ -204,11 +169,9 @@ def precision_of(cast: Any, precision: str) -> str:
     return found
 
 
-def study_options(options: dict[str, Any], simulation_options: Any) -> tuple[Structure, dict[str, Any]]:
+def study_options(options: dict[str, Any]) -> tuple[Structure, dict[str, Any]]:
     """The structure `options` of pstdElastic3D, and the other options."""
-    given = {**of_simulation_options(simulation_options), **options}
-    if "smooth_p0" in options and "smooth" not in options:
-        given.pop("smooth", None)
+    given = dict(options)
     for name in MUST_BE_OFF:
         if given.pop(name, None):
             raise BadInput(f"{name} is not supported")
@@ -257,9 +220,8 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
             return read_results(file, study, study.sensor_fields, order if is_mask else "F")
 
 
-def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, simulation_options: Any = None,
-                    execution_options: Any = None, *, ranks: int = 1, launch: Sequence[str] | None = None, precision: str = "double",
-                    quiet: bool = False, progress: bool | None = None, **options: Any) -> Results:
+def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, *, ranks: int = 1, launch: Sequence[str] | None = None,
+                    precision: str = "double", quiet: bool = False, progress: bool | None = None, **options: Any) -> Results:
     """Runs a simulation of k-Wave's pstdElastic3D with the program shearwake.
 
     kgrid, medium, source and sensor are objects of k-wave-python, namespaces or dictionaries with the fields of pstdElastic3D:
@@ -271,30 +233,25 @@ def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, si
 
     The defaults are those of pstdElastic3D in MATLAB, not those of kspaceFirstOrder: pml_size 10, pml_inside True, pml_alpha 2,
     multi_axial_pml_ratio 0.1, smooth (True, False, False) for p0, speeds and density, scale_source_terms True, record ["p"].
-    The arguments of the deprecated interface, (kgrid, source, sensor, medium, simulation_options, execution_options), are recognised
-    by their fields or by the last two names; options that would change the result and are not supported are errors. `ranks` MPI ranks compute in "double" or "single" `precision`; `launch` replaces mpirun. `progress` (default:
-    unless quiet) shows a bar.
+    Options that would change the result and are not supported are errors. `ranks` MPI ranks compute in "double" or "single"
+    `precision`; `launch` replaces mpirun. `progress` (default: unless quiet) shows a bar.
 
     Returns a dictionary of float64: series (n, Nt) and statistics (n) of the n points, and values of the entire grid
     (Nx, Ny, Nz), without a layer that lies outside. With corners: a list of dictionaries, one per cuboid. Names: p, p_max, ...,
     ux, uy, uz for "u" at the staggered positions ("u_staggered" is a synonym; in kspaceFirstOrder "u" lies at the nodes),
     ux_non_staggered at the nodes, ux_split_p, ux_split_s, Ix, Ix_avg. Rows of sensor and sources are in C order of the mask (z
-    fastest), and with the deprecated order of arguments in Fortran order. Pressure belongs to the times n dt, velocities to
+    fastest). Pressure belongs to the times n dt, velocities to
     (n - 1/2) dt, n = record_start_index, ...
 
     Raises ValueError for faults of the arguments, and ShearwakeError if the program fails."""
-    order = "C" if simulation_options is None and execution_options is None else "F"
-    if attribute(sensor, "sound_speed_shear") is not None:
-        medium, source, sensor, order = sensor, medium, source, "F"
-    return simulated(3, order, (kgrid, medium, source, sensor), options, (simulation_options, execution_options), ranks, launch, precision,
-                     quiet, progress)
+    return simulated(3, (kgrid, medium, source, sensor), options, ranks, launch, precision, quiet, progress)
 
 
 def pstd_elastic_2d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, *, ranks: int = 1, launch: Sequence[str] | None = None,
                     precision: str = "double", quiet: bool = False, progress: bool | None = None, **options: Any) -> Results:
     """Runs a simulation of k-Wave's pstdElastic2D with the program shearwake: plane strain in the plane x-y.
 
-    The arguments are those of pstd_elastic_3d in its newest order, without the axis z: Nx, Ny, dx, dy; arrays (Nx, Ny); ux, uy, sxx,
+    The arguments are those of pstd_elastic_3d without the axis z: Nx, Ny, dx, dy; arrays (Nx, Ny); ux, uy, sxx,
     syy and sxy; a mask of the sensor with the shape of the grid, corners of rectangles (4, C), x1, y1, x2, y2 counted from 1, or
     points (2, N) in m. pml_size is 20 unless given; one or two numbers. The pressure is -(sxx + syy)/2.
 
@@ -302,25 +259,23 @@ def pstd_elastic_2d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, *,
     A rank computes the plane alone; more ranks have no use.
 
     Raises ValueError for faults of the arguments, and ShearwakeError if the program fails."""
-    return simulated(2, "C", (kgrid, medium, source, sensor), options, (None, None), ranks, launch, precision, quiet, progress)
+    return simulated(2, (kgrid, medium, source, sensor), options, ranks, launch, precision, quiet, progress)
 
 
-def simulated(dimensions: int, order: str, objects: Sequence[Any], options: dict[str, Any], deprecated: Sequence[Any], ranks: Any,
-              launch: Sequence[str] | None, precision: str, quiet: bool, progress: bool | None) -> Results:
-    """The results of (kgrid, medium, source, sensor). `deprecated` has simulation_options and execution_options. Raises ValueError and
-    ShearwakeError."""
-    (kgrid, medium, source, sensor), (simulation_options, execution_options) = objects, deprecated
+def simulated(dimensions: int, objects: Sequence[Any], options: dict[str, Any], ranks: Any, launch: Sequence[str] | None, precision: str,
+              quiet: bool, progress: bool | None) -> Results:
+    """The results of (kgrid, medium, source, sensor). Raises ValueError and ShearwakeError."""
+    kgrid, medium, source, sensor = objects
     try:
-        fields, others = study_options(options, simulation_options)
+        fields, others = study_options(options)
         dtype, cast = others.pop("dtype", None), others.pop("data_cast", None)
         precision = precision_of(dtype if cast is None else cast, precision)
         threads = others.pop("num_threads", None)
-        threads = attribute(execution_options, "num_threads") if threads is None else threads
         ranks = ranks_of(ranks if threads is None else threads)
         if others:
             raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}")
         parts = {"kgrid": grid_structure(kgrid), "medium": structure(medium, "medium"), "source": structure(source, "source"),
                  "sensor": structure(sensor or {}, "sensor"), "options": fields}
-        return solve(parts, [], order, ranks, launch, precision, quiet, not quiet if progress is None else progress, dimensions)
+        return solve(parts, [], "C", ranks, launch, precision, quiet, not quiet if progress is None else progress, dimensions)
     except BadInput as error:
         raise ValueError(str(error)) from error
