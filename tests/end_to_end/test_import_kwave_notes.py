@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
-import re
 import types
 
 import h5py
@@ -8,7 +7,7 @@ import numpy
 import pytest
 
 from kwave import import_kwave, save
-from small_study import POINTS, FilesTest, cell, study
+from small_study import FilesTest, cell, study
 from test_import_kwave_files import as_in_python
 
 from shearwake.kwave import checks
@@ -21,22 +20,6 @@ class Notes(FilesTest):
         """A study with changed fields, {structure: {field: value}}, and other variables."""
         self.changed(variables, **changes)
         return "study.mat"
-
-    def test_faces_between_fluid_and_solid_are_counted(self):
-        c_s = numpy.full((10, 9, 8), 5.0)
-        c_s[:, :, 3:6] = 0.0
-        self.saved({"medium": {"sound_speed_shear": c_s}})
-        self.contains(self.imported("study.mat"), "180 faces between fluid and solid nodes", "at 90 of them")
-
-    def test_equal_limits_of_the_step_are_stated_once(self):
-        output = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
-        self.contains(output, "us are stable; reduce kgrid.dt")
-        self.assertNotIn("steps above", output)
-        density = numpy.full(POINTS, 1000.0)
-        density[5:] = 250.0  # the step that is stable for any arrangement is half as long
-        output = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"density": density}}), expect=3)
-        limits = [float(number) for number in re.search(r"up to (\S+) us are stable and steps above (\S+) us", output).groups()]
-        self.assertAlmostEqual(limits[1] / limits[0], 2.0, places=4)
 
     def test_options_may_be_a_cell_array_of_names_and_values(self):
         pairs = cell(["PMLInside", False, "PMLSize", numpy.array([2.0, 3, 1]), "PlotSim", False, "DataCast", "single"])

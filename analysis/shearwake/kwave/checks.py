@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rejects media and time steps for which the simulation would be unstable or without meaning, and warns of values that
-are probably not intended."""
+"""Rejects media without meaning, and warns of values that are probably not intended. `shearwake kwave` checks the time step, the bulk
+modulus and the faces between fluids and solids."""
 from __future__ import annotations
 
 from typing import Any
@@ -37,43 +37,6 @@ def check_medium(study: Simulation) -> None:
     if np.any(bad):
         raise BadInput(f"medium.sound_speed_shear exceeds medium.sound_speed_compression{first_node(bad, study)}: "
                        "shear waves must be slower than compressional waves")
-    if np.any(4.0 * c_s ** 2 > 3.0 * c_p ** 2):
-        study.notes.append("medium: sound_speed_compression is below 1.1547 times sound_speed_shear, so the bulk "
-                           "modulus is negative, which no material has")
-
-
-def positive_root(a: Any, b: Any) -> Any:
-    """The positive root dt of a dt^2 + b dt = 4; infinite without waves."""
-    with np.errstate(divide="ignore"):
-        return 8.0 / (b + np.sqrt(b * b + 16.0 * a))
-
-
-def step_limits(study: Simulation) -> tuple[float, float]:
-    """(dt of the stiffest material alone, dt that is stable for any arrangement of these materials) in s. With the
-    largest wave number K of the grid (an odd number of points has no wave of two points), dt^2 c^2 K^2 + 2 dt K^2 E/rho <= 4 for compressional waves (c_p,
-    E = chi + 2 eta) and shear waves (c_s, E = eta); the C++ counterpart is engines/pstd/scene/case_step.hpp."""
-    medium = study.medium
-    largest = np.pi / study.spacing_m * (1.0 - (study.points % 2) / study.points)
-    k2 = np.sum(largest ** 2)
-    rho, eta, chi = medium["density_kg_m3"], medium.get("eta_Pa_s", 0.0), medium.get("chi_Pa_s", 0.0)
-    alone = min(np.min(positive_root(c ** 2 * k2, 2.0 * k2 * loss / rho))
-                for c, loss in ((medium["c_p_m_s"], chi + 2.0 * eta), (medium["c_s_m_s"], eta)))
-    safe = positive_root(np.max(rho * medium["c_p_m_s"] ** 2) / np.min(rho) * k2,
-                         2.0 * k2 * np.max(chi + 2.0 * eta) / np.min(rho))
-    return float(alone), float(safe)
-
-
-def check_time_step(study: Simulation) -> None:
-    alone_s, safe_s = step_limits(study)
-    step_s = study.time_step_s
-    if step_s > alone_s:
-        stable, unstable = f"{1e6 * safe_s:.6g}", f"{1e6 * alone_s:.6g}"
-        between = f" and steps above {unstable} us are unstable" if unstable != stable else ""
-        raise BadInput(f"kgrid.dt = {1e6 * step_s:.6g} us is unstable: at this spacing and in this medium, steps up to "
-                       f"{stable} us are stable{between}; reduce kgrid.dt")
-    if step_s > safe_s:
-        study.notes.append(f"kgrid.dt = {1e6 * step_s:.6g} us may be unstable: steps up to {1e6 * safe_s:.6g} us are "
-                           "stable")
 
 
 def check_plausible(study: Simulation) -> None:

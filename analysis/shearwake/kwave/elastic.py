@@ -124,8 +124,8 @@ def read_results(file: h5py.File, study: Study, records: Iterable[str], order: s
     return {**{name: np.ascontiguousarray(values) for name, values in found.items()}, **grids}
 
 
-def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool) -> None:
-    """Runs the program and shows its progress on one line. Raises ProgramError with its message."""
+def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None, progress: bool, quiet: bool) -> None:
+    """Runs the program, and shows its progress on one line and, unless quiet, its warnings. Raises ProgramError with its message."""
     with (tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors,
           program.start(arguments, ranks, launch, stdout=subprocess.PIPE, stderr=errors, encoding="utf-8", errors="replace",
                         preexec_fn=program.stop_with_caller) as running):
@@ -133,6 +133,8 @@ def computed(arguments: Sequence[str], ranks: int, launch: Sequence[str] | None,
         try:
             for line in running.stdout:
                 share = line[:4].strip()
+                if not quiet and line.startswith(("warning: ", "note: ")):
+                    print(line, end="", flush=True)
                 if progress and share.isdigit() and line[4:6] == " %":
                     print(f"\r[{'#' * (int(share) // 5):<20}] {share:>3} %", end="", flush=True)
             running.wait()
@@ -214,7 +216,7 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
         write_input(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
-                  "--output_precision", "double", *flags_of(study.sensor_fields)], ranks, launch, progress)
+                  "--output_precision", "double", *flags_of(study.sensor_fields)], ranks, launch, progress, quiet)
         with h5py.File(f"{folder}/out.h5", "r", locking=False) as file:
             is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
             return read_results(file, study, study.sensor_fields, order if is_mask else "F")

@@ -170,26 +170,6 @@ def of_mat(value: Any, level: int = 0) -> Any:
     return of_array(value)
 
 
-# The first bytes of files that are mistaken for .mat files.
-KINDS = {b"PK\3\4": "a zip archive (such as .npz, .mlx or .zip)", b"\x93NUMPY": "a NumPy array (.npy)",
-         b"\x1f\x8b": "a gzip archive", b"\x89PNG": "a PNG image", b"%PDF": "a PDF document",
-         b"\x80\4": "a Python pickle", b"\x80\5": "a Python pickle",
-         b"# Created by Octave": "a text file of Octave: use save -v7"}
-
-
-def kind_of_file(path: Path) -> str:
-    """What the file is, as far as its first bytes show; otherwise empty."""
-    with open(path, "rb") as file:
-        start = file.read(512)
-    if not start:
-        return "an empty file"
-    for first, kind in KINDS.items():
-        if start.startswith(first):
-            return kind
-    is_text = all(byte >= 32 or byte in b"\t\n\r\f" for byte in start)
-    return f"a text file, which begins with \"{decoded(start.split(bytes([10]))[0][:40])}\"" if is_text else ""
-
-
 def variables_of(path: Path) -> list[str]:
     """The names of all variables of a .mat file before version 7.3."""
     import scipy.io
@@ -212,9 +192,8 @@ def read_mat(path: Path) -> tuple[dict[str, Any], list[str]]:
     except (OSError, BadInput):
         raise
     except Exception as problem:  # SciPy documents no exceptions for damaged files
-        kind = kind_of_file(path)
-        raise BadInput(f"{path} is neither an HDF5 file nor a .mat file" + (f" but {kind}" if kind else
-                       f" ({problem})") + "; in MATLAB, use save(file, '-v7.3', ...)") from problem
+        raise BadInput(f"{path} is neither an HDF5 file nor a .mat file ({problem}); in MATLAB, use save(file, '-v7.3', ...), in Octave "
+                       "save -v7") from problem
     return {name: of_mat(found[variable]) for name, variable in chosen.items() if variable in found}, notes
 
 

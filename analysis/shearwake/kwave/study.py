@@ -8,7 +8,7 @@ from typing import Any, Iterable
 
 import numpy as np
 
-from .checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
+from .checks import check_medium, check_plausible, check_range, check_spectrum, first_node
 from .record import FIELDS, read_sensor
 from .structures import BadInput, Simulation, Structure, text_of
 
@@ -118,7 +118,6 @@ class Study(Simulation):
         check_plausible(self)
         self.enlarge_if_layer_is_outside()
         self.smooth_medium()
-        check_time_step(self)
         self.sources, self.p0_Pa = [], None
         self.read_sources(parts["source"])
         check_spectrum(self)
@@ -261,8 +260,6 @@ class Study(Simulation):
             if self.reference_speed_m_s <= 0.0:
                 raise BadInput(f"medium.sound_speed_ref is {self.reference_speed_m_s:g}; it must be greater than 0")
         check_medium(self)
-        if not self.smooths[1]:
-            self.count_fluid_faces(c_s == 0.0)
 
     def smooth_medium(self) -> None:
         """Smooths speeds and density if that is asked for, on the enlarged grid as in k-Wave, and completes the viscosities."""
@@ -278,16 +275,6 @@ class Study(Simulation):
             eta, modulus = (2.0 * medium["density_kg_m3"] * medium[speed] ** 3 * medium[alpha] * neper
                             for speed, alpha in (("c_s_m_s", "eta_Pa_s"), ("c_p_m_s", "chi_Pa_s")))
             medium.update(eta_Pa_s=eta, chi_Pa_s=modulus - 2.0 * eta)
-
-    def count_fluid_faces(self, fluid: np.ndarray) -> None:
-        """Notes the faces at which pstdElastic3D has another shear modulus: 0 where the fluid lies on the side of the lower index."""
-        if not np.ndim(fluid):
-            return
-        steps = [np.diff(fluid.astype(int), axis=axis) for axis in range(3)]
-        faces, higher = (sum(int(np.count_nonzero(bad(step))) for step in steps) for bad in (lambda s: s != 0, lambda s: s > 0))
-        if faces:
-            self.notes.append(f"medium: {faces} faces between fluid and solid nodes, where the shear modulus between the nodes is 0; at "
-                              f"{higher} of them, with the fluid on the side of the higher index, k-Wave uses that of the solid")
 
     @property
     def is_lossy(self) -> bool:
