@@ -46,18 +46,27 @@ double TransferTable::from_rad_m() const {
     return key_.edges == DomainEdges::open ? remainder_from_rad_m(key_.spacing_m) : 0.0;
 }
 
+/// Calls f(m) for the frequencies of this rank. They are assigned to ranks cyclically, because
+/// neighbouring frequencies cost about the same. Returns true if a stop was requested. Collective.
+template <class F>
+bool TransferTable::each_frequency(const Comm& team, CaseProgress* progress, const F& f) const {
+    for (std::ptrdiff_t first = 0; first < frequencies(); first += team.size()) {
+        if (progress && progress->stop_asked()) return true;
+        const std::ptrdiff_t m = first + team.rank();
+        if (m >= frequencies()) continue;
+        f(m);
+        if (progress) progress->record_completed(Stage::response);
+    }
+    return false;
+}
+
 TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progress) const {
     const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
     const double from = from_rad_m();
     Panels mine;
     bool stops = false;
-    // Frequencies are assigned to ranks cyclically, because neighbouring frequencies cost about the
-    // same.
     fail_together(team, [&] {
-        for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
-            stops = progress && progress->stop_asked();
-            const std::ptrdiff_t m = first + team.rank();
-            if (stops || m >= frequencies()) continue;
+        stops = each_frequency(team, progress, [&](std::ptrdiff_t m) {
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const auto fitted = fit_at(key_, key_.time.omega(m), [&] {
@@ -68,8 +77,7 @@ TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progres
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
             mine.values.insert(mine.values.end(), packed.begin(), packed.end());
-            if (progress) progress->record_completed(Stage::response);
-        }
+        });
     });
     if (stops) throw engines::StopRequested{};
     return mine;
@@ -127,25 +135,17 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
     fail_together(team, [&] {
         if (key_.quantity == StackQuantity::loss) {
             std::vector<RadialInterpolant> losses;
-            for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
-                stops = progress && progress->stop_asked();
-                const std::ptrdiff_t m = first + team.rank();
-                if (stops || m >= frequencies()) continue;
+            stops = each_frequency(team, progress, [&](std::ptrdiff_t m) {
                 const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
                 losses.push_back(fit_at(key_, key_.time.omega(m), [&] {
                     return fit_loss(response, key_.spacing_m, key_.tolerance);
                 }));
-                if (progress) progress->record_completed(Stage::response);
-            }
+            });
             if (!stops) tables = grid.loss.tables(losses, block_done);
             return;
         }
         std::vector<Complex> h, of_node(depths);
-        for (std::ptrdiff_t first_m = 0; first_m < frequencies() && !stops;
-             first_m += team.size()) {
-            stops = progress && progress->stop_asked();
-            const std::ptrdiff_t m = first_m + team.rank();
-            if (stops || m >= frequencies()) continue;
+        stops = each_frequency(team, progress, [&](std::ptrdiff_t m) {
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const std::size_t first = h.size();
@@ -155,8 +155,7 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
                 for (std::size_t d = 0; d < depths; ++d)
                     h[first + d * nodes + i] = of_node[d];
             }
-            if (progress) progress->record_completed(Stage::response);
-        }
+        });
         if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
     });
     if (stops) throw engines::StopRequested{};

@@ -103,6 +103,8 @@ private:
         std::vector<std::complex<double>> values;
         std::vector<double> sizes;
     };
+    template <class F>
+    bool each_frequency(const Comm& team, CaseProgress* progress, const F& f) const;
     Panels fit(const Comm& team, CaseProgress* progress) const;
     /// The tables of the response to a point load of the frequencies of this rank.
     std::vector<std::complex<double>> point_tables(OpenGrid& grid, const Comm& team,

@@ -18,6 +18,7 @@ namespace {
 /// near a pole overlap, and their horizontal forces alternate by up to a quarter of the largest one
 /// (a sphere of 6 spacings per radius): its force is in error by 1.3 % instead of 0.7 %.
 constexpr double ring_spacing = 1.4;
+constexpr int steps_of_quarter = 2000;
 
 /// Part of a unit vector in the lateral directions, in which forces are smoothed.
 double lateral_part(Vec3 v) {
@@ -35,35 +36,11 @@ struct Spacings {
     }
 };
 
-/// Angles in the first quarter of an ellipse, from the axis of `b` towards that of `a`, that are
-/// equally far apart along it, half a distance from the axes. The distance is near `spacing`.
-std::vector<double> quarter_angles(double a, double b, double spacing) {
-    constexpr int steps = 2000;
-    const double step = 0.25 * two_pi / steps;
-    std::vector<double> length(steps + 1, 0.0);
-    for (int i = 0; i < steps; ++i) {
-        const double angle = (i + 0.5) * step;
-        length[static_cast<std::size_t>(i) + 1] =
-            length[static_cast<std::size_t>(i)] +
-            step * std::hypot(a * std::cos(angle), b * std::sin(angle));
-    }
-    const auto count = std::max(1L, std::lround(length.back() / spacing));
-    std::vector<double> angles;
-    for (long n = 0; n < count; ++n) {
-        const double at =
-            length.back() * (static_cast<double>(n) + 0.5) / static_cast<double>(count);
-        const auto above = std::lower_bound(length.begin() + 1, length.end() - 1, at);
-        const double share = (at - above[-1]) / (above[0] - above[-1]);
-        angles.push_back((static_cast<double>(above - length.begin()) - 1.0 + share) * step);
-    }
-    return angles;
-}
-
 /// Adds the points of a horizontal ellipse.
 void add_ellipse(double a_m, double b_m, double z_m, double spacing_m, std::vector<Vec3>& points) {
     if (std::min(a_m, b_m) < 0.35 * spacing_m && std::max(a_m, b_m) < 0.5 * spacing_m)
         return points.push_back({0.0, 0.0, z_m});
-    for (const double angle : quarter_angles(a_m, b_m, spacing_m)) {
+    for (const double angle : quarter_angles(a_m, b_m, spacing_m, steps_of_quarter)) {
         const double x = a_m * std::sin(angle), y = b_m * std::cos(angle);
         for (const double sign_x : {1.0, -1.0})
             for (const double sign_y : {1.0, -1.0})
@@ -88,8 +65,8 @@ std::vector<Vec3> on_ellipsoid(Vec3 r, const BodyAxes& axes, const Spacings& h) 
     const bool is_upright = std::abs(axes.z.z) == 1.0;
     double last_inside_m = r.z;
     std::vector<Vec3> points;
-    for (const double angle :
-         quarter_angles(std::sqrt(r.x * r.y) / across_m, r.z / down_m, ring_spacing)) {
+    for (const double angle : quarter_angles(std::sqrt(r.x * r.y) / across_m, r.z / down_m,
+                                             ring_spacing, steps_of_quarter)) {
         const double s = std::sin(angle), c = std::cos(angle); // from the pole
         std::vector<Vec3> ring;
         add_ellipse(r.x * s, r.y * s, r.z * c, marker_spacing * across_m, ring);

@@ -26,23 +26,9 @@ void add_mirrored(double across_m, double down_m, std::vector<SectionMarker>& ma
 
 /// Markers at equal distances in units of the spacings, half of one from the axes of symmetry.
 std::vector<SectionMarker> on_circle(double radius_m, const SectionSpacings& h) {
-    constexpr int steps = 4000; // of the integral over a quarter
-    std::vector<double> length(steps + 1, 0.0);
-    const double step = 0.5 * std::numbers::pi / steps;
-    for (int i = 0; i < steps; ++i) {
-        const double angle = (i + 0.5) * step; // from the vertical
-        length[static_cast<std::size_t>(i) + 1] =
-            length[static_cast<std::size_t>(i)] +
-            radius_m * step * std::hypot(std::cos(angle) / h.across_m, std::sin(angle) / h.down_m);
-    }
-    const auto count = std::max(1L, std::lround(length.back() / marker_spacing));
     std::vector<SectionMarker> markers;
-    for (long n = 0; n < count; ++n) {
-        const double at =
-            length.back() * (static_cast<double>(n) + 0.5) / static_cast<double>(count);
-        const auto above = std::lower_bound(length.begin() + 1, length.end() - 1, at);
-        const double share = (at - above[-1]) / (above[0] - above[-1]);
-        const double angle = (static_cast<double>(above - length.begin()) - 1.0 + share) * step;
+    for (const double angle : // from the vertical
+         quarter_angles(radius_m / h.across_m, radius_m / h.down_m, marker_spacing, 4000)) {
         const double across = std::sin(angle), down = std::cos(angle);
         const double inner_m = radius_m - curved_inset * h.across_m * across;
         add_mirrored(inner_m * across, inner_m * down, markers);
@@ -94,6 +80,27 @@ void sort_by_depth(std::vector<SectionMarker>& markers) {
 }
 
 } // namespace
+
+std::vector<double> quarter_angles(double a, double b, double spacing, int steps) {
+    const double step = 0.5 * std::numbers::pi / steps;
+    std::vector<double> length(static_cast<std::size_t>(steps) + 1, 0.0);
+    for (int i = 0; i < steps; ++i) {
+        const double angle = (i + 0.5) * step;
+        length[static_cast<std::size_t>(i) + 1] =
+            length[static_cast<std::size_t>(i)] +
+            step * std::hypot(a * std::cos(angle), b * std::sin(angle));
+    }
+    const auto count = std::max(1L, std::lround(length.back() / spacing));
+    std::vector<double> angles;
+    for (long n = 0; n < count; ++n) {
+        const double at =
+            length.back() * (static_cast<double>(n) + 0.5) / static_cast<double>(count);
+        const auto above = std::lower_bound(length.begin() + 1, length.end() - 1, at);
+        const double share = (at - above[-1]) / (above[0] - above[-1]);
+        angles.push_back((static_cast<double>(above - length.begin()) - 1.0 + share) * step);
+    }
+    return angles;
+}
 
 CrossSection cross_section(const Body& body, Endless along) {
     return std::visit(

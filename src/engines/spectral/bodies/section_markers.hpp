@@ -32,6 +32,11 @@ struct CrossSection {
 };
 CrossSection cross_section(const Body& body, Endless along);
 
+/// Angles in the first quarter of an ellipse, from the axis of `b` towards that of `a`, that are
+/// equally far apart along it, half a distance from the axes. The distance is near `spacing`;
+/// `steps` are those of the integral along the quarter.
+std::vector<double> quarter_angles(double a, double b, double spacing, int steps);
+
 /// A point of the cross-section of an endless body, relative to the body's centre.
 struct SectionMarker {
     double across_m, down_m;
