@@ -117,7 +117,7 @@ bool is_inside_of_rank() {
 ///   without a search for networks it starts in 0.03 s instead of 0.37 s. All such processes would
 ///   share one session folder, which the first to end removes: of 400 programs that started eight
 ///   at a time, ten failed. They have no such folder, and therefore no shared file pointers (sm).
-///   It needs no devices either: with OpenCL and PCI buses, hwloc takes two thirds of MPI_Init.
+///   It needs no devices either: where OpenCL is installed, their search takes half of the start.
 int initialise_mpi(int& argc, char**& argv) {
     const bool alone = !has_launcher();
     // Read by the first MPI_File_open.
