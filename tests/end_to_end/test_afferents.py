@@ -3,6 +3,7 @@
 
 import h5py
 import numpy as np
+import pytest
 import xarray
 
 from program import ProgramTest, without_reference
@@ -101,6 +102,7 @@ class Respond(ProgramTest):
         output = self.shearwake("respond", "s.csv", "-S", "afferents.input=stress", ranks=2, expect=2).output
         self.contains(output, "one per receptor, but found 2")
 
+    @pytest.mark.extended
     def test_motions_in_implausible_units_are_warned_of(self):
         for header, times, peak, words in (
                 ("t_ms,u_mm", "{:.1f}", 30.0, "warning: the largest displacement is 3e+04 um;"),  # um below u_mm

@@ -20,6 +20,7 @@ class Bench(ProgramTest):
         """The document of a benchmark. Speeds are not asserted, since they depend on the machine."""
         return json.loads(self.shearwake("bench", *arguments, "--json", ranks=ranks).stdout)
 
+    @pytest.mark.extended
     def test_each_engine_is_measured_next_to_its_ffts(self):
         for ranks, engine, grid, names in ((2, "spectral", "32x24x9", ["no body", "contrast 4", "contrast 16", "contrast 1000", "rigid cylinder"]),
                                            (1, "pstd", "16x12x10", ["lossless, double", "lossless, single", "lossy, double", "lossy, single"])):

@@ -176,6 +176,7 @@ class Checkpoint(SavedCase):
         self.assertEqual(self.states(), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
+    @pytest.mark.extended
     def test_a_damaged_checkpoint_leaves_the_previous_one(self):
         self.kill_in_the_middle(ranks=1)
         newest = max((path for path in self.states() if path.suffix == ".h5"), key=lambda path: h5py.File(path).attrs["sequence"])
@@ -216,6 +217,7 @@ class Checkpoint(SavedCase):
                 for path in case_files(self.out):
                     path.unlink()
 
+    @pytest.mark.extended
     def test_a_checkpoint_of_another_version_is_not_used(self):
         self.kill_in_the_middle(ranks=1)
         for path in self.states():
@@ -226,6 +228,7 @@ class Checkpoint(SavedCase):
         self.contains(self.resume(), "written by another program, 0123456789ab")
         self.assertEqual(self.events("resumed"), [])
 
+    @pytest.mark.extended
     def test_checkpoints_of_a_complete_case_are_removed(self):
         self.kill_in_the_middle(ranks=1)
         kept = {path.name: path.read_bytes() for path in self.states()}

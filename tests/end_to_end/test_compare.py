@@ -135,11 +135,13 @@ class Compare(ProgramTest):
         self.assertRegex(self.shearwake("compare", "deep", self.out, expect=1).output, "measured depths +other: 0 mm -> 0.5 mm")
         self.assertNotIn("depths", self.shearwake("compare", self.out, self.out).output)
 
+    @pytest.mark.extended
     def test_tables_of_other_ranks_are_equal(self):
         self.shearwake("run", "job.toml", "--out", "two", "--quiet", ranks=2)
         self.contains(self.shearwake("compare", "two", self.out).output, "2 cases", "no difference", "not compared: wall_s, note")
         self.shearwake("diff", "two/tables/small.csv", self.out, ranks=2)  # the table of the folder alone
 
+    @pytest.mark.extended
     def test_missing_and_extra_cases_are_differences(self):
         self.shearwake("run", "job.toml", "-S", 'sweep."load.modulation.am_frequency_Hz"=[500]', "--out", "fewer", "--quiet")
         self.contains(self.shearwake("compare", "fewer", self.out, expect=1).output, "missing case: load.modulation.am_frequency_Hz=1000")
@@ -157,6 +159,7 @@ class Compare(ProgramTest):
 
 
 class Tables(ProgramTest):
+    @pytest.mark.extended
     def test_invalid_tables_and_tolerances_are_errors(self):
         for name, text in (("bad", "id,a\n1\n"), ("good", "id,eta_1\nx,1\n"), ("empty", "id,eta_1\n"), ("same", "id,wall_s\nx,1\n")):
             (self.folder / f"{name}.csv").write_text(text, encoding="utf-8")

@@ -45,6 +45,7 @@ class Converge(ProgramTest):
     def studied(self):
         return json.loads((self.out / "converge" / "converge.json").read_text(encoding="utf-8"))["cases"]
 
+    @pytest.mark.extended
     def test_the_documents_equal_the_frozen_ones(self):
         frozen = json.loads((ROOT / "tests" / "data" / "studies" / "converge.json").read_text(encoding="utf-8"))
         for name, (job, cases) in FROZEN.items():

@@ -82,6 +82,7 @@ class Records(ImportTest):
                 found = file[name][()].T  # (x, y, z) of entire grids, (point, time, 1) of records at points
                 numpy.testing.assert_allclose(found.reshape(values.shape), values, rtol=0, atol=1e-12 * numpy.abs(values).max(), err_msg=name)
 
+    @pytest.mark.extended
     def test_all_records_of_kwave(self):
         structures, expected = self.results(record=NAMES)
         output = self.run_printed(self.imported(structures), ranks=2)

@@ -44,6 +44,7 @@ class InstructionSets(ProgramTest):
         for name in names[:-1]:  # within the default tolerances of compare
             self.contains(self.shearwake("compare", name, names[-1]).output, "no difference")
 
+    @pytest.mark.extended
     def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
         self.compare(without_reference(ENGINES, ("[record]", "[afferents]\n\n[record]")))
 

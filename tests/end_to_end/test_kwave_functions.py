@@ -92,6 +92,7 @@ class Functions(FunctionsTest):
         self.result("homogeneous", "cartesian_linear")
         self.result("homogeneous", "cartesian_nearest", cart_interp="nearest")
 
+    @pytest.mark.extended
     def test_sources_and_media_agree_with_kwave(self):
         self.result("p0_pml_outside")  # smoothed
         self.result("p0_pml_outside", "raw", smooth=False)

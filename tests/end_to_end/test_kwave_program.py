@@ -92,6 +92,7 @@ class Reference(KWaveTest):
                               "--precision", precision, *flags_of(group.attrs["record"]), ranks=ranks)
                 self.compare(group, points, TOLERANCE[precision])
 
+    @pytest.mark.extended
     def test_all_cases_on_one_to_three_ranks(self):
         for case, ranks in (*((case, 1) for case in CASES), ("dirichlet", 2), ("stress_lossy", 3)):
             with self.subTest(case=case, ranks=ranks):

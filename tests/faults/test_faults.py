@@ -240,6 +240,7 @@ class Failing(FaultTest):
         self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
         self.assertEqual(rows[good]["status"], "complete")
 
+    @pytest.mark.extended
     def test_file_systems_without_locks_permissions_and_flushes_of_folders_suffice(self):
         self.reduced(self.out)
         rows = table_bytes(self.out)
