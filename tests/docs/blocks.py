@@ -36,7 +36,6 @@ NEEDS = {
     "$ scripts/nightly": "hours, and a job of the reader",
     "$ sqlite3": "the history of nightly runs",
     "$ scripts/update-baseline": "the history of nightly runs",
-    "$ systemctl": "a session of systemd",
 }
 
 
