@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,7 +73,7 @@ inline std::string with_medium(std::string_view medium) {
 
 /// The plain job with another [load.modulation].
 inline std::string with_modulation(std::string_view modulation) {
-    return plain_from_to("kind =", "[domain]", std::string(modulation) + "\n");
+    return plain_from_to("kind =", "[domain]", fmt::format("{}\n", modulation));
 }
 
 /// Everything found in a job, good or bad, one text each.
