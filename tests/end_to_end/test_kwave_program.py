@@ -207,6 +207,7 @@ class Program(KWaveTest):
         self.contains(first.communicate(timeout=PATIENCE_s)[0], "stopped after step 40")
         self.assertEqual([path.name for path in self.folder.glob("*.lock")], [])
 
+    @pytest.mark.extended
     def test_termination_saves_a_checkpoint(self):
         def longer(file):
             file["Nt"][...] = 100000

@@ -306,6 +306,7 @@ class Fit(LaboratoryTest):
         self.shearwake("fit", job, "--data", data, "--out", out, ranks=2)
         return json.loads((out / "fit.json").read_text())
 
+    @pytest.mark.extended
     def test_a_fit_needs_keys_and_the_engine_layered(self):
         job, case = self.scanned(LINE)
         self.assertIn("[uncertain] names no key", self.fails("fit", job, "--data", case).stderr)

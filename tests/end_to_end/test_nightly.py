@@ -124,6 +124,7 @@ class Nightly(ProgramTest):
         self.assertIn("eta_period_1", header)
         self.assertNotIn("wall_s", header)
 
+    @pytest.mark.extended
     def test_equal_nights_then_one_that_differs(self):
         self.first_baseline()
         self.contains(self.night(), "tiny: equal to the baseline", "index.html")
