@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The results of `shearwake optimise` in words and tables: the first sentence of the page, the optima with their upper bounds,
-their robustness, and the numbers of the certificates."""
+and their robustness."""
 from __future__ import annotations
 
 import csv
@@ -191,28 +191,11 @@ def robustness(selection: Selection) -> str:
     return f"<h3>The same envelopes in other tissues and at other speeds</h3>{table(names, rows)}"
 
 
-def certificates(selection: Selection) -> str:
-    """Knots, envelope and certificate of each optimum, folded."""
-    items = ""
-    for row in optima(selection).rows:
-        optimum = optima(selection).optimum(row["case"], row["strength_at_least_1"])
-        bound, knots = optimum["ceiling"], optima(selection).forms(optimum["forms"])["knots"]
-        title = f"{title_of(selection, row)}, strength {number(row['strength_at_least_1'], 3)}"
-        listed = {"knots": f"{knots['count']}, {number(1e6 * knots['interval_s'], 6)} µs apart",
-                  "e": ", ".join(f"{v:.6g}" for v in optimum["found"]["values"]), "eta": f"{bound['eta']:.9g}",
-                  "mu": f"{bound['mu']:.9g}", "tau (m²)": f"{bound['tau']:.9g}",
-                  "w (m²)": ", ".join(f"{v:.6g}" for v in bound["weights"])}
-        inner = "".join(f"<dt>{k}</dt><dd>{html.escape(v)}</dd>" for k, v in listed.items())
-        items += f"<details><summary>{html.escape(title)}</summary><dl>{inner}</dl></details>"
-    return ("<h3>Envelopes and certificates</h3><p>Values e of each envelope at its knots, and the numbers that prove its upper "
-            f"bound. scripts/verify_certificate.py states the proof and verifies it.</p>{items}")
-
-
 def section(selection: Selection) -> str:
     """The tables of the page."""
     note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
             f"another name are the {html.escape(words(optima(selection).maximised))}. The optimum is the best of a local search from several starts. The upper bound "
-            "is a proof for all envelopes from 0 to 1 that are linear between the knots, on the same path and at the same "
+            "is a proof for all envelopes from 0 to 1 that are linear between the knots (scripts/verify_certificate.py verifies it), on the same path and at the same "
             "speed as the optimum. The uniformity is the smallest rms over time along the path relative to its mean: an optimum "
             "with a small uniformity leaves gaps in the drawn shape.</p>")
-    return note + results(selection) + robustness(selection) + certificates(selection)
+    return note + results(selection) + robustness(selection)
