@@ -182,7 +182,7 @@ class FolderTest(InFolder):
         sweep = load.load(folder.save())
         (panel,) = layout.panels(sweep)
         self.assertEqual((panel.title, len(panel.cases)), ("", 2))
-        self.assertEqual(layout.case_label(sweep, panel.reference), "plain STM")
+        self.assertEqual([layout.case_label(sweep, r) for r in panel.references], ["plain STM"])
 
     def test_some_of_many_values_have_lines(self):
         folder = Folder(self.root)

@@ -60,7 +60,7 @@ class ReferencesTest(InFolder):
         sweep = self.with_own_references(widths=(2.0, 3.0))
         figure = fig_time.figures(sweep)[0]
         self.assertEqual([plain(panel.title) for panel in figure.charts],
-                         ["focus FWHM 2 mm", "plain STM, focus FWHM 2 mm", "focus FWHM 3 mm", "plain STM, focus FWHM 3 mm"])
+                         ["focus FWHM 2 mm", "focus FWHM 3 mm"])
         names = [line.label for panel in figure.charts for line in panel.lines]
         self.assertEqual(len(names), 12)
         self.assertEqual(len(set(names)), 12)

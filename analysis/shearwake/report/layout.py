@@ -321,45 +321,24 @@ def reference_name(cases: list[Case]) -> str:
 
 @dataclass
 class Panel:
-    """Cases whose lines share a panel, and the reference that is drawn behind them."""
+    """Cases whose lines share a panel, and their references."""
     title: str
     cases: list[Case]
-    reference: Case | None = None
+    references: list[Case]
 
     @property
     def drawn(self) -> list[Case]:
-        return [*self.cases, *([self.reference] if self.reference else [])]
+        return [*self.cases, *self.references]
 
 
 @remembered
 def panels(selection: Selection) -> list[Panel]:
-    """One panel per group with its reference. Several references of a group have a separate panel, which groups with equal references
-    share."""
-    made: list[Panel] = []
-    separate: list[tuple[Panel, list[Group]]] = []  # panels of references, and the groups that have them
+    """One panel per group with its references. A case of the sweep that is the only reference of another group is drawn there, too."""
+    made = []
     for group in groups(selection):
         found = motions(references(selection, group))
-        is_own = any(found[0] is case for case in group.cases) if found else False
-        made.append(Panel(group.label, group.cases, found[0] if len(found) == 1 and not is_own else None))
-        if len(found) < 2 or not any(r.is_reference for r in found):
-            continue  # cases of the sweep have panels of their own
-        same = next((members for panel, members in separate if len(panel.cases) == len(found)
-                     and all(map(have_same_motion, panel.cases, found))), None)
-        if same is None:
-            made.append(Panel("", found))
-            separate.append((made[-1], [group]))
-        else:
-            same.append(group)
-    of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(selection))
-    for panel, members in separate:
-        panel.title = separate_title(panel.cases, members, of_all)
+        made.append(Panel(group.label, group.cases, [r for r in found if r.is_reference or (len(found) == 1 and r not in group.cases)]))
     return made
-
-
-def separate_title(found: list[Case], members: list[Group], of_all: bool) -> str:
-    """The title of a panel of references, with the curves to which they belong unless they belong to all of them."""
-    labels = [] if of_all else [group.label for group in members if group.label]
-    return ", ".join([reference_name(found), *([" and ".join(labels)] if labels else [])])
 
 
 def receptor_classes(selection: Selection) -> list[str]:

@@ -86,7 +86,7 @@ def largest(case: Case | None) -> float:
 def panels_of(selection: Selection) -> list[Panel]:
     """The panels that contain a spectrum."""
     panels = [Panel(panel.title, [c for c in panel.cases if traces(c)],
-                    panel.reference if panel.reference and traces(panel.reference) else None) for panel in layout.panels(selection)]
+                    [r for r in panel.references if traces(r)]) for panel in layout.panels(selection)]
     return [panel for panel in panels if panel.cases]
 
 
@@ -115,7 +115,7 @@ def draw_panels(selection: Selection, panels: list[Panel], label: str, curve_of:
         for case in panel.drawn:
             frequency, values = (values[curve_of(case)[0] <= shown_Hz] for values in curve_of(case))
             lines.append(Line(warnings_of.label(selection, case, "spectra"), frequency, values,
-                              "black" if case is panel.reference else colours[case.id], case.id, dashed=case.is_reference,
+                              colours.get(case.id, "black"), case.id, dashed=case.is_reference,
                               dots=layout.repeats(case)))
         top = max(tops) if alike else top
         charts.append(Chart("frequency (Hz)", label, lines, panel.title, y_limits=(0.0, 1.06 * top) if top > 0.0 else None,

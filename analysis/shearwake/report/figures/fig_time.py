@@ -99,7 +99,7 @@ def positive(measure: dict[str, Any], case: Case) -> np.ndarray:
 
 def panels_of(selection: Selection, measure: dict[str, Any]) -> list[Panel]:
     """One panel per curve with the cases and references that have the measure."""
-    panels = [Panel(panel.title, [c for c in panel.drawn if measure["needs"] in c.over_time and len(c.over_time["time"])])
+    panels = [Panel(panel.title, [c for c in panel.drawn if measure["needs"] in c.over_time and len(c.over_time["time"])], [])
               for panel in layout.panels(selection)]
     return [panel for panel in panels if panel.cases]
 
@@ -110,7 +110,7 @@ def x_key(selection: Selection, colours: dict[str, Any]) -> list[Any] | None:
         return None
     found = {c.settings[selection.x]: colours[c.id] for c in layout.ordinary(selection)}
     handles = [plt.Line2D([], [], color=found[v], label=labels.setting_text(selection, selection.x, v)) for v in layout.x_values(selection)]
-    if any(panel.reference for panel in layout.panels(selection)):
+    if any(panel.references for panel in layout.panels(selection)):
         handles.append(plt.Line2D([], [], color="black", linestyle="--", label=layout.reference_name(layout.all_references(selection))))
     return handles
 
