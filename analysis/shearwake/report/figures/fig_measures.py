@@ -98,8 +98,8 @@ def displacement_figure(selection: Selection) -> Figure | None:
              "peak_um": ("largest displacement", "largest |u| within one period." if curves_module.is_steady(selection) else
                          "largest |u| from the start of the run to the instant measure.at_ms.")}
     charts = {column: curve_chart(selection, "displacement", column, title) for column, (title, _) in words.items()
-              if curves_module.has_any(selection, column)}
-    if not selection.x or not charts:
+              if selection.x and curves_module.has_any(selection, column)}
+    if not charts:
         return None
     starts = ("Above: the", "Below: the") if len(charts) == 2 else ("The",)
     caption = " ".join(f"{start} {words[column][1]}" for start, column in zip(starts, charts))
