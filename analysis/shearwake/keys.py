@@ -59,6 +59,12 @@ def axis_label(name: str) -> str:
     return f"{label(name)} ({unit})" if unit else label(name)
 
 
+def is_at_instant(column: str) -> bool:
+    """Whether a column is read at one instant. Its values depend on the phase of the modulation: they follow those over periods, and
+    figures do not join them."""
+    return "_at_" in column
+
+
 def described(name: str, unit: str, meaning: str) -> dict[str, str]:
     """The attributes of a variable of xarray: a short `long_name`, a sentence as `description`, and `units`."""
     found = {"long_name": label(name), "description": meaning, "units": cf_unit(unit)}
@@ -66,7 +72,8 @@ def described(name: str, unit: str, meaning: str) -> dict[str, str]:
 
 
 def cf_unit(unit: str) -> str:
-    """A unit of a key, a column or a case file in a notation that UDUNITS and pint read: "mm2" -> "mm^2", "kg_m3" -> "kg/m^3"."""
+    """A unit of a key, a column or a case file in a notation that UDUNITS and pint read: "mm2" -> "mm^2", "kg_m3" -> "kg/m^3". UDUNITS
+    has no decibel."""
     return UNITS[unit][1] if unit in UNITS else re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", unit)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from .checksum import Damaged
 from .inputs import open_self_contained, require_regular
-from .keys import described
+from .keys import described, is_at_instant
 
 
 @contextlib.contextmanager
@@ -63,10 +63,11 @@ def attributes(path: Path, names: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
-    """The scalars of the root group, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError and Damaged."""
+    """The scalars of the root group in the order of tables, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError and
+    Damaged."""
     values, notes, units = {}, {}, {}
     with opened(path) as file:
-        for name, item in file.items():
+        for name, item in sorted(file.items(), key=lambda entry: is_at_instant(entry[0])):
             if isinstance(item, h5py.Dataset) and item.shape == ():
                 values[name] = float(plain(item[()]))
                 units[name] = (text(item.attrs.get("units", b"")), text(item.attrs.get("long_name", b"")))

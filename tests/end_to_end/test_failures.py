@@ -171,6 +171,9 @@ class Damage(ProgramTest):
             file["something"] = 1.0
         self.contains(self.shearwake("show", case_files(self.out)[0], expect=6).output, "shearwake case")
         self.shearwake("show", self.folder / "nothing.h5", expect=6)
+        self.contains(self.shearwake("show", self.folder / "nothing.toml", expect=6).output, "nothing.toml is not a complete case file")
+        for folder in (self.out, self.out / "cases"):
+            self.contains(self.shearwake("show", folder, expect=6).output, "is a folder; give one of its case files, for example ", ".h5")
         output = self.shearwake("show", self.folder, expect=6).output
         self.contains(output, "is a folder")
         self.assertEqual(len(output.splitlines()), 1, output)

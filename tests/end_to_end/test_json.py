@@ -109,7 +109,10 @@ class Json(ProgramTest):
         self.assertEqual((done["done"], done["remaining"], done["seconds_left"]), (4, 0, 0))
         shown = self.document("show", case_files(self.out)[0])
         self.assertEqual(shown["settings"], next(case["settings"] for case in plan["cases"] if case["id"] == shown["id"]))
-        self.assertIn("peak_um", [measure["name"] for measure in shown["measures"]])
+        measures = [measure["name"] for measure in shown["measures"]]
+        self.assertIn("peak_um", measures)
+        self.assertEqual(measures, sorted(measures, key=lambda name: "_at_" in name))  # readings at one instant come last
+        self.assertIn("_at_", measures[-1])
         self.shearwake("reduce", self.out)
         self.assertTrue(self.document("compare", self.out, self.out)["equal"])
         self.write_job(changed(("peak_Pa = 100.0", "peak_Pa = 101.0")))

@@ -93,11 +93,6 @@ def table_text(value: str) -> str:
     return ", ".join(words)
 
 
-def is_at_instant(column: str) -> bool:
-    """Whether a column is read at one instant. Its values depend on the phase of the modulation, so that they are not joined."""
-    return column.endswith(("_at_1", "_at_mm2"))
-
-
 def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 

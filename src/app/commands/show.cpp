@@ -4,6 +4,7 @@
 #include "base/json.hpp"
 #include "base/python_module.hpp"
 #include "base/text.hpp"
+#include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -71,8 +72,9 @@ storage::CaseSummary read_summary(const std::filesystem::path& path) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) {
         std::set<std::filesystem::path> files;
-        for (const auto& entry : std::filesystem::directory_iterator(path / "cases", ignored))
-            if (entry.path().extension() == ".h5") files.insert(entry.path());
+        for (const auto& folder : {path, path / "cases"})
+            for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+                if (entry.path().extension() == ".h5") files.insert(entry.path());
         throw UsageError(
             files.empty()
                 ? path.string() + " is a folder without case files; run the job first"
@@ -81,10 +83,14 @@ storage::CaseSummary read_summary(const std::filesystem::path& path) {
             ExitCode::environment);
     }
     try {
-        return storage::read_case_summary(path);
+        storage::CaseSummary summary = storage::read_case_summary(path);
+        std::ranges::stable_partition(summary.scalars, [](const Variable& scalar) {
+            return !measures::is_at_instant(scalar.name);
+        }); // as in tables
+        return summary;
     } catch (const Error& error) {
         throw UsageError(
-            path.extension() == ".toml"
+            path.extension() == ".toml" && std::filesystem::exists(path, ignored)
                 ? fmt::format("{0} is a job file; shearwake show --modulation {0} draws "
                               "its modulation",
                               path.string())

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from ...case import Case
+from ...keys import is_at_instant
 from .. import answer, labels, layout, style
 from ..load import Selection
 from ..numerical_error import valid
 from ..validity import split
-from ..words import is_at_instant
 from .chart import Chart, Line
 
 
