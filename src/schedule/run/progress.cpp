@@ -11,9 +11,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace shearwake::schedule {
@@ -24,15 +26,26 @@ constexpr auto between_records = std::chrono::seconds(10);
 /// After this time the state is recorded for the first time.
 constexpr auto shortest_recorded = std::chrono::seconds(2);
 
-/// Under mpirun, stderr is a pipe to mpirun, whose stderr may be the terminal of the user.
-bool user_sees_a_terminal() {
-    if (::isatty(STDERR_FILENO)) return true;
-    if (!std::getenv("OMPI_COMM_WORLD_SIZE")) return false;
+/// The terminal of the user; empty without one. Under mpirun, stderr is a pipe to mpirun, whose
+/// stderr may be the terminal.
+std::string user_terminal() {
+    if (::isatty(STDERR_FILENO)) return "/dev/stderr";
+    if (!std::getenv("OMPI_COMM_WORLD_SIZE")) return "";
+    const std::string target = fmt::format("/proc/{}/fd/{}", ::getppid(), STDERR_FILENO);
     std::error_code error;
-    const auto target = std::filesystem::read_symlink(
-        fmt::format("/proc/{}/fd/{}", ::getppid(), STDERR_FILENO), error);
-    return !error &&
-           (target.string().starts_with("/dev/pts/") || target.string().starts_with("/dev/tty"));
+    const std::string name = std::filesystem::read_symlink(target, error).string();
+    return name.starts_with("/dev/pts/") || name.starts_with("/dev/tty") ? target : "";
+}
+
+/// The columns of a terminal, which may change; 80 if it does not state them.
+std::size_t columns_of(const std::string& terminal) {
+    winsize size = {};
+    const int file = ::open(terminal.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
+    if (file >= 0) {
+        if (::ioctl(file, TIOCGWINSZ, &size) != 0) size = {};
+        ::close(file);
+    }
+    return size.ws_col > 0 ? size.ws_col : 80;
 }
 
 /// "[######              ]  30 % "
@@ -45,8 +58,8 @@ std::string bar(double share) {
 } // namespace
 
 Progress::Progress(Style style, Log log)
-    : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
-      began_(Clock::now()), last_(began_) {}
+    : quiet_(style == Style::quiet), terminal_(quiet_ ? "" : user_terminal()),
+      live_(!terminal_.empty()), log_(std::move(log)), began_(Clock::now()), last_(began_) {}
 
 void Progress::start() {
     began_ = last_ = Clock::now();
@@ -109,7 +122,8 @@ void Progress::update(const SweepCounts& counts) {
     last_ = now;
     ended_ = ended == counts.total;
     if (live_) {
-        fmt::print(stderr, "\r\x1b[K{}", line(counts));
+        // A longer line would continue below, where "\r" does not return to its beginning.
+        fmt::print(stderr, "\r\x1b[K{}", line(counts).substr(0, columns_of(terminal_) - 1));
         drawn_ = true;
     } else {
         fmt::print(stderr, "{}\n", line(counts));
@@ -125,18 +139,19 @@ std::string Progress::line(const SweepCounts& counts) const {
                                               static_cast<double>(counts.total));
     std::string text = live_ ? bar(complete) : "";
     text += fmt::format("{}/{} cases done, {} running", counts.done, counts.total, counts.running);
-    if (counts.running > 0 && counts.partial > 0.0)
+    if (!live_ && counts.running > 0 && counts.partial > 0.0) // the bar shows it
         text += fmt::format(" ({:.0f} % complete)",
                             100.0 * counts.partial / static_cast<double>(counts.running));
     text += fmt::format(", {} failed", counts.failed);
-    if (ended > 0) text += fmt::format(", {:.3g} cases/s", static_cast<double>(ended) / elapsed);
+    if (!live_ && ended > 0)
+        text += fmt::format(", {:.3g} cases/s", static_cast<double>(ended) / elapsed);
     if (ended < counts.total && counts.left_s)
         text += fmt::format(", {} remaining", duration_text(*counts.left_s));
     return text;
 }
 
 void Progress::report(const std::string& text) {
-    if (drawn_) fmt::print(stderr, "\r\x1b[K");
+    if (live_) fmt::print(stderr, "\r\x1b[K"); // rank 0 may have drawn the bar
     drawn_ = false;
     fmt::print(stderr, "{}\n", coloured(text, stderr));
     std::fflush(stderr);

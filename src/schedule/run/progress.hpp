@@ -67,7 +67,9 @@ private:
     std::string json() const;
     std::string line(const SweepCounts& counts) const;
 
-    bool quiet_, live_;
+    bool quiet_;
+    std::string terminal_; // where the bar is drawn
+    bool live_;
     Log log_;
     Clock::time_point logged_, recorded_; // lines and state
     SweepCounts counts_;                  // the latest ones
