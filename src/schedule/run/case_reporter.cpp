@@ -21,6 +21,12 @@ std::string further_host(const Comm& world) {
     return world.broadcast(mine) == mine ? "" : mine;
 }
 
+/// The same for all cases of a sweep whose warnings differ in their numbers only.
+std::string without_digits(std::string text) {
+    std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+    return text;
+}
+
 } // namespace
 
 CaseReporter::CaseReporter(const WorkList& list, RunState& state, const Comm& world,
@@ -50,12 +56,14 @@ void CaseReporter::record_completed(const PlannedCase& planned,
 void CaseReporter::report_completed(const PlannedCase& planned,
                                     const pipeline::CaseOutcome& outcome) try {
     if (!team_.is_root() || list_.arguments.quiet) return;
+    const bool is_verbose = list_.arguments.verbose;
     for (const Remark& remark : outcome.discovered)
-        if (reported_.insert(remark.message).second)
-            progress_.report(fmt::format("case {}: {}: {}: {}", planned.id,
+        if (reported_.insert(is_verbose ? remark.message : without_digits(remark.message)).second)
+            progress_.report(fmt::format("case {}: {}: {}: {}{}", planned.id,
                                          remark.severity == Severity::error ? "error" : "warning",
-                                         remark.key, remark.message));
-    if (!list_.arguments.verbose) return;
+                                         remark.key, remark.message,
+                                         is_verbose ? "" : " (the table lists it for all cases)"));
+    if (!is_verbose) return;
     const engines::SolverReport& solver = outcome.solver;
     std::vector<std::string> news;
     if (solver.iterations > 0)

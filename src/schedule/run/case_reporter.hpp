@@ -28,7 +28,8 @@ public:
     /// Records a complete case in journal and index. On the root of the team.
     void record_completed(const PlannedCase& planned, const pipeline::CaseOutcome& outcome);
     /// Prints the warnings that the computation of the case has added and, if requested, its
-    /// iterations and choices; each text once.
+    /// iterations and choices; each text once, and of warnings that differ in their numbers only
+    /// the first one unless the run is verbose.
     void report_completed(const PlannedCase& planned, const pipeline::CaseOutcome& outcome);
     /// Counts and records a failed case, and gives up after several file errors in a row. On the
     /// root of the team.
