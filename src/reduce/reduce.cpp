@@ -2,6 +2,7 @@
 #include "reduce/reduce.hpp"
 
 #include "base/error.hpp"
+#include "base/labels.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "measures/measure_table.hpp"
@@ -129,18 +130,16 @@ std::vector<std::string> remarks_of(const storage::CaseDigest& digest) {
         remarks.push_back(fmt::format("{}: {}: {}",
                                       w.severity == Severity::error ? "not valid" : "warning",
                                       w.key, w.message));
-    std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
+    std::vector<std::pair<std::string, std::string>> by_reason; // reason, labels of columns
     for (const storage::IndexedScalar& v : digest.scalars) {
         if (v.note.empty()) continue;
-        const auto same = std::find_if(by_reason.begin(), by_reason.end(),
-                                       [&](const auto& entry) { return v.note == entry.first; });
-        if (same == by_reason.end())
-            by_reason.emplace_back(v.note.text(), v.name.text());
-        else
-            same->second += ", " + v.name.text();
+        auto same = std::find_if(by_reason.begin(), by_reason.end(),
+                                 [&](const auto& entry) { return v.note == entry.first; });
+        if (same == by_reason.end()) same = by_reason.insert(same, {v.note.text(), ""});
+        same->second += (same->second.empty() ? "" : ", ") + label_of(v.name.text());
     }
-    for (const auto& [reason, columns] : by_reason)
-        remarks.push_back(columns + ": " + reason);
+    for (const auto& [reason, labels] : by_reason)
+        remarks.push_back(labels + ": " + reason);
     return remarks;
 }
 

@@ -108,7 +108,7 @@ class ReportTest(InFolder):
         self.assertEqual([c["text"] for c in page.column("status")],
                          ["complete"] * 4 + ["failed", "damaged", "missing", "damaged", "complete"])
         self.assertEqual(page.column("eta_period_1")[-1]["text"], "–")
-        self.assertIn("eta_period_1: no period <fits>", page.data)
+        self.assertIn("efficiency η: no period <fits>", page.data)
         self.assertIn("1 of 4 cases has no mean over periods", page.data)
         self.assertIn("4 cases without a result", page.data)
         self.assertIn(html.escape("the field is <not> finite"), text)

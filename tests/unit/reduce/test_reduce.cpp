@@ -79,7 +79,7 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(std::isnan(std::get<double>(cell(0, "focal_rms_um"))));
     CHECK(std::get<std::string>(cell(0, "note")) == "1, 2");
     CHECK(table.note(0) ==
-          std::vector<std::string>{"focal_rms_um: no disc", "felt_peak_dB: from a window"});
+          std::vector<std::string>{"focal rms: no disc", "peak level of sensation: from a window"});
     CHECK(std::get<double>(cell(0, "wall_s")) == 0.25);
     CHECK(std::get<std::string>(cell(1, "status")) == "failed");
     CHECK(table.note(1) == std::vector<std::string>{"out of memory"});

@@ -7,7 +7,7 @@ import math
 
 from ... import wake
 from ...case import Case
-from ...keys import axis_label
+from ...keys import axis_label, label
 from .. import labels, layout, thinning
 from ..figure import Figure
 from ..load import Selection
@@ -92,10 +92,10 @@ def row(selection: Selection, case: Case, kinds: list[str], keys: list[str], sho
 
 
 def reasons(case: Case) -> str:
-    """Why columns are empty, and limits of values: 'peak_frequency_Hz, snr_1: reason; mach_angle_deg: another reason'."""
+    """Why columns are empty, and limits of values: 'dominant frequency, sharpness: reason; Mach angle: another reason'."""
     columns: dict[str, list[str]] = {}
     for column, reason in case.notes.items():
-        columns.setdefault(reason, []).append(column)
+        columns.setdefault(reason, []).append(label(column))
     return "; ".join(f"{', '.join(names)}: {reason}" for reason, names in columns.items())
 
 
