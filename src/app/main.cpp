@@ -213,10 +213,10 @@ ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, con
     return action(world);
 }
 
-/// Removes the ranges of numbers from the help: "S:NONNEGATIVE" is not a name of a value. The
-/// choices of one_of() remain.
-void remove_ranges(CLI::App& command) {
-    for (CLI::Option* option : command.get_options())
+/// Removes what is no name of a value from the help: the ranges of numbers ("S:NONNEGATIVE") and
+/// the types of CLI11. The choices of one_of() remain.
+void plain_values(CLI::App& command) {
+    for (CLI::Option* option : command.get_options()) {
         try {
             for (int i = 0;; ++i)
                 if (CLI::Validator& validator = *option->get_validator(i);
@@ -224,6 +224,12 @@ void remove_ranges(CLI::App& command) {
                     validator.description("");
         } catch (const CLI::OptionNotFound&) { // after the last one
         }
+        const bool is_positional = option->get_positional();
+        if (option->get_type_name() == "TEXT") option->type_name(is_positional ? "" : "DIR");
+        if (option->get_type_name() == "INT" || option->get_type_name() == "FLOAT")
+            option->type_name("N");
+    }
+    command.get_formatter()->label("REQUIRED", "");
 }
 
 /// Reads the command line and calls the function of its command. Collective over the world.
@@ -244,7 +250,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     for (const char* name : {"help", "version"})
         app.get_subcommand(name)->group("Reference");
     for (CLI::App* command : app.get_subcommands({}))
-        remove_ranges(*command);
+        plain_values(*command);
     app.footer(footer + exit_code_list());
     app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     try {

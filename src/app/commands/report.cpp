@@ -45,9 +45,9 @@ void add_movie(CLI::App& app, Action& action) {
     pass_option(command, "--out",
                 "path of the movies without extension (default: that of the case file)", "NAME");
     pass_option(command, "--slow-down",
-                "how many times slower than the motion (default: the run takes about 6 s)", "FLOAT")
+                "how many times slower than the motion (default: the run takes about 6 s)", "N")
         ->check(CLI::Range(1e-3, 1e9));
-    pass_option(command, "--width", "width of the MP4 in pixels (default 960)", "INT")
+    pass_option(command, "--width", "width of the MP4 in pixels (default 960)", "N")
         ->check(CLI::Range(160, 3840));
 }
 
@@ -64,7 +64,7 @@ void add_export(CLI::App& app, Action& action) {
         ->check(one_of({"uff", "csv", "mat"}));
     pass_flag(command, "--binary", "with uff: binary instead of ASCII data");
     pass_option(command, "--out",
-                "file (default: the id of the case with the extension of the format)");
+                "file (default: the id of the case with the extension of the format)", "FILE");
 }
 
 } // namespace shearwake::app

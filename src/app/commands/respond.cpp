@@ -244,8 +244,8 @@ void add_respond(CLI::App& app, Action& action) {
         "MOTION", arguments.motion,
         "CSV or HDF5 file with the displacement at points (with afferents.input=stress: the stress "
         "at the receptors). If it is omitted, the carrier of afferents.carrier is used");
-    command.add_option("--group", arguments.group,
-                       "group of the HDF5 file (default: traces, or the root group)");
+    add_value(command, "--group", arguments.group, "NAME",
+              "group of the HDF5 file (default: traces, or the root group)");
     add_value(command, "--options", arguments.options, "FILE",
               "file with a table [afferents], for example a job");
     add_overrides(command, arguments.overrides, "override a key: -S afferents.where=hand");
