@@ -14,10 +14,23 @@ using Complex = std::complex<double>;
 /// Number of samples in the search for the largest distance of the focus.
 constexpr int samples = 2000;
 
+/// The times at which a focus that rests at one place after the other jumps.
+std::vector<double> jumps_s(const Trajectory& trajectory) {
+    std::vector<double> times_s;
+    for (const Mover& part : trajectory.parts)
+        if (const auto* travel = std::get_if<Travel>(&part))
+            if (const auto* rests = std::get_if<Rests>(&travel->motion))
+                times_s.insert(times_s.end(), rests->ends_s.begin(), rests->ends_s.end());
+    return times_s;
+}
+
 double furthest_m(const Trajectory& trajectory, Vec2 from_m, double until_s) {
+    std::vector<double> times_s = jumps_s(trajectory);
+    for (int n = 0; n <= samples; ++n)
+        times_s.push_back(until_s * n / samples);
     double furthest = 0.0;
-    for (int n = 0; n <= samples; ++n) {
-        const Vec2 off_m = position(trajectory, until_s * n / samples) - from_m;
+    for (const double t_s : times_s) {
+        const Vec2 off_m = position(trajectory, t_s) - from_m;
         furthest = std::max({furthest, std::abs(off_m.x), std::abs(off_m.y)});
     }
     // The largest additional distance between two samples.
@@ -38,7 +51,7 @@ Complex mean_phase(const std::vector<Vec2>& offsets_m, double kx_rad_m, double k
 LoadPattern::LoadPattern(const Load& load, double until_s) : load_(load), until_s_(until_s) {
     const Trajectory& trajectory = load.modulation.trajectory;
     const auto steered = [&](ArrayFootprint array) {
-        changes_ = greatest_speed_m_s(trajectory) > 0.0;
+        changes_ = greatest_speed_m_s(trajectory) > 0.0 || !jumps_s(trajectory).empty();
         double spread_m = 0.0;
         for (const Vec2& offset : load.modulation.foci_m)
             spread_m = std::max(spread_m, norm(offset));

@@ -250,6 +250,24 @@ TEST_CASE("the pattern of an array without steering is the one below its centre,
     CHECK(std::abs(found - expected) < 1e-14 * std::abs(expected));
 }
 
+TEST_CASE("the focus of an array follows a list of places at which it rests", "[array]") {
+    const Polyline places({{}, {0.02, 0.0}, {0.02, 0.01}}, Ends::open);
+    const Trajectory jumps = {{Travel{
+        .path = places,
+        .motion = Rests{.arcs_m = {0.0, 0.02, 0.03}, .ends_s = {1e-6, 2e-6, 1.0}, .levels = {}}}}};
+    LoadPattern pattern(load_of(board(), jumps), 1.0);
+    REQUIRE(pattern.changes());
+    for (const auto& [t_s, place_m] :
+         {std::pair(0.5e-6, Vec2{}), std::pair(1.5e-6, Vec2{0.02, 0.0}),
+          std::pair(0.5, Vec2{0.02, 0.01})}) {
+        pattern.set(t_s);
+        LoadPattern resting(load_of(board(), at(place_m)), 1.0);
+        // The same sums: both patterns lie on the lattice of the pistons.
+        CHECK(pattern.origin_m().x == Approx(resting.origin_m().x).margin(1e-12));
+        CHECK(pattern.origin_m().y == Approx(resting.origin_m().y).margin(1e-12));
+    }
+}
+
 TEST_CASE("an array sets its focus at its update rate", "[array]") {
     ArrayFootprint array = board();
     array.update_rate_Hz = 16e3;
