@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <sys/types.h>
 #include <vector>
 
@@ -17,7 +18,10 @@ struct PythonPackages {
     std::string debian; // the packages that contain them
 };
 extern const PythonPackages table_packages, figure_packages, explorer_packages, scan_packages,
-    study_packages;
+    study_packages, device_packages;
+
+/// Begins the name of a file of load.modulation.kind = "file" in requests to the loader of texts.
+inline constexpr std::string_view played_file = "played:";
 
 /// Throws UsageError if no Python has the packages. Not collective.
 void require_python(const PythonPackages& packages);

@@ -63,9 +63,7 @@ Object warnings_of(const Case& c, const pipeline::CaseResults& results) {
 
 config::TextLoader texts_in(const std::filesystem::path& files) {
     if (files.empty()) return nullptr;
-    return [files](const std::string& file) {
-        return storage::read_file(files / file, storage::largest_user_text_B);
-    };
+    return [files](const std::string& file) { return storage::read_user_text(files, file); };
 }
 
 config::Job read_request(const Request& request, const std::filesystem::path& files) {

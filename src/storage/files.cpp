@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/files.hpp"
 
+#include "base/csv.hpp"
+#include "base/python_module.hpp"
+
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -123,6 +126,15 @@ std::string read_file(const fs::path& path, std::uintmax_t most_B) {
     if (file.bad()) refuse("cannot read", path, errno ? errno : EIO);
     text.resize(static_cast<std::size_t>(file.gcount())); // truncated in the meantime
     return text;
+}
+
+std::string read_user_text(const fs::path& folder, const std::string& file) {
+    if (!file.starts_with(played_file)) return read_file(folder / file, largest_user_text_B);
+    const fs::path path = folder / file.substr(played_file.size());
+    std::string text; // the standard error, which is also that of messages
+    if (run_python_module("shearwake.device.read", {path.string()}, device_packages, &text) == 0)
+        return text;
+    throw UsageError(std::string(trimmed(text)), ExitCode::bad_job);
 }
 
 namespace {

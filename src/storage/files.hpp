@@ -33,6 +33,10 @@ inline constexpr std::uintmax_t largest_user_text_B = std::uintmax_t{1} << 26;
 /// for another kind of file, or a longer one.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most_B = largest_text_B);
 
+/// The text of a file to which a job refers. After the prefix `played_file`, the module
+/// shearwake.device.read checks and converts what a device plays.
+std::string read_user_text(const std::filesystem::path& folder, const std::string& file);
+
 /// Whether the name of a file ends with .csv or .CSV. Not collective.
 bool is_csv(const std::filesystem::path& path);
 

@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
+#include "problem/load/array_field.hpp"
 #include "schedule/run/run.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/groups.hpp"
@@ -27,7 +28,8 @@ namespace {
 struct ShowArguments : schedule::JobArguments { // a case file, or a job with a modulation
     std::filesystem::path case_file;
     std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
-    bool json = false;
+    bool json = false, phases = false;
+    double rate_Hz = 0.0; // of the samples; 0: as many as a drawing shows
 };
 
 using Json = nlohmann::ordered_json;
@@ -162,51 +164,64 @@ void print_text(const storage::CaseSummary& s) {
     fmt::print("\nthe case, in SI units:\n{}", text_of(s, "case"));
 }
 
-/// Position, speed and gain of the focus, sampled from t = 0 on, as JSON in SI units.
-std::string samples(const Modulation& modulation, double span_s) {
-    constexpr int count = 4000; // finer than the width of a printed line for up to 40 periods
+/// Position, speed and gain of the focus, sampled from t = 0 on, in SI units.
+Json samples(const Load& load, double span_s, double rate_Hz) {
+    // Finer than the width of a printed line for up to 40 periods.
+    const double count = rate_Hz > 0.0 ? std::round(span_s * rate_Hz) : 4000.0;
     std::vector<double> t, x, y, speed, strength;
-    for (int n = 0; n <= count; ++n) {
-        const double t_s = span_s * n / count;
-        const Vec2 at = position(modulation.trajectory, t_s);
-        t.push_back(t_s);
-        x.push_back(at.x);
-        y.push_back(at.y);
-        speed.push_back(norm(velocity(modulation.trajectory, t_s)));
-        strength.push_back(gain(modulation.envelope, t_s) * level(modulation.trajectory, t_s));
+    for (double n = 0.0; n <= count; ++n) {
+        t.push_back(rate_Hz > 0.0 ? n / rate_Hz : span_s * n / count);
+        x.push_back(focus_m(load, t.back()).x);
+        y.push_back(focus_m(load, t.back()).y);
+        speed.push_back(norm(velocity(load.modulation.trajectory, t.back())));
+        strength.push_back(gain(load.modulation.envelope, t.back()) *
+                           level(load.modulation.trajectory, t.back()));
     }
-    return fmt::format(R"({{"t_s": [{:.9g}], "x_m": [{:.9g}], "y_m": [{:.9g}], )"
-                       R"("speed_m_s": [{:.9g}], "gain": [{:.9g}]}})",
-                       fmt::join(t, ","), fmt::join(x, ","), fmt::join(y, ","),
-                       fmt::join(speed, ","), fmt::join(strength, ","));
+    return {{"t_s", t}, {"x_m", x}, {"y_m", y}, {"speed_m_s", speed}, {"gain", strength}};
 }
 
-std::string description(const Case& c) {
-    const Modulation& modulation = c.scene.load.modulation;
-    const double run_s = std::min(c.time.duration_s(), off_time_s(modulation.trajectory));
-    const double frequency_Hz = modulation_frequency_Hz(modulation).value_or(0.0);
-    const double period_s = frequency_Hz > 0.0 ? std::min(run_s, 1.0 / frequency_Hz) : run_s;
-    std::vector<double> foci_x, foci_y;
-    for (const Vec2 focus : modulation.foci_m) {
+Json description(const Case& c, const ShowArguments& arguments) {
+    const Load& load = c.scene.load;
+    const double run_s = std::min(c.time.duration_s(), off_time_s(load.modulation.trajectory)),
+                 frequency_Hz = modulation_frequency_Hz(load.modulation).value_or(0.0),
+                 period_s = frequency_Hz > 0.0 ? std::min(run_s, 1.0 / frequency_Hz) : run_s,
+                 cycle_s = least_period(load, run_s).period_s; // of all parts
+    std::vector<double> foci_x, foci_y, phases;
+    for (const Vec2 focus : load.modulation.foci_m) {
         foci_x.push_back(focus.x);
         foci_y.push_back(focus.y);
     }
-    return fmt::format("{{\"kind\": \"{}\", \"frequency_Hz\": {:.9g}, \"foci_x_m\": [{}], "
-                       "\"foci_y_m\": [{}],\n\"run\": {},\n\"period\": {}}}\n",
-                       modulation.kind, frequency_Hz, fmt::join(foci_x, ","),
-                       fmt::join(foci_y, ","), samples(modulation, run_s),
-                       samples(modulation, period_s));
+    Json members = {{"kind", load.modulation.kind},
+                    {"frequency_Hz", frequency_Hz},
+                    {"foci_x_m", foci_x},
+                    {"foci_y_m", foci_y},
+                    {"cycle_s", cycle_s},
+                    {"run", samples(load, run_s, arguments.rate_Hz)},
+                    {"period", samples(load, period_s, arguments.rate_Hz)}};
+    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
+    if (!array) return members;
+    members["distance_m"] = array->distance_m;
+    const ArrayField field(*array, 0.0);
+    const double count = std::round((cycle_s > 0.0 ? cycle_s : run_s) * arguments.rate_Hz);
+    for (double n = 0.0; arguments.phases && n < count; ++n)
+        for (const std::complex<double> drive :
+             field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz))))
+            phases.push_back(std::arg(drive));
+    members["phases_rad"] = phases; // frame by frame
+    return members;
 }
 
 void draw_modulation(const ShowArguments& arguments, const Comm& world) {
     const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     on_root(world, [&] {
         print_override_warnings(job);
+        const Json members = description(job.plan.cases.at(0).physics, arguments);
+        if (arguments.json) return fmt::print("{}", json_document("modulation", members));
         std::filesystem::path picture = arguments.picture;
         if (picture.empty()) picture = arguments.job.stem().string() + ".modulation.png";
         const std::filesystem::path data = picture.string() + fmt::format(".{}.json", ::getpid());
         std::ofstream file(data);
-        file << description(job.plan.cases.at(0).physics);
+        file << members;
         file.close();
         if (!file)
             throw UsageError("cannot write " + data.string() +
@@ -249,7 +264,7 @@ void add_show(CLI::App& app, Action& action) {
     auto [command, arguments] = add_command<ShowArguments>(
         app, action, "show", "describe one case, or draw a modulation", show_command);
     CLI::App* what = command.add_option_group("what"); // exactly one of the two
-    CLI::Option* case_file = what->add_option("CASE", arguments.case_file, "case file (HDF5)");
+    what->add_option("CASE", arguments.case_file, "case file (HDF5)");
     CLI::Option* job =
         what->add_option("--modulation", arguments.job,
                          "draw path, speed and envelope of the first case of this job")
@@ -259,7 +274,13 @@ void add_show(CLI::App& app, Action& action) {
               "file for the drawing: .png, .svg or .pdf (default: JOB.modulation.png)")
         ->needs(job);
     add_overrides(command, arguments.overrides, "override a key of the job")->needs(job);
-    add_json(command, arguments.json)->needs(case_file);
+    CLI::Option* json = add_json(command, arguments.json);
+    add_value(command, "--rate", arguments.rate_Hz, "HZ",
+              "with --modulation and --json: samples of the load per second")
+        ->needs(job, json)
+        ->check(CLI::Range(1.0, 1e6));
+    command.add_flag("--phases", arguments.phases, "with --rate: also the phases of an array")
+        ->needs("--rate");
 }
 
 } // namespace shearwake::app

@@ -65,7 +65,9 @@ constexpr std::string_view amplitude_modulated = "AM AM-STM DTP";
 const std::vector<KindKey>& kind_keys() {
     static const std::vector<KindKey> all = [] {
         std::vector<KindKey> keys = {
-            {"position_mm", "AM LM"},
+            {"position_mm", "AM LM file"},
+            {"file", "file"},
+            {"at_end", "file"},
             {"path", along_paths},
             {"speed_m_s", along_paths},
             {"mach", along_paths},
@@ -157,6 +159,8 @@ Trajectory read_trajectory(Reader& reader, std::string_view kind, const PathCont
             reader.missing("trajectory");
         else if (movers.empty())
             reader.error("trajectory", "must be a list of at least one table");
+    } else if (kind == "file") {
+        return trajectory; // read_played adds its parts
     } else if (kind == "AM" || kind == "LM") {
         parts.push_back(Hold{reader.point_or("position_mm", {})});
         if (kind == "LM") parts.push_back(read_lateral(reader));
@@ -204,7 +208,7 @@ bool has_meaning(std::string_view key, std::string_view kind) {
 namespace {
 
 Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
-                           const TextLoader& load_text) {
+                           const TextLoader& load_text, Footprint& footprint) {
     if (reader.empty()) return {};
     Modulation modulation;
     if (!reader.has("kind")) reader.missing("kind");
@@ -221,6 +225,7 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
     }
     modulation.kind = *kind;
     modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
+    if (*kind == "file") read_played(reader, {medium, load_text}, footprint, modulation);
     modulation.foci_m = read_foci_m(reader);
     auto& gains = modulation.envelope.gains;
     if (contains_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
@@ -279,7 +284,8 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
     }
     load.carrier = read_array_carrier(reader);
     Reader modulation = reader.table("modulation");
-    load.modulation = read_modulation(modulation, medium, other_kinds, files.load_text);
+    load.modulation =
+        read_modulation(modulation, medium, other_kinds, files.load_text, load.footprint);
     if (is_lens) check_static(modulation, load.modulation);
     reader.finish();
     return load;

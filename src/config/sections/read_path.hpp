@@ -3,7 +3,7 @@
 
 #include "config/document/reader.hpp"
 #include "config/files/files.hpp"
-#include "problem/load/motion/trajectory.hpp"
+#include "problem/load/load.hpp"
 #include "problem/medium/medium.hpp"
 
 #include <optional>
@@ -29,6 +29,10 @@ struct PathAndEnd {
 };
 PathAndEnd read_path(Reader reader, const PathContext& context,
                      LeastLength least = LeastLength::some);
+
+/// What a device plays from the file of kind "file": a path, an envelope, or phases of the array.
+void read_played(Reader& reader, const PathContext& context, Footprint& footprint,
+                 Modulation& modulation);
 
 enum class SpeedKind { constant, oscillating, either };
 /// The keys path, speed_m_s, mach, draw_frequency_Hz, corner_..., and speed_deviation_m_s,

@@ -120,6 +120,12 @@ const double* ArrayField::table_row(const std::vector<double>& table, std::ptrdi
 
 /// Drives that focus on all foci, with the total power of a single focus.
 std::vector<Complex> ArrayField::drives(std::span<const Vec2> foci_m) const {
+    if (array_.frames) {
+        const auto distance_m = [&](Vec2 place) { return norm(place - foci_m.front()); };
+        const auto& places_m = array_.frames->places_m;
+        return array_.frames->drives[static_cast<std::size_t>(
+            std::ranges::min_element(places_m, {}, distance_m) - places_m.begin())];
+    }
     Transfers transfers;
     for (const Vec2& focus : foci_m)
         for_pistons(array_, [&](std::ptrdiff_t column, std::ptrdiff_t row) {

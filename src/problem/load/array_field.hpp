@@ -33,9 +33,10 @@ public:
     /// The pattern, faded out around `middle_m`, of an array that focuses on all `foci_m`
     /// simultaneously with the power of one focus.
     Patch pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const;
+    /// The drives of the pistons.
+    std::vector<std::complex<double>> drives(std::span<const Vec2> foci_m) const;
 
 private:
-    std::vector<std::complex<double>> drives(std::span<const Vec2> foci_m) const;
     const double* table_row(const std::vector<double>& table, std::ptrdiff_t offset) const;
 
     ArrayFootprint array_;

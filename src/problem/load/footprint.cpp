@@ -94,7 +94,9 @@ struct KnownArray {
     /// samples of the pattern.
     const Patch& pattern() {
         const Vec2 focus = array.center_m;
-        if (!patch) patch = ArrayField(array, 0.0).pattern(focus, {&focus, 1});
+        ArrayFootprint focused = array;
+        focused.frames.reset();
+        if (!patch) patch = ArrayField(focused, 0.0).pattern(focus, {&focus, 1});
         return *patch;
     }
     double fwhm_m() {

@@ -7,8 +7,11 @@
 #include "problem/load/acoustics/lens.hpp"
 #include "problem/load/acoustics/patch.hpp"
 
+#include <complex>
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -21,6 +24,14 @@ struct GaussianFootprint {
     static constexpr const char* name = "gaussian";
     double fwhm_m = 0.0;
     bool operator==(const GaussianFootprint&) const = default;
+};
+
+/// Phases of the pistons of an array over time, all at full amplitude. The place where a frame has
+/// its largest pressure is the focus of the load meanwhile, and selects the frame.
+struct PhaseFrames {
+    std::vector<Vec2> places_m; // no two of them are equal
+    std::vector<std::vector<std::complex<double>>> drives;
+    std::string content_hash;
 };
 
 /// The radiation pressure of a flat array of ultrasonic pistons that is parallel to the skin and
@@ -40,6 +51,7 @@ struct ArrayFootprint {
     double update_rate_Hz = 0.0;         // update rate of the focus; 0: continuous
     double reach_m = 0.0;                // distance from the focus of the fade-out, see ArrayField
     Hologram hologram = Hologram::superposition;
+    std::shared_ptr<const PhaseFrames> frames; // instead of a hologram
     bool operator==(const ArrayFootprint&) const = default;
 };
 

@@ -93,6 +93,7 @@ void walk_fields(Walk& walk, Footprint& array) {
               "the drives for each focus; `\"gs\"`: phases by the algorithm of Gerchberg and "
               "Saxton, all pistons at full amplitude; `\"wgs\"`: its weighted form, which "
               "makes the foci equally strong"});
+    walk(array.frames, {.text = "phase_frames", .in_text = array.frames != nullptr});
     walk(array.reach_m,
          {.key = "reach_mm",
           .range = Range::between(5.0, 500.0),

@@ -103,7 +103,8 @@ std::vector<double> rough_values(const std::vector<Vec2>& at_m, std::size_t most
 
 /// Rounded phases jump as the focus moves, and so does the result of an iteration.
 bool is_smooth(const ArrayFootprint& array, std::size_t foci) {
-    return array.phase_levels == 0 && (array.hologram == Hologram::superposition || foci < 2);
+    return array.phase_levels == 0 && !array.frames &&
+           (array.hologram == Hologram::superposition || foci < 2);
 }
 
 } // namespace
@@ -295,7 +296,10 @@ std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, doubl
          changes_of_pieces_s(load, from_s - earlier_s, to_s - earlier_s, cell_s)) {
         const Limit before = limit(load, time_s, cell_s, -1.0),
                     after = limit(load, time_s, cell_s, 1.0);
-        const auto [jump, kink, bend] = changes(before, after, width_m);
+        auto [jump, kink, bend] = changes(before, after, width_m);
+        if (const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
+            array && array->frames)
+            jump = 1.0; // the pattern changes, also where its place does not
         if (jump >= least_jump || kink >= 1e-3 || bend >= 3e-3)
             all.push_back(
                 {.time_s = time_s, .jump = std::min(jump, 1.0), .kink = kink, .bend = bend});

@@ -194,13 +194,23 @@ template <class Walk, Is<Modulation> M>
 void walk_fields(Walk& walk, M& modulation) {
     walk(modulation.kind, {.key = "kind",
                            .given = Given::by_hand,
-                           .type = "word:STM|AM|AM-STM|SM-STM|LM|DTP|STP|custom",
+                           .type = "word:STM|AM|AM-STM|SM-STM|LM|DTP|STP|custom|file",
                            .fallback = "required",
                            .meaning = "kind of the modulation, see [job-file.md](job-file.md)"});
     walk.key({.key = "position_mm",
               .type = "point",
               .fallback = "[0, 0]",
-              .meaning = "of AM and LM: position of the focus"});
+              .meaning = "of AM, LM and an envelope in a file: position of the focus"});
+    walk.key({.key = "file",
+              .type = "file",
+              .fallback = "required",
+              .meaning = "of kind file: what a device plays, relative to the job file: a list of "
+                         "points with times (CSV), an envelope (CSV, .wav, .hjif), or the phases "
+                         "of an array per frame (CSV); see [job-file.md](job-file.md)"});
+    walk.key({.key = "at_end",
+              .type = "word:repeat|hold|off",
+              .fallback = "`\"repeat\"`",
+              .meaning = "of kind file: what happens after its end"});
     walk.key({.key = "path",
               .type = "path",
               .fallback = "required",

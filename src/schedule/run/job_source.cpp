@@ -2,6 +2,7 @@
 #include "schedule/run/run.hpp"
 
 #include "base/error.hpp"
+#include "base/python_module.hpp"
 #include "base/text.hpp"
 #include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
@@ -40,8 +41,7 @@ config::TextLoader texts_beside(const std::filesystem::path& job, const Comm& wo
         const auto found = known->find(file);
         if (found != known->end()) return found->second;
         std::string text;
-        on_root(world,
-                [&] { text = storage::read_file(folder / file, storage::largest_user_text_B); });
+        on_root(world, [&] { text = storage::read_user_text(folder, file); });
         return known->emplace(file, world.broadcast(std::move(text))).first->second;
     };
 }
@@ -145,7 +145,7 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
     std::set<std::string> files;
     const auto noted = [&files](const auto& load) {
         return [&files, load](const std::string& file) {
-            files.insert(file);
+            files.insert(file.substr(file.starts_with(played_file) ? played_file.size() : 0));
             return load(file);
         };
     };
