@@ -21,7 +21,7 @@ from PIL import Image
 
 from shearwake import program
 
-from . import efficiency
+from . import device, efficiency
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -37,6 +37,7 @@ GALLERY = {
     "bone-under-palm": "surface",
     "circle": "intensity",
     "compressibility": "ipr",
+    "device-list": device.draw_folder,
     "fig2.2": "frequency",
     "fig2.3": "gain",
     "fig2.3-steady": "gain",

@@ -53,13 +53,22 @@ void add_movie(CLI::App& app, Action& action) {
 
 void add_export(CLI::App& app, Action& action) {
     CLI::App& command = add_python_command(
-        app, action, "export", "write the scan of the vibrometer of a case for other programs",
-        {.module = "shearwake.laboratory.export_scan",
-         .rejection = "the scan cannot be exported",
+        app, action, "export",
+        "write the load of a job or case for a device, or the scan of a vibrometer",
+        {.module = "shearwake.device",
+         .rejection = "the case cannot be exported",
          .failure = "the export failed"});
-    pass_option(command, "CASE", "case file (HDF5)")->required();
+    pass_option(command, "JOB|CASE", "case file (HDF5), or with --to a job file (TOML)")
+        ->required();
+    pass_option(command, "--to", "write the load for a device or in a format of devices")
+        ->check(one_of({"csv", "autd3", "ultraleap", "hjif", "wav", "stl", "phases"}));
+    pass_option(command, "--rate", "with --to: samples per second (default: the device's)", "HZ")
+        ->check(CLI::Range(1.0, 1e6));
+    pass_option(command, "--distance-mm", "with --to: distance of the skin from the device", "MM");
+    pass_option(command, "-S", "with --to: override a key of the job", "KEY=VALUE")->take_all();
+    pass_flag(command, "--no-effect", "with --to: do not compute the effect of the device");
     pass_option(command, "--format",
-                "format: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
+                "of the scan: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
                 "MATLAB and Octave)")
         ->check(one_of({"uff", "csv", "mat"}));
     pass_flag(command, "--binary", "with uff: binary instead of ASCII data");
