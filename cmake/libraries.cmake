@@ -113,6 +113,14 @@ find_files(xxhash libxxhash xxhash.h xxhash)
 read_version(xxhash "${xxhash_INCLUDE}/xxhash.h" "define XXH_VERSION_[MR][A-Z]+ +([0-9]+)")
 list_library("xxHash" xxhash_FOUND "${xxhash_VERSION}" "${xxhash_INCLUDE}" "xxhash_ROOT${xxhash_MISSING}" "")
 
+# Only the headers of OpenCL: the program loads the library when a GPU is requested.
+find_files(OpenCL "" CL/cl.h)
+list_library("OpenCL headers" OpenCL_FOUND "" "${OpenCL_INCLUDE}" "OpenCL_ROOT" "GPU: no (OpenCL not found)")
+set(SHEARWAKE_GPU_TEXT "no (OpenCL not found)")
+if(OpenCL_FOUND)
+    set(SHEARWAKE_GPU_TEXT "with OpenCL, which is loaded when a GPU is requested")
+endif()
+
 find_program(HELP2MAN help2man)
 list_library("help2man" HELP2MAN "" "${HELP2MAN}" "HELP2MAN" "no manual page")
 if(SHEARWAKE_TESTS)

@@ -39,6 +39,7 @@ LIBRARIES = {
     "Eigen3::Eigen": (r"Eigen/\w+", r"Eigen::\w+"),
     "Boost::Boost": (r"boost/(random|math)/.*\.hpp", r"boost::\w+"),
     "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
+    "OpenCL::OpenCL": (r"CL/cl\.h", r"cl[A-Z]\w+"),
     "PNG::PNG": (r"png\.h", r"png_\w+"),
     "nlohmann_json::nlohmann_json": (r"nlohmann/json(?:_fwd)?\.hpp", r"nlohmann::\w+"),
 }
@@ -53,7 +54,7 @@ STANDARD = set("""
     dirent.h dlfcn.h emmintrin.h fcntl.h fnmatch.h immintrin.h malloc.h poll.h sched.h signal.h time.h unistd.h x86intrin.h sys/file.h sys/mman.h
     sys/prctl.h sys/resource.h sys/socket.h sys/stat.h sys/statvfs.h sys/time.h sys/types.h sys/utsname.h sys/vfs.h
     sys/wait.h linux/magic.h fmt/core.h fmt/format.h fmt/ranges.h fmt/std.h fmt/chrono.h""".split())
-GENERATED = {"git_id.hpp", "labels_csv.hpp"}  # by the build
+GENERATED = {"git_id.hpp", "kernels_cl.hpp", "labels_csv.hpp"}  # by the build
 KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
 ENGINES = "${SHEARWAKE_ENGINES}"
 MOST_FILES, LEAST_LINES = 25, 40  # of a folder, of a header that is not an interface

@@ -5,11 +5,12 @@ function sensor_data = pstdElastic3Dshearwake(kgrid, medium, source, sensor, var
 %   Options about plots and files are ignored. Further options:
 %     'Ranks'      number of MPI ranks (default 1)
 %     'Precision'  'double' (default) or 'single'; 'DataCast', 'single' has the same effect
+%     'Device'     'cpu' (default) or 'gpu', a GPU with OpenCL; 'DeviceNum' is its number
 %     'Program'    path of the program shearwake (default: found by its Python package)
 %     'Python'     interpreter with NumPy and h5py (default 'python3')
 %   Time reversal and sensor.frequency_response are not supported. MATLAB and Octave.
 %   SPDX-License-Identifier: BSD-3-Clause
-own = struct('Ranks', 1, 'Precision', 'double', 'Program', '', 'Python', 'python3', 'Dimensions', 3);
+own = struct('Ranks', 1, 'Precision', 'double', 'Device', 'cpu', 'DeviceNum', [], 'Program', '', 'Python', 'python3', 'Dimensions', 3);
 cast = 'off';
 recast = false;
 options = {};
@@ -64,6 +65,13 @@ package = fileparts(fileparts(mfilename('fullpath')));
 precisions = {'double', 'single'};
 command = sprintf('PYTHONSAFEPATH=1 PYTHONPATH=%s"${PYTHONPATH:+:$PYTHONPATH}" %s -m shearwake.kwave %s %s --ranks %d --precision %s --dimensions %d 2>&1', ...
     quoted(package), quoted(own.Python), quoted(file), quoted(folder), own.Ranks, precisions{1 + is_single}, own.Dimensions);
+if strcmp(own.Device, 'gpu')
+    number = '';
+    if ~isempty(own.DeviceNum)
+        number = sprintf(' --device-num %d', own.DeviceNum);
+    end
+    command = strrep(command, ' 2>&1', [' --device gpu' number ' 2>&1']);
+end
 if ~isempty(own.Program)
     command = sprintf('SHEARWAKE=%s %s', quoted(own.Program), command);
 end

@@ -4,6 +4,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "engines/layered/layered_engine.hpp"
+#include "engines/pstd/make_scheme.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
@@ -193,6 +194,26 @@ Json measure_pstd(const Grid& grid, bool is_lossy, const Comm& world) {
                        step_s, points, fft_s);
 }
 
+/// The mean of some steps on a GPU, and the share of the bandwidth of its copies that they use.
+Json measure_device(const Grid& grid, bool is_lossy, Precision precision, int number,
+                    const Comm& world) {
+    const auto scheme =
+        pstd::make_scheme(pstd_setup(grid, is_lossy), precision, {PstdDevice::gpu, number}, world);
+    const double steps_s = best_of(3, world, [&] { // the first compiles and loads the kernels
+        for (int n = 0; n < steps; ++n)
+            scheme->step();
+        scheme->kinetic_J(); // waits for the steps
+    });
+    Json measured =
+        measurement(fmt::format("{} x {} x {} points, {}, {}", grid[0], grid[1], grid[2],
+                                is_lossy ? "lossy" : "lossless",
+                                precision == Precision::double_precision ? "double" : "single"),
+                    steps_s / steps, grid[0] * grid[1] * grid[2], 0.0);
+    measured["device"] = scheme->device_name();
+    measured["share_of_copies"] = scheme->copy_share(steps / steps_s);
+    return measured;
+}
+
 } // namespace
 
 Case layered_bench_case() {
@@ -218,7 +239,7 @@ ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
     Json measured;
     double copies_B_s = 0.0;
     fail_together(world, [&] { // as in `run`, so that times include its agreements
-        const auto& [engine, grid, json] = arguments;
+        const auto& [engine, grid, device, gpu, json] = arguments;
         if (engine == "layered") measured = measure_layered(world);
         if (engine == "spectral")
             measured = measure_spectral(grid.empty() ? Grid{256, 192, 25} : grid, world);
@@ -227,6 +248,12 @@ ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
         if (engine == "pstd")
             for (const Grid& points : grids)
                 for (const bool is_lossy : {false, true}) {
+                    if (device == "gpu") {
+                        for (const auto p :
+                             {Precision::double_precision, Precision::single_precision})
+                            measured.push_back(measure_device(points, is_lossy, p, gpu, world));
+                        continue;
+                    }
                     measured.push_back(measure_pstd<double>(points, is_lossy, world));
                     measured.push_back(measure_pstd<float>(points, is_lossy, world));
                 }
@@ -245,9 +272,12 @@ ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
                arguments.engine, counted(world.size(), "rank"), kernels, 1e-9 * copies_B_s,
                arguments.engine == "layered" ? "s per case" : "s per step");
     for (const Json& m : measured)
-        fmt::print("  {:<42}{:10.5f} {:8.4g} {:10.5f}\n", m["name"].get<std::string>(),
+        fmt::print("  {:<42}{:10.5f} {:8.4g} {}\n", m["name"].get<std::string>(),
                    m["time_s"].get<double>(), 1e-6 * m["points_per_s"].get<double>(),
-                   m["fft_s"].get<double>());
+                   m.contains("device") ? fmt::format("{:.0f} % of copies on {}",
+                                                      100.0 * m["share_of_copies"].get<double>(),
+                                                      m["device"].get<std::string>())
+                                        : fmt::format("{:10.5f}", m["fft_s"].get<double>()));
     return ExitCode::done;
 }
 

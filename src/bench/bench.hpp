@@ -13,6 +13,8 @@ namespace shearwake::bench {
 struct BenchArguments {
     std::string engine = "layered";
     std::vector<std::ptrdiff_t> grid; // three numbers; empty: the default of the engine
+    std::string device = "cpu";       // of pstd, or gpu
+    int gpu = -1;                     // its number; -1: the first
     bool json = false;                // print a document instead of text
 };
 

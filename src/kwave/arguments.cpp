@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
+#include "engines/pstd/scene/case_step.hpp"
+#include "kwave/files.hpp"
 #include "kwave/run.hpp"
 
 #include <fmt/format.h>
@@ -35,6 +37,24 @@ void check_arguments(const Arguments& a) {
     if (!a.checkpoint.empty() && std::filesystem::weakly_canonical(a.checkpoint) ==
                                      std::filesystem::weakly_canonical(a.output))
         refuse("the checkpoint and the output have the same name");
+}
+
+std::string check_step(const Input& input, const std::string& name, const Comm& world) {
+    const auto& grid = input.setup.grid;
+    const double alone_s = world.min(input.limits.alone_s);
+    if (grid.dt_s > alone_s)
+        throw UsageError(fmt::format("{}: dt is {:.6g} s, which is unstable in this medium: steps "
+                                     "above {:.6g} s are unstable",
+                                     name, grid.dt_s, alone_s));
+    pstd::Extremes extremes;
+    extremes.p_modulus_Pa = world.max(input.limits.p_modulus_Pa);
+    extremes.p_viscosity_Pa_s = world.max(input.limits.p_viscosity_Pa_s);
+    extremes.least_density_kg_m3 = world.min(input.limits.density_kg_m3);
+    const double safe_s = pstd::safe_step_s(extremes, pstd::cubic_spacing_m(grid));
+    if (grid.dt_s <= safe_s) return "";
+    return fmt::format("dt is {:.6g} s; steps up to {:.6g} s are stable for any arrangement of "
+                       "these materials",
+                       grid.dt_s, safe_s);
 }
 
 } // namespace shearwake::kwave

@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "engines/pstd/scheme/recorder.hpp"
-#include "engines/pstd/scheme/stepper.hpp"
+#include "engines/pstd/scheme/scheme.hpp"
 #include "kwave/run.hpp"
 #include "parallel/comm.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
@@ -63,6 +63,10 @@ struct Input {
 /// make up a point. Throws UsageError whose message names the file, the dataset and its error, also
 /// before more than available_B are allocated. Not collective.
 Input read_input(const std::filesystem::path& path, int ranks, int rank, double available_B);
+
+/// Throws UsageError if the step is unstable; a warning if it may be unstable, or nothing.
+/// Collective.
+std::string check_step(const Input& input, const std::string& name, const Comm& world);
 
 using Shape = std::array<hsize_t, 3>; // (z, y, x)
 
@@ -196,9 +200,8 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
 
 /// Writes the records after the last step, in the layout of k-Wave: (1, samples, points) or one
 /// dataset per cuboid, (samples, z, y, x); grids as (z, y, x). Collective.
-template <class Real>
 void write_records(const OutputFile& output, const pstd::Recorder& recorder, const Input& input,
-                   const pstd::Stepper<Real>& stepper, const Comm& team);
+                   const Comm& team);
 
 using Locks = std::vector<std::unique_ptr<storage::FileLock>>;
 /// Excludes other processes that write these files, and removes what killed ones have left; empty

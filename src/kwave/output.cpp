@@ -212,23 +212,17 @@ void write_facts(const OutputFile& output, const Arguments& arguments, const Inp
         h5::put_attribute(output.file, name, value);
 }
 
-template <class Real>
 void write_records(const OutputFile& output, const Recorder& recorder, const Input& input,
-                   const pstd::Stepper<Real>& stepper, const Comm& team) {
+                   const Comm& team) {
     for (const Recorder::Record& record : recorder.records()) {
         if (!record.is_output) continue;
         if (!record.is_grid()) {
             write_points(output, recorder, record, input, team);
             continue;
         }
-        const std::vector<double> all = recorder.grid_of(record, stepper, team);
+        const std::vector<double> all = recorder.grid_of(record, team);
         if (team.is_root()) write_grid(output, record.name, all, input.setup.grid);
     }
 }
-
-template void write_records(const OutputFile&, const Recorder&, const Input&,
-                            const pstd::Stepper<double>&, const Comm&);
-template void write_records(const OutputFile&, const Recorder&, const Input&,
-                            const pstd::Stepper<float>&, const Comm&);
 
 } // namespace shearwake::kwave

@@ -4,8 +4,8 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "engines/march.hpp"
+#include "engines/pstd/make_scheme.hpp"
 #include "engines/pstd/pstd_engine.hpp"
-#include "engines/pstd/scene/case_step.hpp"
 #include "kwave/files.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
@@ -36,25 +36,6 @@ void print(const Comm& world, const std::string& line) {
     std::fflush(stdout);
 }
 
-/// An unstable step is an error, a step that may be unstable a warning. Collective.
-void check_step(const Input& input, const std::string& name, const Comm& world) {
-    const auto& grid = input.setup.grid;
-    const double alone_s = world.min(input.limits.alone_s);
-    if (grid.dt_s > alone_s)
-        throw UsageError(fmt::format("{}: dt is {:.6g} s, which is unstable in this medium: steps "
-                                     "above {:.6g} s are unstable",
-                                     name, grid.dt_s, alone_s));
-    pstd::Extremes extremes;
-    extremes.p_modulus_Pa = world.max(input.limits.p_modulus_Pa);
-    extremes.p_viscosity_Pa_s = world.max(input.limits.p_viscosity_Pa_s);
-    extremes.least_density_kg_m3 = world.min(input.limits.density_kg_m3);
-    const double safe_s = pstd::safe_step_s(extremes, pstd::cubic_spacing_m(grid));
-    if (grid.dt_s > safe_s)
-        print(world, fmt::format("warning: dt is {:.6g} s; steps up to {:.6g} s are stable for "
-                                 "any arrangement of these materials",
-                                 grid.dt_s, safe_s));
-}
-
 /// A run and its input.
 struct Job {
     const Arguments& arguments;
@@ -63,6 +44,13 @@ struct Job {
     const Input& input;
     long steps;
     std::string name() const { return arguments.input.string(); }
+    Precision precision() const {
+        return arguments.precision == "single" ? Precision::single_precision
+                                               : Precision::double_precision;
+    }
+    pstd::DeviceChoice device() const {
+        return {arguments.device == "gpu" ? PstdDevice::gpu : PstdDevice::cpu, arguments.gpu};
+    }
     double points() const {
         const auto& n = input.setup.grid.points;
         return static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
@@ -75,7 +63,8 @@ void check_input(const Job& job) {
     if (job.arguments.first_step > job.steps)
         throw UsageError(fmt::format("{}: -s is {}; it must be 1 to the {} steps of the run",
                                      job.name(), job.arguments.first_step, job.steps));
-    check_step(job.input, job.name(), job.world);
+    if (const std::string warning = check_step(job.input, job.name(), job.world); !warning.empty())
+        print(job.world, "warning: " + warning);
     const bool of_points = std::any_of(records.begin(), records.end(), [](const auto& record) {
         return !record.ends_with("_all") && !record.ends_with("_final");
     });
@@ -95,9 +84,8 @@ double required_memory_B(const Job& job) {
                               .pml = setup.pml,
                               .steps = static_cast<double>(job.steps),
                               .absorption = setup.absorption,
-                              .precision = job.arguments.precision == "single"
-                                               ? Precision::single_precision
-                                               : Precision::double_precision,
+                              .precision = job.precision(),
+                              .device = job.device(),
                               .uneven = true,
                               .coefficients = pstd::varying_coefficients({}, setup.absorption),
                               .source_nodes = source_nodes,
@@ -140,27 +128,29 @@ void describe(const Job& job, double required_B) {
         print(world, fmt::format("  about {:.3g} GB per rank", 1e-9 * required_B));
 }
 
-/// The stepper and the records of a run.
-template <class Real>
+/// The scheme and the records of a run.
 class Simulation : public engines::Marching {
 public:
     /// `job` must outlive this object. Collective.
-    explicit Simulation(const Job& job) : job_(job), stepper_(job.input.setup, job.world) {
+    explicit Simulation(const Job& job)
+        : job_(job),
+          scheme_(pstd::make_scheme(job.input.setup, job.precision(), job.device(), job.world)) {
         together(job.world, [&] {
-            recorder_.emplace(job.input.sensor, stepper_.slabs(), job.arguments.records,
-                              job.arguments.first_step, job.steps);
+            recorder_ =
+                std::make_unique<pstd::Recorder>(job.input.sensor, *scheme_, job.arguments.records,
+                                                 job.arguments.first_step, job.steps);
         });
     }
-    const pstd::Stepper<Real>& stepper() const { return stepper_; }
+    const pstd::Scheme& scheme() const { return *scheme_; }
     pstd::Recorder& recorder() { return *recorder_; }
 
-    std::ptrdiff_t step() const override { return stepper_.steps(); }
+    std::ptrdiff_t step() const override { return scheme_->steps(); }
     void advance() override {
-        stepper_.step();
-        recorder_->add(stepper_, job_.world);
-        const long done = stepper_.steps();
+        scheme_->step();
+        recorder_->add(job_.world);
+        const long done = scheme_->steps();
         if (done != job_.steps && done % steps_between_checks != 0) return;
-        if (!std::isfinite(job_.world.sum(stepper_.kinetic_J())))
+        if (!std::isfinite(job_.world.sum(scheme_->kinetic_J())))
             throw UsageError(fmt::format(
                 "{}: the field is no longer finite at step {}, {:.6g} s; dt is probably "
                 "unstable, or the absorbing layer, which a larger MultiAxialPMLRatio stabilises",
@@ -168,18 +158,18 @@ public:
     }
     void emit(engines::Observer& /*observer*/) override {} // the recorder has all output
     void save(StateWriter& state) const override {
-        stepper_.save(state);
+        scheme_->save(state);
         recorder_->save(state);
     }
     void restore(const StateReader& state) override {
-        stepper_.restore(state);
+        scheme_->restore(state);
         recorder_->restore(state);
     }
 
 private:
     const Job& job_;
-    pstd::Stepper<Real> stepper_;
-    std::optional<pstd::Recorder> recorder_;
+    std::unique_ptr<pstd::Scheme> scheme_;
+    std::unique_ptr<pstd::Recorder> recorder_;
 };
 
 /// Receives nothing, since a simulation has its records itself.
@@ -270,9 +260,7 @@ private:
 };
 
 /// Collective.
-template <class Real>
-void write_output(const Job& job, const pstd::Stepper<Real>& stepper,
-                  const pstd::Recorder& recorder) {
+void write_output(const Job& job, const pstd::Recorder& recorder, long done) {
     const Arguments& arguments = job.arguments;
     std::filesystem::path part;
     if (job.world.is_root()) part = storage::part_path(arguments.output);
@@ -286,10 +274,10 @@ void write_output(const Job& job, const pstd::Stepper<Real>& stepper,
                 file = h5::open_file(part, h5::Access::create);
                 output.file = file.raw();
             }
-            write_records(output, recorder, job.input, stepper, job.world);
+            write_records(output, recorder, job.input, job.world);
             if (!job.world.is_root()) return;
-            write_facts(output, arguments, job.input, job.steps, stepper.steps(), job.phases,
-                        job.world.size(), memory_B);
+            write_facts(output, arguments, job.input, job.steps, done, job.phases, job.world.size(),
+                        memory_B);
             file.close("write " + part.string());
             storage::publish(part, arguments.output);
         });
@@ -301,7 +289,6 @@ void write_output(const Job& job, const pstd::Stepper<Real>& stepper,
 }
 
 /// Advances, records, and writes output and checkpoint.
-template <class Real>
 void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
     std::optional<Input> input;
     const double available_B = pipeline::memory_per_rank_B(world);
@@ -319,24 +306,33 @@ void run_with(const Arguments& arguments, const Comm& world, Phases& phases) {
                                      job.name(), 1e-9 * required_B, 1e-9 * available_B));
     describe(job, required_B);
 
-    Simulation<Real> field(job);
+    Simulation field(job);
+    const std::string device = field.scheme().device_name();
+    if (!device.empty()) print(world, fmt::format("device: {}", device));
     Leg leg(job, field);
     NoObserver nobody;
     const bool stops = engines::march(field, steps, nobody, &leg) == engines::MarchEnd::stopped;
     phases.stepping_s = phases.next();
     field.recorder().finish();
-    write_output(job, field.stepper(), field.recorder());
+    write_output(job, field.recorder(), field.step());
     if (!stops && !arguments.checkpoint.empty() && world.is_root()) {
         std::filesystem::remove(arguments.checkpoint);
         std::filesystem::remove(previous_checkpoint(arguments.checkpoint));
     }
-    print(world, stops
-                     ? fmt::format("stopped after step {}; repeat the command to resume from {}",
-                                   field.step(), arguments.checkpoint.string())
-                     : fmt::format("{}: {:.1f} s, {:.3g} Mpoint/s", arguments.output.string(),
-                                   seconds_since(phases.began),
-                                   1e-6 * job.points() * static_cast<double>(steps - leg.first()) /
-                                       std::max(phases.stepping_s, 1e-9)));
+    if (stops) {
+        print(world, fmt::format("stopped after step {}; repeat the command to resume from {}",
+                                 field.step(), arguments.checkpoint.string()));
+        return;
+    }
+    const double steps_per_s =
+        static_cast<double>(steps - leg.first()) / std::max(phases.stepping_s, 1e-9);
+    const std::string share =
+        device.empty() ? ""
+                       : fmt::format(", {:.0f} % of the bandwidth of copies on the device",
+                                     100.0 * field.scheme().copy_share(steps_per_s));
+    print(world,
+          fmt::format("{}: {:.1f} s, {:.3g} Mpoint/s{}", arguments.output.string(),
+                      seconds_since(phases.began), 1e-6 * job.points() * steps_per_s, share));
 }
 
 /// With the exit code of k-Wave's programs; states that the output is not that of this run.
@@ -368,7 +364,8 @@ ExitCode run(const Arguments& given, const Comm& world) {
         end_run(arguments, error);
     }
     try {
-        if (arguments.gpu >= 0) print(world, "note: -g is ignored: there is no GPU version");
+        if (arguments.gpu >= 0 && arguments.device != "gpu")
+            print(world, "note: -g is ignored without --device gpu");
         if (arguments.threads > 0 && arguments.threads != world.size())
             print(world, fmt::format("note: the run uses {} of the {} threads of -t: start {} "
                                      "ranks with mpirun -n {}, or with kspaceFirstOrder-elastic",
@@ -384,12 +381,7 @@ ExitCode run(const Arguments& given, const Comm& world) {
                 std::filesystem::remove(arguments.output);
         });
         if (!arguments.checkpoint.empty()) schedule::watch_for_stop_signals(world);
-        fail_together(world, [&] {
-            if (arguments.precision == "single")
-                run_with<float>(arguments, world, phases);
-            else
-                run_with<double>(arguments, world, phases);
-        });
+        fail_together(world, [&] { run_with(arguments, world, phases); });
     } catch (const Error& error) { // thrown on all ranks
         end_run(arguments, error);
     }

@@ -21,7 +21,8 @@ struct Arguments {
     int progress_percent = 5;
     int gzip_level = 0;
     int verbose = 0; // 0, 1 or 2
-    int gpu = -1;    // ignored with a note
+    std::string device = "cpu";
+    int gpu = -1; // its number; -1: the first, or that of this rank of the machine
     bool copies_sensor_mask = false;
     std::filesystem::path checkpoint; // empty: none
     double checkpoint_interval_s = 0.0;

@@ -155,12 +155,21 @@ Comm Comm::split(int color) const {
     return owned(part);
 }
 
+namespace {
+int machine_rank = 0;
+} // namespace
+
 Comm Comm::split_by_machine() const {
     if (raw() == MPI_COMM_NULL) return *this;
     MPI_Comm part = MPI_COMM_NULL;
     before_collective();
     checked(MPI_Comm_split_type(raw(), MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &part));
+    checked(MPI_Comm_rank(part, &machine_rank));
     return owned(part);
+}
+
+int Comm::rank_on_machine() {
+    return machine_rank;
 }
 
 Comm Comm::owned(MPI_Comm part) {

@@ -44,6 +44,9 @@ public:
     Comm split(int color) const;
     /// Groups the ranks that share memory with this rank.
     Comm split_by_machine() const;
+    /// The rank in the last group of split_by_machine(), which runs call at their start; 0 before.
+    /// Not collective.
+    static int rank_on_machine();
 
     int rank() const { return rank_; }               // not collective
     int size() const { return size_; }               // not collective

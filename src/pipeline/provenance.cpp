@@ -56,10 +56,10 @@ std::vector<Attribute> program_attributes() {
 std::string version_text() {
     return fmt::format("shearwake {}\ngit       {}\ncompiler  {}, {}\nkernels   {} of {} "
                        "(SHEARWAKE_SIMD selects others)\nMPI       {}\nFFTW      {}\n"
-                       "HDF5      {}",
+                       "HDF5      {}\nGPU       {}",
                        SHEARWAKE_VERSION, SHEARWAKE_GIT_ID, compiler(), SHEARWAKE_BUILD_TYPE,
                        simd::name_of(simd::instruction_set()), available_kernels(), mpi_version(),
-                       fft::fftw_library_version(), h5::library_version());
+                       fft::fftw_library_version(), h5::library_version(), SHEARWAKE_GPU_TEXT);
 }
 
 } // namespace shearwake::pipeline

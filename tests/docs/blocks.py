@@ -33,6 +33,7 @@ NEEDS = {
     "$ ssh": "another machine",
     "$ mpirun -n 2 shearwake kwave -i in.h5": "a file written by MATLAB",
     "$ shearwake fit": "a measured scan",
+    "$ shearwake kwave -i in.h5 -o out.h5 --device gpu": "a GPU",
     "$ scripts/nightly": "hours, and a job of the reader",
     "$ sqlite3": "the history of nightly runs",
     "$ scripts/update-baseline": "the history of nightly runs",

@@ -34,28 +34,33 @@ def reordered(mask):
 
 
 class References(FunctionsTest):
+    def check(self, case, name, **options):
+        """Runs a study with the sensor of a group of its reference."""
+        found, keywords = study(case)
+        with h5py.File(DATA / f"{case}_reference.h5") as file:
+            group, sensor = file[name], found["sensor"]
+            sensor.record = str(group.attrs["record"]).split()
+            order = slice(None)
+            if "sensor_mask_positions" in group:
+                sensor.mask = group["sensor_mask_positions"][()].T
+            elif name == "binary":
+                order = reordered(sensor.mask)
+            source = found["source"]  # the rows of its series in C order
+            for mask, fields in (("u_mask", ("ux", "uy")), ("s_mask", ("sxx", "syy", "sxy"))):
+                for field in fields:
+                    series = getattr(source, field, None)
+                    if series is not None and len(series) == numpy.count_nonzero(getattr(source, mask)):
+                        setattr(source, field, series[numpy.argsort(reordered(getattr(source, mask)))])
+            result = pstd_elastic_2d(found["kgrid"], found["medium"], source, sensor, quiet=True,
+                                     cart_interp="nearest" if name == "cartesian_nearest" else "linear", **keywords, **options)
+            if isinstance(result, dict):
+                result = {name: values if name.endswith(("_all", "_final")) else values[order] for name, values in result.items()}
+            self.compare(result, group)
+
     def test_functions_agree_with_kwave_in_every_record(self):
         for number, (case, name) in enumerate(CASES):
-            found, keywords = study(case)
-            with self.subTest(case=case, group=name), h5py.File(DATA / f"{case}_reference.h5") as file:
-                group, sensor = file[name], found["sensor"]
-                sensor.record = str(group.attrs["record"]).split()
-                order = slice(None)
-                if "sensor_mask_positions" in group:
-                    sensor.mask = group["sensor_mask_positions"][()].T
-                elif name == "binary":
-                    order = reordered(sensor.mask)
-                source = found["source"]  # the rows of its series in C order
-                for mask, fields in (("u_mask", ("ux", "uy")), ("s_mask", ("sxx", "syy", "sxy"))):
-                    for field in fields:
-                        series = getattr(source, field, None)
-                        if series is not None and len(series) == numpy.count_nonzero(getattr(source, mask)):
-                            setattr(source, field, series[numpy.argsort(reordered(getattr(source, mask)))])
-                result = pstd_elastic_2d(found["kgrid"], found["medium"], source, sensor, quiet=True, ranks=1 + number % 2,
-                                         cart_interp="nearest" if name == "cartesian_nearest" else "linear", **keywords)
-                if isinstance(result, dict):
-                    result = {name: values if name.endswith(("_all", "_final")) else values[order] for name, values in result.items()}
-                self.compare(result, group)
+            with self.subTest(case=case, group=name):
+                self.check(case, name, ranks=1 + number % 2)
 
     @pytest.mark.extended
     def test_imported_files_have_one_plane_on_any_number_of_ranks(self):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ShearwakeError
-from .elastic import REFUSED, solve
+from .elastic import REFUSED, device_of, solve
 from .files import structures
 from .structures import BadInput, Structure
 
@@ -22,6 +22,8 @@ def main() -> int:
     parser.add_argument("--dimensions", type=int, choices=[2, 3], default=3)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--precision", choices=["double", "single"], default="double")
+    parser.add_argument("--device", choices=["cpu", "gpu"], default="cpu")
+    parser.add_argument("--device-num", type=int)
     chosen = parser.parse_args()
     try:
         parts, notes = structures(chosen.file)
@@ -33,7 +35,8 @@ def main() -> int:
                                      "options")
         if options.number("UseSG", 1.0) == 0.0:
             raise BadInput("options.UseSG must be true: the grid is staggered")
-        found = solve(parts, notes, "F", chosen.ranks, None, chosen.precision, quiet=False, dimensions=chosen.dimensions)
+        device = device_of({"device": chosen.device, "device_num": chosen.device_num})
+        found = solve(parts, notes, "F", chosen.ranks, None, chosen.precision, quiet=False, dimensions=chosen.dimensions, device=device)
     except (BadInput, ShearwakeError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -25,7 +25,7 @@ OPTIONS = {"pml_size": "PMLSize", "pml_alpha": "PMLAlpha", "pml_inside": "PMLIns
            "multi_axial_pml_ratio": "MultiAxialPMLRatio", "scale_source_terms": "ScaleSourceTerms", "cart_interp": "CartInterp"}
 REFUSED = ("time_reversal_boundary_data", "frequency_response")
 # Options of k-wave-python about its processors and files.
-IGNORED = {"use_kspace", "backend", "device", "debug", "device_num", "data_path", "binary_path"}
+IGNORED = {"use_kspace", "backend", "debug", "data_path", "binary_path"}
 MUST_BE_OFF = ("use_fd", "use_finite_difference", "axisymmetric", "pml_auto", "save_to_disk_exit", "save_only")
 
 
@@ -171,6 +171,18 @@ def precision_of(cast: Any, precision: str) -> str:
     return found
 
 
+def device_of(options: dict[str, Any]) -> list[str]:
+    """Takes the options device and device_num away; the arguments of the program for them."""
+    device, number = options.pop("device", None) or "cpu", options.pop("device_num", None)
+    if device not in ("cpu", "gpu"):
+        raise BadInput(f"device must be 'cpu' or 'gpu', not {device!r}")
+    if device == "cpu":
+        return []
+    if number is not None and (isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 0):
+        raise BadInput(f"device_num must be a whole number from 0 on, not {number!r}")
+    return ["--device", "gpu", *([] if number is None else ["-g", str(number)])]
+
+
 def study_options(options: dict[str, Any]) -> tuple[Structure, dict[str, Any]]:
     """The structure `options` of pstdElastic3D, and the other options."""
     given = dict(options)
@@ -190,7 +202,8 @@ def study_options(options: dict[str, Any]) -> tuple[Structure, dict[str, Any]]:
 
 
 def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int = 1, launch: Sequence[str] | None = None,
-          precision: str = "double", quiet: bool = True, progress: bool = False, dimensions: int = 3) -> Results:
+          precision: str = "double", quiet: bool = True, progress: bool = False, dimensions: int = 3,
+          device: Sequence[str] = ()) -> Results:
     """The results of structures with the fields of pstdElastic3D or, in two dimensions, pstdElastic2D. Rows of sources and of the
     sensor are in C or F (Fortran) order of their masks. Raises BadInput and ProgramError."""
     if is_plane(parts["kgrid"]) != (dimensions == 2):
@@ -216,7 +229,7 @@ def solve(parts: dict[str, Structure], notes: list[str], order: str, ranks: int 
     with tempfile.TemporaryDirectory(prefix="shearwake-kwave-") as folder:
         write_input(Path(folder) / "in.h5", study)
         computed(["kwave", "-i", f"{folder}/in.h5", "-o", f"{folder}/out.h5", "-s", str(study.sensor_start), "--precision", precision,
-                  "--output_precision", "double", *flags_of(study.sensor_fields)], ranks, launch, progress, quiet)
+                  "--output_precision", "double", *device, *flags_of(study.sensor_fields)], ranks, launch, progress, quiet)
         with h5py.File(f"{folder}/out.h5", "r", locking=False) as file:
             is_mask = np.ndim(given.values.get("mask", np.zeros((1, 1, 1)))) == 3  # places keep their order
             return read_results(file, study, study.sensor_fields, order if is_mask else "F")
@@ -236,7 +249,8 @@ def pstd_elastic_3d(kgrid: Any, medium: Any, source: Any, sensor: Any = None, *,
     The defaults are those of pstdElastic3D in MATLAB, not those of kspaceFirstOrder: pml_size 10, pml_inside True, pml_alpha 2,
     multi_axial_pml_ratio 0.1, smooth (True, False, False) for p0, speeds and density, scale_source_terms True, record ["p"].
     Options that would change the result and are not supported are errors. `ranks` MPI ranks compute in "double" or "single"
-    `precision`; `launch` replaces mpirun. `progress` (default: unless quiet) shows a bar.
+    `precision`; `launch` replaces mpirun. device="gpu" computes on a GPU, device_num=N on the one with this number. `progress`
+    (default: unless quiet) shows a bar.
 
     Returns a dictionary of float64: series (n, Nt) and statistics (n) of the n points, and values of the entire grid
     (Nx, Ny, Nz), without a layer that lies outside. With corners: a list of dictionaries, one per cuboid. Names: p, p_max, ...,
@@ -272,12 +286,12 @@ def simulated(dimensions: int, objects: Sequence[Any], options: dict[str, Any], 
         fields, others = study_options(options)
         dtype, cast = others.pop("dtype", None), others.pop("data_cast", None)
         precision = precision_of(dtype if cast is None else cast, precision)
-        threads = others.pop("num_threads", None)
-        ranks = ranks_of(ranks if threads is None else threads)
+        device, threads = device_of(others), others.pop("num_threads", None)
+        ranks = 1 if device else ranks_of(ranks if threads is None else threads)
         if others:
-            raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted(OPTIONS))}")
+            raise BadInput(f"unknown option: {', '.join(sorted(others))}; the options are {', '.join(sorted([*OPTIONS, 'device', 'device_num']))}")
         parts = {"kgrid": grid_structure(kgrid), "medium": structure(medium, "medium"), "source": structure(source, "source"),
                  "sensor": structure(sensor or {}, "sensor"), "options": fields}
-        return solve(parts, [], "C", ranks, launch, precision, quiet, not quiet if progress is None else progress, dimensions)
+        return solve(parts, [], "C", ranks, launch, precision, quiet, not quiet if progress is None else progress, dimensions, device)
     except BadInput as error:
         raise ValueError(str(error)) from error

@@ -15,6 +15,10 @@ void add_bench(CLI::App& app, Action& action) {
         ->delimiter('x')
         ->expected(3)
         ->check(CLI::Range(8, 10000));
+    command.add_option("--device", arguments.device, "of pstd: cpu (default) or gpu")
+        ->check(one_of({"cpu", "gpu"}));
+    add_value(command, "-g", arguments.gpu, "N", "number of the GPU, from 0")
+        ->check(CLI::Range(0, 1000));
     add_json(command, arguments.json);
 }
 

@@ -96,7 +96,13 @@ void add_kwave(CLI::App& app, Action& action) {
               "ranks that kspaceFirstOrder-elastic starts; otherwise ignored with a note")
         ->check(CLI::Range(1, 1000000));
     command.set_version_flag("--version", pipeline::version_text());
-    add_value(command, "-g", arguments.gpu, "N", "ignored with a note: number of a GPU");
+    command
+        .add_option("--device", arguments.device,
+                    "what computes: cpu (default), or gpu, a GPU with OpenCL")
+        ->check(one_of({"cpu", "gpu"}));
+    add_value(command, "-g", arguments.gpu, "N",
+              "number of the GPU, from 0; otherwise ignored with a note")
+        ->check(CLI::Range(0, 1000));
 }
 
 } // namespace shearwake::app

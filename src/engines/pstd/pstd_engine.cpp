@@ -4,7 +4,6 @@
 #include "base/error.hpp"
 #include "engines/pstd/scene/case_load.hpp"
 #include "engines/pstd/scene/case_step.hpp"
-#include "engines/pstd/scheme/stepper.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -60,6 +59,7 @@ PstdPlan plan_of(const Case& c, const PstdOptions& options, const CaseGrid& grid
             .steps = static_cast<double>(c.time.frames * per_frame),
             .absorption = absorption,
             .precision = options.precision,
+            .device = {options.device, options.device_number},
             .uneven = varies_laterally(medium),
             .coefficients = varying_coefficients(
                 {.density = varies(medium, &Body::density_kg_m3, &MaterialMap::density_kg_m3),

@@ -4,9 +4,9 @@
 #include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "engines/march.hpp"
+#include "engines/pstd/make_scheme.hpp"
 #include "engines/pstd/scene/case_step.hpp"
 #include "engines/pstd/scene/displacements.hpp"
-#include "engines/pstd/scheme/stepper.hpp"
 
 #include <functional>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace shearwake::pstd {
 
-/// k-Wave's staggered pseudospectral scheme (scheme/stepper.hpp) for a case. It is explicit in
+/// k-Wave's staggered pseudospectral scheme (scheme/scheme.hpp) for a case. It is explicit in
 /// time; the fastest wave limits the step, so that c_p is capped at a multiple of c_s. Supports
 /// layers, bodies and maps that are Kelvin-Voigt or lossless, and Gaussian foci. Waves are absorbed
 /// below the medium, and above it unless there is nothing. Passes the frames in order of time, each
@@ -46,6 +46,7 @@ struct PstdPlan {
     double steps = 0.0;
     Absorption absorption = Absorption::none;
     Precision precision = Precision::double_precision;
+    DeviceChoice device = {};
     bool uneven = false;       // materials are given per node
     double coefficients = 0.0; // of the stepper, that are stored per node
     double source_nodes = 0.0; // of all ranks

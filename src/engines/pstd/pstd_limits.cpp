@@ -47,6 +47,8 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
     if (auto refused = engines::refused_edges(c); !refused.empty()) return refused;
     const auto& options = std::get<PstdOptions>(c.solver);
     std::vector<Remark> refused;
+    if (const std::string error = device_error(options.device); !error.empty())
+        refused.push_back({Severity::error, "solver.pstd.device", error});
     if (records_tensors(c.record))
         refused.push_back(
             {Severity::error, "record.volume_fields",

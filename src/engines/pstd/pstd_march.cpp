@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/march.hpp"
+#include "engines/pstd/make_scheme.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "parallel/agree.hpp"
 
@@ -15,16 +16,16 @@ Setup setup_of(const PstdRun& run, const Comm& team) {
 }
 
 /// u_z at the measured depths for each frame, and displacements for each snapshot.
-template <class Real>
 class PstdMarch : public engines::Marching {
 public:
     /// Stores references, which must outlive this object. Collective.
     PstdMarch(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team)
-        : case_(c), per_frame_(plan.per_frame), team_(team), stepper_(setup_of(run, team), team),
+        : case_(c), per_frame_(plan.per_frame), team_(team),
+          scheme_(make_scheme(setup_of(run, team), plan.precision, plan.device, team)),
           watch_(energy_watch()) {
         together(team, [&] {
-            frames_.emplace(c, plan.places, stepper_.slabs());
-            volumes_.emplace(c, run.grid, stepper_.slabs());
+            frames_.emplace(c, plan.places, *scheme_);
+            volumes_.emplace(c, run.grid, *scheme_);
         });
     }
 
@@ -32,34 +33,40 @@ public:
         observer.begin(frames_->slab());
         if (!case_.record.volumes_s.empty()) observer.volume_levels(volumes_->levels_m());
     }
-    std::ptrdiff_t step() const override { return stepper_.steps(); }
+    std::ptrdiff_t step() const override { return scheme_->steps(); }
     void advance() override {
-        stepper_.step();
-        watch();
-        frames_->displacement().add(stepper_);
-        volumes_->add(stepper_);
+        scheme_->step();
+        if (watch_.due(step())) {
+            add_work(watch_);
+            watched_work_J_ = scheme_->work_J();
+            watch_.check(step(), scheme_->kinetic_J() / area_m2());
+        }
+        frames_->displacement().add();
+        volumes_->add();
     }
     void emit(engines::Observer& observer) override {
-        if (stepper_.steps() % per_frame_ != 0) return;
-        const std::ptrdiff_t frames = stepper_.steps() / per_frame_;
+        if (step() % per_frame_ != 0) return;
+        const std::ptrdiff_t frames = step() / per_frame_;
         frames_->emit(frames - 1, observer, team_);
         if (const auto snapshot = engines::snapshot_at(case_, frames))
             volumes_->emit(*snapshot, frames_->displacement(), observer, team_);
     }
     void save(StateWriter& state) const override {
-        stepper_.save(state);
-        watch_.save(state);
+        scheme_->save(state);
+        engines::EnergyWatch watch = watch_;
+        add_work(watch);
+        watch.save(state);
         frames_->displacement().save(state, "displacement_u_z");
         volumes_->save(state);
     }
     void restore(const StateReader& state) override {
-        stepper_.restore(state);
+        scheme_->restore(state);
         watch_.restore(state);
         frames_->displacement().restore(state, "displacement_u_z");
         volumes_->restore(state);
     }
     void finish(engines::SolverReport report, engines::Observer& observer) {
-        report.steps = stepper_.steps();
+        report.steps = step();
         observer.solved(report);
     }
 
@@ -71,50 +78,40 @@ private:
     // Therefore the kinetic energy of v- is at most E/(1 - r), 20 E at the default r = 0.95.
     engines::EnergyWatch energy_watch() const {
         return {team_,
-                stepper_.slabs().grid.dt_s,
+                scheme_->slabs().grid.dt_s,
                 {.most_1 = 20.0,
                  .advice = "the time step is probably unstable; a smaller "
                            "solver.pstd.time_step_us may help"}};
     }
-    void watch() {
-        const auto& grid = stepper_.slabs().grid;
-        const double area_m2 = static_cast<double>(grid.points[0] * grid.points[1]) *
-                               grid.spacing_m[0] * grid.spacing_m[1];
-        const double work_J = stepper_.work_J();
-        watch_.add_work((work_J - watched_work_J_) / area_m2);
-        watched_work_J_ = work_J;
-        if (watch_.due(stepper_.steps()))
-            watch_.check(stepper_.steps(), stepper_.kinetic_J() / area_m2);
+    double area_m2() const {
+        const auto& grid = scheme_->slabs().grid;
+        return static_cast<double>(grid.points[0] * grid.points[1]) * grid.spacing_m[0] *
+               grid.spacing_m[1];
+    }
+    /// Adds the work since the last check.
+    void add_work(engines::EnergyWatch& watch) const {
+        watch.add_work((scheme_->work_J() - watched_work_J_) / area_m2());
     }
 
     const Case& case_;
     std::ptrdiff_t per_frame_;
     Comm team_;
-    Stepper<Real> stepper_;
+    std::unique_ptr<Scheme> scheme_;
     engines::EnergyWatch watch_;
-    double watched_work_J_ = 0.0; // the part of stepper_.work_J() that watch_ has
+    double watched_work_J_ = 0.0; // the part of scheme_->work_J() that watch_ has
     std::optional<Frames> frames_;
     std::optional<DisplacementVolumes> volumes_;
 };
-
-template <class Real>
-void run_with(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
-              engines::Observer& observer, engines::Checkpoints* checkpoints) {
-    PstdMarch<Real> field(c, plan, run, team);
-    field.begin(observer);
-    if (engines::march(field, static_cast<std::ptrdiff_t>(plan.steps), observer, checkpoints) ==
-        engines::MarchEnd::complete)
-        field.finish(run.report, observer);
-}
 
 } // namespace
 
 void run_plan(const Case& c, const PstdPlan& plan, const PstdRun& run, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
-    if (plan.precision == Precision::single_precision)
-        run_with<float>(c, plan, run, team, observer, checkpoints);
-    else
-        run_with<double>(c, plan, run, team, observer, checkpoints);
+    PstdMarch field(c, plan, run, team);
+    field.begin(observer);
+    if (engines::march(field, static_cast<std::ptrdiff_t>(plan.steps), observer, checkpoints) ==
+        engines::MarchEnd::complete)
+        field.finish(run.report, observer);
 }
 
 } // namespace shearwake::pstd

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/pstd_engine.hpp"
+#include "engines/pstd/scheme/placed_source.hpp"
+#include "engines/pstd/scheme/split_axis.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -43,13 +45,34 @@ std::string note_of(const PstdPlan& plan) {
     const auto& [x, y, z] = plan.pml.points;
     return fmt::format(
         "{} x {} x {} points in {} precision, with an absorbing layer of {}, {} and {} "
-        "points along x, y and z; {}, with {}",
+        "points along x, y and z; {}, with {}{}",
         nx, ny, nz, plan.precision == Precision::single_precision ? "single" : "double", x, y, z,
         plan.absorption == Absorption::none ? "lossless" : "viscous",
-        plan.uneven ? "the material of each node" : "one material for each plane");
+        plan.uneven ? "the material of each node" : "one material for each plane",
+        plan.device.device == PstdDevice::gpu ? "; on a GPU" : "");
+}
+
+/// What a host has in its memory while a device computes.
+static std::vector<engines::Allocation> host_arrays_of(const PstdPlan& plan) {
+    const Slabs slabs = slabs_of(plan.grid, 1, 0);
+    const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
+    const auto all = static_cast<double>(slabs.reals());
+    double runs = 0.0;
+    for (std::size_t f = 0; f < field_count; ++f)
+        runs += split_sizes(slabs, plan.pml, parts_of(static_cast<Field>(f))).runs_B;
+    const double output_B = sizeof(double) * static_cast<double>(slabs.rows()) *
+                            static_cast<double>(plan.places.planes + 2 * plan.levels);
+    // One field at a time travels for a checkpoint, in double precision as well.
+    const double start_B =
+        all * (sizeof(NodeMaterial) + value_B) + (plan.coefficients + 1.0) * all * value_B + runs;
+    return {{"sources", plan.source_nodes * (sizeof(Node) + PlacedSource<double>::node_B)},
+            {"displacement of nodes", output_B},
+            {"materials at the start, fields of checkpoints",
+             std::max(start_B, all * (3.0 * value_B + sizeof(double)))}};
 }
 
 std::vector<engines::Allocation> arrays_of(const PstdPlan& plan, int ranks) {
+    if (plan.device.device == PstdDevice::gpu) return host_arrays_of(plan);
     const Slabs slabs = slabs_of(plan.grid, ranks, ranks - 1); // with an edge in x
     const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
     const auto all = static_cast<double>(slabs.reals());
@@ -88,7 +111,10 @@ std::vector<engines::Allocation> arrays_of(const PstdPlan& plan, int ranks) {
 engines::Resources resources_of(const Case& c, const PstdPlan& plan, int ranks) {
     return {.arrays = arrays_of(plan, ranks),
             .work = work_of(c, plan),
-            .useful_ranks = static_cast<int>(std::min(plan.grid.points[0], plan.grid.points[1])),
+            .useful_ranks =
+                plan.device.device == PstdDevice::gpu
+                    ? 1
+                    : static_cast<int>(std::min(plan.grid.points[0], plan.grid.points[1])),
             .written_B = engines::volumes_B(c, static_cast<double>(plan.levels))};
 }
 

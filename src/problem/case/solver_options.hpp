@@ -164,6 +164,11 @@ enum class Precision { single_precision, double_precision };
 constexpr auto names_of(std::type_identity<Precision>) {
     return std::array{"single", "double"};
 }
+/// Where `pstd` computes.
+enum class PstdDevice { cpu, gpu };
+constexpr auto names_of(std::type_identity<PstdDevice>) {
+    return std::array{"cpu", "gpu"};
+}
 
 /// Engine `pstd`: k-Wave's staggered pseudospectral scheme, explicit in time.
 struct PstdOptions {
@@ -181,6 +186,8 @@ struct PstdOptions {
     Precision precision = Precision::double_precision;
     double velocity_m_s = 0.0; // for PstdLoad::velocity: of the skin at the peak of the load
     PstdPrescribed prescribed = PstdPrescribed::path; // for a prescribed motion
+    PstdDevice device = PstdDevice::cpu;
+    int device_number = -1; // of a GPU; -1: the teams on a machine use its devices in turn
     bool operator==(const PstdOptions&) const = default;
 };
 
@@ -250,6 +257,23 @@ void walk_drive(Walk& walk, Options& o) {
               "displacement changes; the skin elsewhere is free"});
 }
 
+/// The third part: the device.
+template <class Walk, Is<PstdOptions> Options>
+void walk_device(Walk& walk, Options& o) {
+    walk(o.device,
+         {.key = "device",
+          .in_text = o.device != PstdDevice::cpu,
+          .meaning = "`\"gpu\"` computes each case on a GPU with OpenCL, in a team of one rank"});
+    walk(o.device_number,
+         {.key = "device_number",
+          .range = Range::between(-1, 1000),
+          .applies = o.device == PstdDevice::gpu,
+          .only_with = "device = \"gpu\"",
+          .in_text = o.device_number != -1,
+          .meaning = "number of the GPU, from 0; with -1 the teams on a machine use its devices "
+                     "in turn"});
+}
+
 template <class Walk, Is<PstdOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk_scheme(walk, o);
@@ -280,6 +304,7 @@ void walk_fields(Walk& walk, Options& o) {
          {.key = "precision",
           .meaning =
               "`\"single\"` requires half the memory and about 0.6 of the time of `\"double\"`"});
+    walk_device(walk, o);
 }
 
 /// The options of the engine that computes a case. A new engine adds its options here and its

@@ -12,27 +12,18 @@
 
 namespace shearwake::pstd {
 
-Displacement::Displacement(Field velocity, const Slabs& slabs, std::ptrdiff_t first_z,
+Displacement::Displacement(Field velocity, const Scheme& scheme, std::ptrdiff_t first_z,
                            std::ptrdiff_t planes)
-    : velocity_(velocity), slabs_(slabs), first_z_(first_z), planes_(planes),
-      values_m_(static_cast<std::size_t>(slabs.rows() * planes), 0.0) {}
-
-template <class Real>
-void Displacement::add(const Stepper<Real>& stepper) {
-    const Real* u = stepper.total(velocity_).data() + first_z_;
-    double* sums = values_m_.data();
-    const double dt_s = slabs_.grid.dt_s;
-    for (std::ptrdiff_t row = 0; row < slabs_.rows(); ++row, u += slabs_.pitch, sums += planes_)
-        for (std::ptrdiff_t z = 0; z < planes_; ++z)
-            sums[z] += dt_s * static_cast<double>(u[z]);
-}
-template void Displacement::add(const Stepper<double>&);
-template void Displacement::add(const Stepper<float>&);
+    : slabs_(scheme.slabs()), planes_(planes), tally_(scheme.tally({.quantity = velocity,
+                                                                    .first_z = first_z,
+                                                                    .planes = planes,
+                                                                    .scale = slabs_.grid.dt_s})) {}
 
 void Displacement::sum(std::span<const double> weights, std::span<double> plane_m,
                        std::ptrdiff_t from_plane) const {
+    const std::vector<double>& values_m = tally_->values();
     for (std::size_t row = 0; row < plane_m.size(); ++row) {
-        const double* values = values_m_.data() + static_cast<std::ptrdiff_t>(row) * planes_;
+        const double* values = values_m.data() + static_cast<std::ptrdiff_t>(row) * planes_;
         double sum = 0.0;
         for (std::size_t k = 0; k < weights.size(); ++k)
             sum += weights[k] * values[from_plane + static_cast<std::ptrdiff_t>(k)];
@@ -42,7 +33,7 @@ void Displacement::sum(std::span<const double> weights, std::span<double> plane_
 
 double Displacement::largest_m(const Comm& team) const {
     double largest = 0.0;
-    for (const double value : values_m_)
+    for (const double value : tally_->values())
         largest = std::isfinite(value) ? std::max(largest, std::abs(value))
                                        : std::numeric_limits<double>::infinity();
     return team.max(largest);
@@ -56,11 +47,13 @@ DistributedRows Displacement::rows() const {
 }
 
 void Displacement::save(StateWriter& state, const std::string& name) const {
-    state.put(name, rows(), values_m_.data());
+    state.put(name, rows(), tally_->values().data());
 }
 
 void Displacement::restore(const StateReader& state, const std::string& name) {
-    state.get(name, rows(), values_m_.data());
+    std::vector<double> values_m(static_cast<std::size_t>(slabs_.rows() * planes_));
+    state.get(name, rows(), values_m.data());
+    tally_->restore(values_m);
 }
 
 std::vector<double> depth_weights(double depth_m, double spacing_m, SurfacePlane surface) {
@@ -108,11 +101,11 @@ engines::Slab domain_slab(const Case& c, std::ptrdiff_t first_x, const Slabs& sl
     return {start, inside(slabs.x_start() + slabs.x_count()) - start};
 }
 
-Frames::Frames(const Case& c, FramePlaces places, const Slabs& slabs)
-    : c_(c), places_(std::move(places)), slabs_(slabs),
-      slab_(domain_slab(c, places_.first_x, slabs)),
-      u_z_(Field::uz, slabs, places_.first_z, places_.planes),
-      plane_m_(static_cast<std::size_t>(slabs.rows())) {}
+Frames::Frames(const Case& c, FramePlaces places, const Scheme& scheme)
+    : c_(c), places_(std::move(places)), slabs_(scheme.slabs()),
+      slab_(domain_slab(c, places_.first_x, slabs_)),
+      u_z_(Field::uz, scheme, places_.first_z, places_.planes),
+      plane_m_(static_cast<std::size_t>(slabs_.rows())) {}
 
 void Frames::emit(std::ptrdiff_t number, engines::Observer& observer, const Comm& team) {
     const std::string why = divergence(c_, number, u_z_.largest_m(team), slabs_.grid.dt_s);
@@ -128,11 +121,11 @@ void Frames::emit(std::ptrdiff_t number, engines::Observer& observer, const Comm
     }
 }
 
-DisplacementVolumes::DisplacementVolumes(const Case& c, const CaseGrid& grid, const Slabs& slabs)
-    : c_(c), grid_(grid), slabs_(slabs), slab_(domain_slab(c, grid.first_x, slabs)) {
+DisplacementVolumes::DisplacementVolumes(const Case& c, const CaseGrid& grid, const Scheme& scheme)
+    : c_(c), grid_(grid), slabs_(scheme.slabs()), slab_(domain_slab(c, grid.first_x, slabs_)) {
     if (c.record.volumes_s.empty()) return;
     for (const Field field : {Field::ux, Field::uy})
-        lateral_.emplace_back(field, slabs, grid.surface, grid.levels);
+        lateral_.emplace_back(field, scheme, grid.surface, grid.levels);
 }
 
 std::vector<double> DisplacementVolumes::levels_m() const {
@@ -142,13 +135,10 @@ std::vector<double> DisplacementVolumes::levels_m() const {
     return z_m;
 }
 
-template <class Real>
-void DisplacementVolumes::add(const Stepper<Real>& stepper) {
+void DisplacementVolumes::add() {
     for (Displacement& u : lateral_)
-        u.add(stepper);
+        u.add();
 }
-template void DisplacementVolumes::add(const Stepper<double>&);
-template void DisplacementVolumes::add(const Stepper<float>&);
 
 /// Mean of x - 1/2 and x + 1/2; the row before the first one belongs to another rank.
 DisplacementVolumes::Plane DisplacementVolumes::x_mean(const Plane& plane, const Comm& team) const {

@@ -4,7 +4,7 @@
 #include "engines/checkpoint.hpp"
 #include "engines/engine.hpp"
 #include "engines/pstd/scene/case_grid.hpp"
-#include "engines/pstd/scheme/stepper.hpp"
+#include "engines/pstd/scheme/scheme.hpp"
 
 #include <vector>
 
@@ -14,11 +14,11 @@ namespace shearwake::pstd {
 /// displacement at n dt to second order, because velocities belong to the middle of their steps.
 class Displacement {
 public:
-    /// Planes first_z to first_z + planes - 1 of the storage.
-    Displacement(Field velocity, const Slabs& slabs, std::ptrdiff_t first_z, std::ptrdiff_t planes);
+    /// Planes first_z to first_z + planes - 1 of the storage. The scheme must outlive this object.
+    Displacement(Field velocity, const Scheme& scheme, std::ptrdiff_t first_z,
+                 std::ptrdiff_t planes);
 
-    template <class Real>
-    void add(const Stepper<Real>& stepper); // after every step; not collective
+    void add() { tally_->add(); } // after every step; not collective
 
     /// The weighted sum of planes beginning with first_z + from_plane, [x of the slab][y], in
     /// metres. Not collective.
@@ -33,10 +33,9 @@ public:
 
 private:
     DistributedRows rows() const;
-    Field velocity_;
     Slabs slabs_;
-    std::ptrdiff_t first_z_, planes_;
-    std::vector<double> values_m_; // [x of the slab][y][plane]
+    std::ptrdiff_t planes_;
+    std::unique_ptr<Tally> tally_;
 };
 
 /// Weights of the planes of u_z, beginning at z = 0, for u_z at a depth: linear interpolation
@@ -61,7 +60,7 @@ engines::Slab domain_slab(const Case& c, std::ptrdiff_t first_x, const Slabs& sl
 /// u_z of the domain at the measured depths: weighted sums of planes of the displacement.
 class Frames {
 public:
-    Frames(const Case& c, FramePlaces places, const Slabs& slabs);
+    Frames(const Case& c, FramePlaces places, const Scheme& scheme);
 
     const engines::Slab& slab() const { return slab_; } // of the domain
     Displacement& displacement() { return u_z_; }
@@ -86,12 +85,11 @@ private:
 class DisplacementVolumes {
 public:
     /// Allocates memory only if the case records volumes. Not collective.
-    DisplacementVolumes(const Case& c, const CaseGrid& grid, const Slabs& slabs);
+    DisplacementVolumes(const Case& c, const CaseGrid& grid, const Scheme& scheme);
 
     /// Depths of the levels. Not collective.
     std::vector<double> levels_m() const;
-    template <class Real>
-    void add(const Stepper<Real>& stepper); // after every step; not collective
+    void add(); // after every step; not collective
     /// Passes the planes of a snapshot to the observer. `u_z` contains at least `levels` planes,
     /// beginning at z = 0.
     void emit(std::size_t snapshot, const Displacement& u_z, engines::Observer& observer,

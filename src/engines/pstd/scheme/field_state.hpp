@@ -8,23 +8,17 @@
 
 namespace shearwake::pstd {
 
-/// A field on a rank's slab: its totals, and its parts where those are kept (SplitRun): what they
-/// leave of the total is the first of parts_of or, in a face of the layer, all others together.
+/// Where the parts of a field are kept, and their factors.
 template <class Real>
-struct FieldState {
-    fft::AlignedVector<Real> total;
-    std::array<fft::AlignedVector<Real>, 2> part;
+struct FieldLayout {
     SplitRuns runs;
     /// The layer's factors, [part][axis], by global index.
     std::array<std::array<fft::AlignedVector<Real>, 3>, 3> factor;
 
-    FieldState(Field field, const Slabs& slabs, const PmlOptions& pml, double reference_speed_m_s,
-               const std::vector<Node>& split_nodes)
-        : total(static_cast<std::size_t>(slabs.reals()), Real(0)),
-          runs(slabs, pml, parts_of(field), split_nodes) {
+    FieldLayout(Field field, const Slabs& slabs, const PmlOptions& pml, double reference_speed_m_s,
+                const std::vector<Node>& split_nodes)
+        : runs(slabs, pml, parts_of(field), split_nodes) {
         const Parts parts = parts_of(field);
-        for (std::size_t p = 0; p + 1 < parts.count; ++p)
-            part[p].assign(static_cast<std::size_t>(runs.size(p)), Real(0));
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const PmlProfile profile = pml_profile(
                 slabs.grid, pml, axis,
@@ -35,6 +29,22 @@ struct FieldState {
                 factor[p][axis].assign(of.begin(), of.end());
             }
         }
+    }
+};
+
+/// A field on a rank's slab: its totals, and its parts where those are kept (SplitRun): what they
+/// leave of the total is the first of parts_of or, in a face of the layer, all others together.
+template <class Real>
+struct FieldState : FieldLayout<Real> {
+    fft::AlignedVector<Real> total;
+    std::array<fft::AlignedVector<Real>, 2> part;
+
+    FieldState(Field field, const Slabs& slabs, const PmlOptions& pml, double reference_speed_m_s,
+               const std::vector<Node>& split_nodes)
+        : FieldLayout<Real>(field, slabs, pml, reference_speed_m_s, split_nodes),
+          total(static_cast<std::size_t>(slabs.reals()), Real(0)) {
+        for (std::size_t p = 0; p + 1 < parts_of(field).count; ++p)
+            part[p].assign(static_cast<std::size_t>(this->runs.size(p)), Real(0));
     }
 };
 

@@ -48,6 +48,8 @@ public:
         return values_.data() + pitch_ * (x * ny_ + y);
     }
     bool varies_laterally() const { return lateral_; }
+    /// All rows, or four of them.
+    const fft::AlignedVector<Real>& values() const { return values_; }
 
 private:
     fft::AlignedVector<Real> values_;

@@ -20,9 +20,8 @@ double PlacedSource<Real>::work_factor(const Slabs& slabs, const MaterialOfNode&
 }
 
 template <class Real>
-PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
-                                 const FieldState<Real>& state, const MaterialOfNode& material,
-                                 double first_node_c_p_m_s)
+PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs, const SplitRuns& runs,
+                                 const MaterialOfNode& material, double first_node_c_p_m_s)
     : source_(source), is_in_plane_(slabs.grid.is_plane) {
     const Grid& grid = slabs.grid;
     // As in k-Wave, stresses are scaled with dx along every axis.
@@ -47,7 +46,7 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
                     .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0,
                     .per_work = work_factor(slabs, material, node),
                     .before = 0.0};
-        if (const SplitRun* run = state.runs.run_at(row, node[2])) {
+        if (const SplitRun* run = runs.run_at(row, node[2])) {
             const Parts parts = parts_of(source.field);
             const auto is_stored = [&](std::size_t p) {
                 return run->face < 0 || parts.axes[p] == static_cast<std::size_t>(run->face);
@@ -77,7 +76,7 @@ template <class Real>
 void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
                                std::span<const Real> uz, std::span<Real> leaps) {
     if (sample >= source_.samples || which_.empty()) return;
-    source_.values(sample, which_, values_);
+    values_of(sample);
     const Parts parts = parts_of(source_.field);
     const bool velocity = is_velocity(source_.field);
     for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -11,7 +11,7 @@ namespace shearwake::pstd {
 template <class Real>
 class PlacedSource {
 public:
-    PlacedSource(const Source& source, const Slabs& slabs, const FieldState<Real>& state,
+    PlacedSource(const Source& source, const Slabs& slabs, const SplitRuns& runs,
                  const MaterialOfNode& material, double first_node_c_p_m_s);
     Field field() const { return source_.field; }
     /// Applies a sample, or nothing after the last one. `uz` is the total of that velocity; `leaps`
@@ -27,7 +27,6 @@ public:
     /// planes.
     double work_J() const { return work_J_; }
 
-private:
     struct Place {
         std::ptrdiff_t total;
         std::array<std::ptrdiff_t, 2> part; // -1 for a part that is not stored
@@ -36,6 +35,15 @@ private:
         double per_work; // mass in kg for a velocity, -dA dt for the stress above a medium, or 0
         double before;   // total after the previous sample
     };
+    const std::vector<Place>& places() const { return places_; }
+    const Source& source() const { return source_; } // without its nodes
+    /// The unscaled values of a sample at these places.
+    std::span<const double> values_of(std::ptrdiff_t sample) {
+        source_.values(sample, which_, values_);
+        return values_;
+    }
+
+private:
     double work_factor(const Slabs& slabs, const MaterialOfNode& material, const Node& node) const;
     Source source_; // without its nodes
     bool is_in_plane_;

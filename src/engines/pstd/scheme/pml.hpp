@@ -52,6 +52,9 @@ public:
         const auto at = static_cast<std::size_t>(row);
         return {runs_.data() + starts_[at], runs_.data() + starts_[at + 1]};
     }
+    /// All runs, and the number of the first of each row.
+    const std::vector<SplitRun>& runs() const { return runs_; }
+    const std::vector<std::size_t>& starts() const { return starts_; }
     /// The run that a value is in, or none.
     const SplitRun* run_at(std::ptrdiff_t row, std::ptrdiff_t z) const {
         for (const SplitRun& run : this->row(row))

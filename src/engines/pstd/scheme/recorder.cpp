@@ -14,21 +14,9 @@
 namespace shearwake::pstd {
 namespace {
 
-template <class Real>
-double pressure_at(const Stepper<Real>& stepper, std::size_t at) {
-    const auto stress = [&](Field f) { return static_cast<double>(stepper.total(f)[at]); };
-    const double syy = stress(Field::syy), szz = stress(Field::szz);
-    return stepper.slabs().grid.is_plane ? -(syy + szz) / 2.0
-                                         : -(stress(Field::sxx) + syy + szz) / 3.0;
-}
-
-template <class Real>
-double value_at(const Stepper<Real>& stepper, std::size_t quantity, std::size_t at) {
-    return quantity == Recorder::pressure
-               ? pressure_at(stepper, at)
-               : static_cast<double>(
-                     stepper.total(static_cast<Field>(quantity - Recorder::velocity))[at]);
-}
+/// The quantities of the scheme in the order of the recorder.
+constexpr std::array<Quantity, Recorder::moved> of_scheme = {pressure_quantity, Field::ux,
+                                                             Field::uy, Field::uz};
 
 } // namespace
 
@@ -98,20 +86,25 @@ bool Recorder::needs(std::size_t first, std::size_t count) const {
     });
 }
 
-Recorder::Recorder(const SensorPoints& points, const Slabs& slabs,
+Recorder::Recorder(const SensorPoints& points, const Scheme& scheme,
                    const std::set<std::string>& records, std::ptrdiff_t first_step,
                    std::ptrdiff_t steps)
-    : points_(points), slabs_(slabs), first_step_(first_step), samples_(steps - first_step + 1),
-      records_(records_of(records, slabs.grid)), order_(points.nodes.size()), now_(quantity_count) {
+    : points_(points), scheme_(scheme), slabs_(scheme.slabs()), first_step_(first_step),
+      samples_(steps - first_step + 1), records_(records_of(records, slabs_.grid)),
+      order_(points.nodes.size()), now_(quantity_count) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     const auto x_of = [&](std::size_t node) { return points.nodes[node][0]; };
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::size_t a, std::size_t b) { return x_of(a) < x_of(b); });
+    SensorNodes nodes;
     for (std::size_t i = 0; i < order_.size(); ++i) {
-        if (x_of(order_[i]) < slabs.x_start()) first_ = i + 1;
-        if (slabs.has(x_of(order_[i]))) offsets_.push_back(slabs.offset(points.nodes[order_[i]]));
+        if (x_of(order_[i]) < slabs_.x_start()) first_ = i + 1;
+        if (slabs_.has(x_of(order_[i]))) ++count_;
+        nodes.nodes.push_back(points.nodes[order_[i]]);
     }
-    count_ = offsets_.size();
+    nodes.first = first_;
+    nodes.count = count_;
+    sensor_ = scheme.sensor(nodes);
     if (points.weights.empty()) {
         point_order_ = order_;
         first_point_ = first_;
@@ -121,28 +114,32 @@ Recorder::Recorder(const SensorPoints& points, const Slabs& slabs,
         std::iota(point_order_.begin(), point_order_.end(), std::size_t{0});
         const auto start = [&](int rank) {
             return points.size() * static_cast<std::size_t>(rank) /
-                   static_cast<std::size_t>(slabs.ranks);
+                   static_cast<std::size_t>(slabs_.ranks);
         };
-        first_point_ = start(slabs.rank);
-        count_points_ = start(slabs.rank + 1) - first_point_;
+        first_point_ = start(slabs_.rank);
+        count_points_ = start(slabs_.rank + 1) - first_point_;
     }
     constexpr double infinite = std::numeric_limits<double>::infinity();
     for (Record& record : records_) {
-        const bool is_max =
-            record.statistic == Statistic::max || record.statistic == Statistic::max_all;
-        const bool is_min =
-            record.statistic == Statistic::min || record.statistic == Statistic::min_all;
-        const auto size = record.is_series() ? count_points_ * static_cast<std::size_t>(samples_)
-                          : !record.is_grid()
-                              ? count_points_
-                              : static_cast<std::size_t>(record.statistic == Statistic::final
-                                                             ? 0
-                                                             : slabs_.rows() * slabs_.nz());
-        record.values.assign(size, is_max ? -infinite : is_min ? infinite : 0.0);
+        const bool is_max = record.statistic == Statistic::max,
+                   is_min = record.statistic == Statistic::min;
+        const auto samples = static_cast<std::size_t>(record.is_series() ? samples_ : 1);
+        record.values.assign(record.is_grid() ? 0 : count_points_ * samples, is_max   ? -infinite
+                                                                             : is_min ? infinite
+                                                                                      : 0.0);
+        if (record.is_grid() && record.statistic != Statistic::final)
+            record.tally =
+                scheme.tally({.quantity = of_scheme[record.quantity],
+                              .kind = record.statistic == Statistic::max_all ? Tally::Kind::max
+                                                                             : Tally::Kind::min,
+                              .planes = slabs_.nz()});
     }
     if (needs(split_p, 6)) split_ = std::make_unique<SplitFields>(slabs_);
-    // The half cell towards lower indices, without the Nyquist frequency: a sum over the line.
-    if (!needs(moved, 3) && !split_) return;
+    if (needs(moved, 3) || split_) make_moves();
+}
+
+/// The half cell towards lower indices, without the Nyquist frequency: a sum over the line.
+void Recorder::make_moves() {
     for (std::size_t a = 0; a < 3; ++a) {
         const std::ptrdiff_t n = slabs_.grid.points[a];
         for (std::ptrdiff_t m = 0; m < n; ++m) {
@@ -160,81 +157,52 @@ Recorder::~Recorder() = default;
 // ---- a step
 
 /// The velocity along an axis at the nodes. Lines along x are summed over the ranks.
-template <class Real>
-void Recorder::move_to_nodes(const Stepper<Real>& stepper, std::size_t axis, const Comm& team) {
-    const Real* u = stepper.total(static_cast<Field>(axis)).data();
-    const std::vector<double>& weights = move_[axis];
-    const std::ptrdiff_t n = slabs_.grid.points[axis];
-    const std::ptrdiff_t strides[] = {slabs_.ny() * slabs_.pitch, slabs_.pitch, 1};
-    const auto line_sum = [&](Node at, std::ptrdiff_t first, std::ptrdiff_t count) {
-        const std::ptrdiff_t place = at[axis];
-        at[axis] = first;
-        const Real* line = u + slabs_.offset(at);
-        double sum = 0.0;
-        for (std::ptrdiff_t j = 0; j < count; ++j)
-            sum += weights[static_cast<std::size_t>((place - first - j + n) % n)] *
-                   static_cast<double>(line[j * strides[axis]]);
-        return sum;
-    };
-    std::vector<double>& values = now_[moved + axis];
+void Recorder::move_to_nodes(std::size_t axis, const Comm& team) {
+    std::vector<double> sums = sensor_->line_sums(static_cast<Field>(axis), move_[axis]);
     if (axis > 0) {
-        values.resize(count_);
-        for (std::size_t i = 0; i < count_; ++i)
-            values[i] = line_sum(points_.nodes[order_[first_ + i]], 0, n);
+        now_[moved + axis] = std::move(sums);
         return;
     }
-    std::vector<double> sums(order_.size(), 0.0);
-    if (slabs_.x_count() > 0)
-        for (std::size_t i = 0; i < order_.size(); ++i)
-            sums[i] = line_sum(points_.nodes[order_[i]], slabs_.x_start(), slabs_.x_count());
     team.sum(std::span<double>(sums));
     const auto mine = sums.begin() + static_cast<std::ptrdiff_t>(first_);
-    values.assign(mine, mine + static_cast<std::ptrdiff_t>(count_));
+    now_[moved].assign(mine, mine + static_cast<std::ptrdiff_t>(count_));
 }
 
-/// A slab without the padding of its rows.
-template <class Real>
-std::vector<double> dense(const Slabs& slabs, const Stepper<Real>& stepper, std::size_t quantity) {
-    std::vector<double> values;
-    values.reserve(static_cast<std::size_t>(slabs.rows() * slabs.nz()));
-    for (std::ptrdiff_t row = 0; row < slabs.rows(); ++row)
-        for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z)
-            values.push_back(
-                value_at(stepper, quantity, static_cast<std::size_t>(row * slabs.pitch + z)));
-    return values;
+void Recorder::split_velocities(const Comm& team) {
+    std::array<std::vector<double>, 3> u;
+    for (std::size_t a = 0; a < 3; ++a)
+        u[a] = team.gather(scheme_.dense(static_cast<Field>(a)));
+    if (team.is_root()) split_->project(u);
+    for (std::size_t a = 0; a < 3; ++a) {
+        std::vector<double> all(order_.size());
+        for (std::size_t i = 0; i < all.size() && team.is_root(); ++i) {
+            const Node& n = points_.nodes[order_[i]];
+            all[i] =
+                u[a][static_cast<std::size_t>((n[0] * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
+        }
+        team.broadcast(all);
+        now_[split_p + a].assign(all.begin() + static_cast<std::ptrdiff_t>(first_),
+                                 all.begin() + static_cast<std::ptrdiff_t>(first_ + count_));
+        now_[split_s + a].resize(count_);
+        for (std::size_t i = 0; i < count_; ++i)
+            now_[split_s + a][i] = now_[moved + a][i] - now_[split_p + a][i];
+    }
 }
 
-template <class Real>
-void Recorder::find_values(const Stepper<Real>& stepper, const Comm& team) {
+void Recorder::find_values(const Comm& team) {
+    std::vector<std::size_t> needed;
+    std::vector<Quantity> quantities;
     for (std::size_t q = pressure; q < moved; ++q) {
         if (!needs(q, 1)) continue;
-        now_[q].resize(count_);
-        for (std::size_t i = 0; i < count_; ++i)
-            now_[q][i] = value_at(stepper, q, static_cast<std::size_t>(offsets_[i]));
+        needed.push_back(q);
+        quantities.push_back(of_scheme[q]);
     }
+    auto values = sensor_->values(quantities);
+    for (std::size_t i = 0; i < needed.size(); ++i)
+        now_[needed[i]] = std::move(values[i]);
     for (std::size_t axis = 0; axis < 3 && !move_[0].empty(); ++axis)
-        move_to_nodes(stepper, axis, team);
-    if (split_) {
-        std::array<std::vector<double>, 3> u;
-        for (std::size_t a = 0; a < 3; ++a)
-            u[a] = team.gather(dense(slabs_, stepper, velocity + a));
-        if (team.is_root()) split_->project(u);
-        for (std::size_t a = 0; a < 3; ++a) {
-            std::vector<double> all(order_.size());
-            for (std::size_t i = 0; i < all.size() && team.is_root(); ++i) {
-                const Node& n = points_.nodes[order_[i]];
-                all[i] =
-                    u[a]
-                     [static_cast<std::size_t>((n[0] * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
-            }
-            team.broadcast(all);
-            now_[split_p + a].assign(all.begin() + static_cast<std::ptrdiff_t>(first_),
-                                     all.begin() + static_cast<std::ptrdiff_t>(first_ + count_));
-            now_[split_s + a].resize(count_);
-            for (std::size_t i = 0; i < count_; ++i)
-                now_[split_s + a][i] = now_[moved + a][i] - now_[split_p + a][i];
-        }
-    }
+        move_to_nodes(axis, team);
+    if (split_) split_velocities(team);
     if (!points_.weights.empty()) interpolate(team);
 }
 
@@ -254,11 +222,22 @@ void Recorder::interpolate(const Comm& team) {
     }
 }
 
-template <class Real>
-void Recorder::add(const Stepper<Real>& stepper, const Comm& team) {
-    const std::ptrdiff_t sample = stepper.steps() - first_step_;
+void Recorder::add(const Comm& team) {
+    add_found();
+    const std::ptrdiff_t sample = scheme_.steps() - first_step_;
     if (sample < 0 || sample >= samples_) return;
-    find_values(stepper, team);
+    for (Record& record : records_)
+        if (record.tally) record.tally->add();
+    find_values(team);
+    found_ = sample;
+}
+
+/// Adds the values of the last sample to the records of points.
+void Recorder::add_found() {
+    if (!found_) return;
+    const auto sample = static_cast<std::size_t>(*found_),
+               samples = static_cast<std::size_t>(samples_);
+    found_.reset();
     for (Record& record : records_) {
         if (record.quantity >= intensity) continue; // see finish
         const std::vector<double>& now = now_[record.quantity];
@@ -266,55 +245,32 @@ void Recorder::add(const Stepper<Real>& stepper, const Comm& team) {
             for (std::size_t i = 0; i < count_points_; ++i)
                 change(record.values[i], now[i]);
         };
-        const auto each_node_of_grid = [&](const auto& change) {
-            for (std::ptrdiff_t row = 0, at = 0; row < slabs_.rows(); ++row)
-                for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z, ++at)
-                    change(record.values[static_cast<std::size_t>(at)],
-                           value_at(stepper, record.quantity,
-                                    static_cast<std::size_t>(row * slabs_.pitch + z)));
-        };
-        const auto raise = [](double& most, double value) { most = std::max(most, value); };
-        const auto lower = [](double& least, double value) { least = std::min(least, value); };
         switch (record.statistic) {
         case Statistic::series:
             for (std::size_t i = 0; i < count_points_; ++i)
-                record.values[i * static_cast<std::size_t>(samples_) +
-                              static_cast<std::size_t>(sample)] = now[i];
+                record.values[i * samples + sample] = now[i];
             break;
         case Statistic::max:
-            each_point(raise);
+            each_point([](double& most, double value) { most = std::max(most, value); });
             break;
         case Statistic::min:
-            each_point(lower);
+            each_point([](double& least, double value) { least = std::min(least, value); });
             break;
         case Statistic::rms:
             each_point([](double& sum, double value) { sum += value * value; });
             break;
         case Statistic::max_all:
-            each_node_of_grid(raise);
-            break;
-        case Statistic::min_all:
-            each_node_of_grid(lower);
-            break;
-        case Statistic::mean: // of intensities only
+        case Statistic::min_all: // tallies
+        case Statistic::mean:    // of intensities only
         case Statistic::final:
-            break; // from the stepper
+            break; // from the scheme
         }
     }
 }
 
-template <class Real>
-std::vector<double> Recorder::grid_of(const Record& record, const Stepper<Real>& stepper,
-                                      const Comm& team) const {
-    return team.gather(record.statistic == Statistic::final
-                           ? dense(slabs_, stepper, record.quantity)
-                           : record.values);
+std::vector<double> Recorder::grid_of(const Record& record, const Comm& team) const {
+    return team.gather(record.tally ? record.tally->values()
+                                    : scheme_.dense(of_scheme[record.quantity]));
 }
 
-template void Recorder::add(const Stepper<double>&, const Comm&);
-template void Recorder::add(const Stepper<float>&, const Comm&);
-template std::vector<double> Recorder::grid_of(const Record&, const Stepper<double>&,
-                                               const Comm&) const;
-template std::vector<double> Recorder::grid_of(const Record&, const Stepper<float>&,
-                                               const Comm&) const;
 } // namespace shearwake::pstd

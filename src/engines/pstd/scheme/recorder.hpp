@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/pstd/scheme/stepper.hpp"
+#include "engines/pstd/scheme/scheme.hpp"
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -37,14 +38,16 @@ public:
         std::size_t quantity;
         Statistic statistic;
         bool is_output; // otherwise only another record is computed from it
-        /// [point of this rank][sample], [point of this rank], or the slab of the grid.
+        /// [point of this rank][sample], or [point of this rank].
         std::vector<double> values;
+        std::unique_ptr<Tally> tally; // of an extreme of the grid
         bool is_series() const { return statistic == Statistic::series; }
         bool is_grid() const { return statistic >= Statistic::max_all; }
     };
 
-    /// `points` must exist as long as the recorder. `steps`: of the run. Not collective.
-    Recorder(const SensorPoints& points, const Slabs& slabs, const std::set<std::string>& records,
+    /// `points` and `scheme` must exist as long as the recorder. `steps`: of the run. Not
+    /// collective.
+    Recorder(const SensorPoints& points, const Scheme& scheme, const std::set<std::string>& records,
              std::ptrdiff_t first_step, std::ptrdiff_t steps);
     ~Recorder();
     Recorder(const Recorder&) = delete;
@@ -53,10 +56,11 @@ public:
     /// Bytes on a rank of `ranks`. Not collective.
     static double memory_B(const SensorPoints& points, const Grid& grid,
                            const std::set<std::string>& records, std::ptrdiff_t samples, int ranks);
-    /// After every step. Collective.
-    template <class Real>
-    void add(const Stepper<Real>& stepper, const Comm& team);
-    /// Computes the records that follow from complete series, before the output. Not collective.
+    /// After every step. The values are added to the records during the next step, with which
+    /// another device may be occupied. Collective.
+    void add(const Comm& team);
+    /// Completes the records and computes those that follow from complete series, before the
+    /// output. Not collective.
     void finish();
 
     const std::vector<Record>& records() const { return records_; }
@@ -66,34 +70,35 @@ public:
     std::vector<double> samples_of(const Record& record, std::size_t first, std::size_t count,
                                    const Comm& team) const;
     /// On rank 0: a record of the grid, [x][y][z]. Collective.
-    template <class Real>
-    std::vector<double> grid_of(const Record& record, const Stepper<Real>& stepper,
-                                const Comm& team) const;
+    std::vector<double> grid_of(const Record& record, const Comm& team) const;
 
-    void save(StateWriter& state) const;    // collective
+    void save(StateWriter& state);          // collective
     void restore(const StateReader& state); // collective
 
 private:
     static std::vector<Record> records_of(const std::set<std::string>& names, const Grid& grid);
     DistributedRows rows(const Record& record) const;
-    template <class Real>
-    void find_values(const Stepper<Real>& stepper, const Comm& team);
-    template <class Real>
-    void move_to_nodes(const Stepper<Real>& stepper, std::size_t axis, const Comm& team);
+    void make_moves();
+    void add_found();
+    void find_values(const Comm& team);
+    void move_to_nodes(std::size_t axis, const Comm& team);
+    void split_velocities(const Comm& team);
     void interpolate(const Comm& team);
     bool needs(std::size_t first, std::size_t count) const;
 
     const SensorPoints& points_;
+    const Scheme& scheme_;
     Slabs slabs_;
     std::ptrdiff_t first_step_, samples_;
     std::vector<Record> records_;
     std::vector<std::size_t> order_;       // the nodes sorted by x: contiguous for each rank
     std::size_t first_ = 0, count_ = 0;    // those of this rank
-    std::vector<std::ptrdiff_t> offsets_;  // of this rank's nodes in its slab
+    std::unique_ptr<Sensor> sensor_;       // of these nodes
     std::vector<std::size_t> point_order_; // the points, contiguous for each rank
     std::size_t first_point_ = 0, count_points_ = 0;
     std::array<std::vector<double>, 3> move_; // weights that move a velocity by half a cell
     std::vector<std::vector<double>> now_;    // [quantity][node, then point of this rank]
+    std::optional<std::ptrdiff_t> found_;     // the sample of now_, if it is not yet in the records
     std::unique_ptr<SplitFields> split_;
 };
 

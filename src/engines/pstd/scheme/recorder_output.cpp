@@ -54,7 +54,7 @@ std::vector<Recorder::Record> Recorder::records_of(const std::set<std::string>& 
             const std::string name = quantities[named] + suffix;
             const auto known = std::find_if(records.begin(), records.end(),
                                             [&](const Record& one) { return one.name == name; });
-            if (known == records.end()) records.push_back({name, q, statistic, is_output, {}});
+            if (known == records.end()) records.push_back({name, q, statistic, is_output, {}, {}});
         }
     };
     constexpr std::pair<const char*, Statistic> suffixes[] = {
@@ -106,6 +106,7 @@ double Recorder::memory_B(const SensorPoints& points, const Grid& grid,
 /// The intensity is the product of the pressure and the velocity at the nodes, which is moved to
 /// the times of the pressure.
 void Recorder::finish() {
+    add_found();
     const auto samples = static_cast<std::size_t>(samples_);
     const auto series = [&](std::size_t quantity) {
         return std::find_if(records_.begin(), records_.end(), [&](const Record& one) {
@@ -168,18 +169,29 @@ DistributedRows Recorder::rows(const Record& record) const {
             .row_length = slabs_.ny() * slabs_.nz()};
 }
 
-void Recorder::save(StateWriter& state) const {
+void Recorder::save(StateWriter& state) {
+    add_found();
     for (const Record& record : records_)
         if (record.statistic != Statistic::final && record.quantity < intensity &&
             rows(record).total > 0)
-            state.put("record_" + record.name, rows(record), record.values.data());
+            state.put("record_" + record.name, rows(record),
+                      (record.tally ? record.tally->values() : record.values).data());
 }
 
 void Recorder::restore(const StateReader& state) {
-    for (Record& record : records_)
-        if (record.statistic != Statistic::final && record.quantity < intensity &&
-            rows(record).total > 0)
-            state.get("record_" + record.name, rows(record), record.values.data());
+    for (Record& record : records_) {
+        if (record.statistic == Statistic::final || record.quantity >= intensity ||
+            rows(record).total == 0)
+            continue;
+        const DistributedRows of_record = rows(record);
+        std::vector<double> values(
+            static_cast<std::size_t>(of_record.count * of_record.row_length));
+        state.get("record_" + record.name, of_record, values.data());
+        if (record.tally)
+            record.tally->restore(values);
+        else
+            record.values = std::move(values);
+    }
 }
 
 } // namespace shearwake::pstd

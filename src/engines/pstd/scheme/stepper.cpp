@@ -12,79 +12,26 @@ namespace {
 constexpr auto forward = fft::HalfCell::forward;
 constexpr auto back = fft::HalfCell::back;
 
-/// A rank's nodes and the plane after them, asked once.
-class KnownNodes {
-public:
-    KnownNodes(const Slabs& slabs, const MaterialOfNode& material)
-        : slabs_(slabs), start_(slabs.x_start()) {
-        const std::ptrdiff_t end = std::min(start_ + slabs.x_count() + 1, slabs.nx());
-        if (slabs.x_count() > 0)
-            nodes_.reserve(static_cast<std::size_t>((end - start_) * slabs.ny() * slabs.nz()));
-        for (std::ptrdiff_t x = start_; x < end && slabs.x_count() > 0; ++x)
-            for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y)
-                for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z)
-                    nodes_.push_back(material({x, y, z}));
-    }
-    const NodeMaterial& operator()(Node n) const {
-        return nodes_[static_cast<std::size_t>(
-            ((n[0] - start_) * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
-    }
-    /// The highest plane of z with nodes that are not empty; the number of planes without any.
-    std::ptrdiff_t top() const {
-        for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z)
-            for (auto at = static_cast<std::size_t>(z); at < nodes_.size();
-                 at += static_cast<std::size_t>(slabs_.nz()))
-                if (!nodes_[at].empty) return z;
-        return slabs_.nz();
-    }
-    double largest_c_p_m_s() const {
-        double largest = 0.0;
-        for (const NodeMaterial& m : nodes_)
-            largest = std::max(largest, m.c_p_m_s);
-        return largest;
-    }
-
-private:
-    const Slabs& slabs_;
-    std::ptrdiff_t start_;
-    std::vector<NodeMaterial> nodes_;
-};
-
-/// The nodes of a rank where a field's parts must be kept outside the layer.
-std::vector<Node> split_nodes(Field field, const Slabs& slabs, const std::vector<Source>& sources) {
-    std::vector<Node> nodes;
-    for (const Source& s : sources)
-        if (s.field == field && s.mode == SourceMode::dirichlet && is_velocity(field))
-            std::copy_if(s.nodes.begin(), s.nodes.end(), std::back_inserter(nodes),
-                         [&](const Node& n) { return slabs.has(n[0]); });
-    return nodes;
-}
-
 } // namespace
 
 template <class Real>
 Stepper<Real>::Stepper(const Setup& setup, const Comm& team)
-    : kernels_(&simd::kernels<UpdateKernels<Real>>()),
-      slabs_(slabs_of(setup.grid, team.size(), team.rank())), team_(team),
-      absorption_(setup.absorption),
+    : Scheme(slabs_of(setup.grid, team.size(), team.rank())),
+      kernels_(&simd::kernels<UpdateKernels<Real>>()), team_(team), absorption_(setup.absorption),
       split_axis_(slabs_, team, absorption_ == Absorption::none ? 3 : 6),
       derivative_y_(slabs_.ny(), setup.grid.spacing_m[1], team),
       derivative_z_(slabs_.nz(), setup.grid.spacing_m[2], team) {
-    std::unique_ptr<KnownNodes> nodes;
-    together(team, [&] { nodes = std::make_unique<KnownNodes>(slabs_, setup.material); });
-    const MaterialOfNode material = [&](Node n) { return (*nodes)(n); };
-    double reference_m_s = setup.pml.reference_speed_m_s;
-    if (reference_m_s == 0.0) reference_m_s = team.max(nodes->largest_c_p_m_s());
-    top_ = static_cast<std::ptrdiff_t>(team.min(static_cast<double>(nodes->top())));
+    const Preparation prepared(setup, slabs_, team);
+    top_ = prepared.top;
     together(team, [&] {
         for (std::size_t f = 0; f < field_count; ++f) {
             const auto field = static_cast<Field>(f);
-            states_.emplace_back(field, slabs_, setup.pml, reference_m_s,
+            states_.emplace_back(field, slabs_, setup.pml, prepared.reference_m_s,
                                  split_nodes(field, slabs_, setup.sources));
         }
         for (const Source& source : setup.sources) {
             if (source.nodes.empty()) continue;
-            sources_.emplace_back(source, slabs_, state(source.field), material,
+            sources_.emplace_back(source, slabs_, state(source.field).runs, prepared.material,
                                   setup.material(source.nodes.front()).c_p_m_s);
         }
         const bool lossy = absorption_ == Absorption::kelvin_voigt;
@@ -93,48 +40,7 @@ Stepper<Real>::Stepper(const Setup& setup, const Comm& team)
         const auto planes = static_cast<std::ptrdiff_t>(lossy ? 12 : 6);
         scratch_.assign(static_cast<std::size_t>(planes * slabs_.ny() * slabs_.pitch), Real(0));
     });
-    make_coefficients(setup, material);
-}
-
-template <class Real>
-void Stepper<Real>::make_coefficients(const Setup& setup, const MaterialOfNode& material) {
-    const Grid& grid = slabs_.grid;
-    const double dt_s = grid.dt_s;
-    using Value = std::function<double(Node)>;
-    const auto coefficient = [&](const Value& value) {
-        return Coefficient<Real>(slabs_, team_, value);
-    };
-    constexpr std::array<std::array<std::size_t, 2>, 3> planes{
-        {{0, 1}, {0, 2}, {1, 2}}}; // of sxy, sxz, syz
-    const Value mu = [&](Node n) { return material(n).mu_Pa(); };
-    const Value eta = [&](Node n) { return material(n).eta_Pa_s; };
-    StaggeredMaterial staggered;
-    if (setup.staggered) staggered = *setup.staggered;
-    const auto unless_given = [](Value& given, const Value& mean) {
-        if (!given) given = mean;
-    };
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t a = planes[i][0], b = planes[i][1];
-        unless_given(staggered.density_kg_m3[i],
-                     [&, i](Node n) { return density_between(grid, material, n, i); });
-        unless_given(staggered.mu_Pa[i],
-                     [&, a, b](Node n) { return harmonic_between(grid, mu, n, a, b); });
-        unless_given(staggered.eta_Pa_s[i],
-                     [&, a, b](Node n) { return harmonic_between(grid, eta, n, a, b); });
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-        dt_over_rho_[i] = coefficient([&](Node n) { return dt_s / staggered.density_kg_m3[i](n); });
-        dt_mu_[i] = coefficient([&](Node n) { return dt_s * staggered.mu_Pa[i](n); });
-    }
-    dt_lambda_ = coefficient([&](Node n) { return dt_s * material(n).lambda_Pa(); });
-    dt_p_modulus_ = coefficient(
-        [&](Node n) { return dt_s * (material(n).lambda_Pa() + 2.0 * material(n).mu_Pa()); });
-    if (setup.absorption == Absorption::none) return;
-    chi_ = coefficient([&](Node n) { return material(n).chi_Pa_s; });
-    chi_2eta_ =
-        coefficient([&](Node n) { return material(n).chi_Pa_s + 2.0 * material(n).eta_Pa_s; });
-    for (std::size_t i = 0; i < 3; ++i)
-        eta_[i] = coefficient(staggered.eta_Pa_s[i]);
+    coefficients_.emplace(setup, prepared, slabs_, team);
 }
 
 template <class Real>
@@ -178,7 +84,7 @@ void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
             const RowAt at{x * ny + y, slabs_.x_start() + x, y};
             const Real* const g[3] = {own(y), second(y), third(y)};
             kernels_->velocity(row_of(state(field), parts_of(field), slabs_, at),
-                               dt_over_rho_[i].row(x, y), g,
+                               coefficients_->dt_over_rho[i].row(x, y), g,
                                lossy ? acceleration_[i].data() + at.row * pitch : nullptr);
         }
     };
@@ -244,9 +150,10 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
     const auto normal = [&](Field field, const auto& own, const auto& second, const auto& third) {
         for (std::ptrdiff_t y = 0; y < ny; ++y) {
             const RowAt at{x * ny + y, slabs_.x_start() + x, y};
-            const Real *m = dt_p_modulus_.row(x, y), *l = dt_lambda_.row(x, y);
-            const Real *m_v = lossy ? chi_2eta_.row(x, y) : nullptr,
-                       *l_v = lossy ? chi_.row(x, y) : nullptr;
+            const Real *m = coefficients_->dt_p_modulus.row(x, y),
+                       *l = coefficients_->dt_lambda.row(x, y);
+            const Real *m_v = lossy ? coefficients_->chi_2eta.row(x, y) : nullptr,
+                       *l_v = lossy ? coefficients_->chi.row(x, y) : nullptr;
             const Rate<Real> rates[3] = {rate(m, m_v, own(y)), rate(l, l_v, second(y)),
                                          rate(l, l_v, third(y))};
             update_normal(row_of(state(field), parts_of(field), slabs_, at), rates);
@@ -260,7 +167,8 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
         const std::size_t i = index_of(field) - index_of(Field::sxy);
         for (std::ptrdiff_t y = 0; y < ny; ++y) {
             const RowAt at{x * ny + y, slabs_.x_start() + x, y};
-            const Real *mu = dt_mu_[i].row(x, y), *eta = lossy ? eta_[i].row(x, y) : nullptr;
+            const Real *mu = coefficients_->dt_mu[i].row(x, y),
+                       *eta = lossy ? coefficients_->eta[i].row(x, y) : nullptr;
             const Rate<Real> rates[2] = {rate(mu, eta, first(y)), rate(mu, eta, second(y))};
             update_shear(row_of(state(field), parts_of(field), slabs_, at), rates);
         }

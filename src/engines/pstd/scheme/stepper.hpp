@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/checkpoint.hpp"
 #include "engines/pstd/kernels/update.hpp"
+#include "engines/pstd/scheme/coefficients.hpp"
 #include "engines/pstd/scheme/field_state.hpp"
-#include "engines/pstd/scheme/material.hpp"
 #include "engines/pstd/scheme/placed_source.hpp"
-#include "engines/pstd/scheme/source.hpp"
+#include "engines/pstd/scheme/scheme.hpp"
 #include "engines/pstd/scheme/split_axis.hpp"
 #include "fft/staggered_derivative.hpp"
 #include "parallel/comm.hpp"
@@ -14,18 +13,6 @@
 #include <optional>
 
 namespace shearwake::pstd {
-
-enum class Absorption { none, kelvin_voigt };
-
-struct Setup {
-    Grid grid;
-    PmlOptions pml;
-    MaterialOfNode material; // asked on every rank for its nodes and the next plane of them
-    Absorption absorption = Absorption::none;
-    std::vector<Source> sources; // put in in this order
-    /// In place of the averages of the material of the nodes.
-    std::optional<StaggeredMaterial> staggered = std::nullopt;
-};
 
 /// The staggered-grid pseudospectral velocity-stress scheme with split-field multi-axial PML that
 /// the k-Wave toolbox calls pstdElastic3D. From rest, each step: velocities from the gradients of
@@ -36,34 +23,29 @@ struct Setup {
 /// Work goes plane by plane of x: derivatives along y and z and the update of a plane stay in the
 /// cache; those along x come from SplitAxis before.
 template <class Real>
-class Stepper {
+class Stepper : public Scheme {
 public:
     /// Collective.
     Stepper(const Setup& setup, const Comm& team);
 
-    void step();                                    // collective
-    std::ptrdiff_t steps() const { return steps_; } // done so far
-    const Slabs& slabs() const { return slabs_; }
+    void step() override;
     /// This rank's slab of totals: [x][y][z], rows `slabs().pitch` apart.
     std::span<const Real> total(Field field) const { return state(field).total; }
+    std::vector<double> dense(const Quantity& quantity) const override;
+    std::unique_ptr<Tally> tally(const Tally::Of& tally) const override;
+    std::unique_ptr<Sensor> sensor(const SensorNodes& nodes) const override;
 
-    /// This rank's part of the kinetic energy of the medium, of the elastic energy (deviatoric
-    /// stresses of fluids, which never change, are omitted), and of the work of the sources. Empty
-    /// nodes do not contribute. Not collective.
-    double kinetic_J() const;
+    double kinetic_J() const override;
+    /// Without the deviatoric stresses of fluids, which never change. Not collective.
     double elastic_J() const;
-    double work_J() const;
+    double work_J() const override;
 
-    /// Totals, kept parts and the count of steps ("step"), for a stepper of the same setup on any
-    /// number of ranks; the work of the sources is not saved. Names: "step", "ux", "ux_part_0" and
-    /// the like. Collective.
-    void save(StateWriter& state) const;
-    void restore(const StateReader& state);
+    void save(StateWriter& state) const override;
+    void restore(const StateReader& state) override;
 
 private:
     FieldState<Real>& state(Field field) { return states_[index_of(field)]; }
     const FieldState<Real>& state(Field field) const { return states_[index_of(field)]; }
-    void make_coefficients(const Setup& setup, const MaterialOfNode& material);
     double volume_m3() const {
         const auto& d_m = slabs_.grid.spacing_m;
         return d_m[0] * d_m[1] * d_m[2];
@@ -80,16 +62,11 @@ private:
     void stress_plane(std::ptrdiff_t x);
 
     const UpdateKernels<Real>* kernels_;
-    Slabs slabs_;
     Comm team_;
     Absorption absorption_;
-    std::ptrdiff_t steps_ = 0;
     std::vector<FieldState<Real>> states_;
     std::array<fft::AlignedVector<Real>, 3> acceleration_; // times dt; Kelvin-Voigt
-    // dt/rho at ux, uy, uz; dt lambda, dt (lambda + 2 mu) at the nodes; dt mu at sxy, sxz, syz; chi
-    // and chi + 2 eta at the nodes; eta at sxy, sxz, syz.
-    std::array<Coefficient<Real>, 3> dt_over_rho_, dt_mu_, eta_;
-    Coefficient<Real> dt_lambda_, dt_p_modulus_, chi_, chi_2eta_;
+    std::optional<Coefficients<Real>> coefficients_;
     SplitAxis<Real> split_axis_;
     fft::StaggeredDerivative<Real> derivative_y_, derivative_z_;
     fft::AlignedVector<Real> scratch_; // planes of derivatives

@@ -15,7 +15,8 @@ double Stepper<Real>::kinetic_J() const {
             std::max<std::ptrdiff_t>(velocity == Field::uz ? top_ - 1 : top_, 0);
         for (std::ptrdiff_t row = 0; row < slabs_.rows(); ++row) {
             const Real* v = state(velocity).total.data() + row * slabs_.pitch;
-            const Real* dt_over_rho = dt_over_rho_[i].row(row / slabs_.ny(), row % slabs_.ny());
+            const Real* dt_over_rho =
+                coefficients_->dt_over_rho[i].row(row / slabs_.ny(), row % slabs_.ny());
             for (std::ptrdiff_t z = first; z < slabs_.nz(); ++z)
                 sum += static_cast<double>(v[z] * v[z] / dt_over_rho[z]);
         }
@@ -30,7 +31,8 @@ double Stepper<Real>::elastic_J() const {
         const std::ptrdiff_t x = row / slabs_.ny(), y = row % slabs_.ny();
         const auto values = [&](Field f) { return state(f).total.data() + row * slabs_.pitch; };
         const Real *xx = values(Field::sxx), *yy = values(Field::syy), *zz = values(Field::szz);
-        const Real *dt_lambda = dt_lambda_.row(x, y), *dt_modulus = dt_p_modulus_.row(x, y);
+        const Real *dt_lambda = coefficients_->dt_lambda.row(x, y),
+                   *dt_modulus = coefficients_->dt_p_modulus.row(x, y);
         for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z) {
             const double lambda = static_cast<double>(dt_lambda[z]),
                          twice_mu = static_cast<double>(dt_modulus[z]) - lambda;
@@ -48,7 +50,7 @@ double Stepper<Real>::elastic_J() const {
         }
         for (std::size_t i = 0; i < 3; ++i) {
             const Real* s = values(static_cast<Field>(index_of(Field::sxy) + i));
-            const Real* dt_mu = dt_mu_[i].row(x, y);
+            const Real* dt_mu = coefficients_->dt_mu[i].row(x, y);
             for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z)
                 if (dt_mu[z] > Real(0)) sum += static_cast<double>(s[z] * s[z] / dt_mu[z]);
         }
