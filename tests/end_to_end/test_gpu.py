@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 from pathlib import Path
@@ -108,6 +109,17 @@ class Program(KWaveTest, OnGpu):
             output = self.run_file(file, *self.RECORDS, *device, "--checkpoint_file", "c.h5", "--checkpoint_timesteps", "40")
         self.contains(output, "resumed after step 120")
         self.assert_equal_results(self.folder / "out.h5", self.folder / "complete.h5", TOLERANCE["double"])
+
+    def test_signals_stop_a_run_on_a_device(self):
+        """LLVM, with which pocl compiles, handles these signals as well."""
+        words = command("kwave", "-i", DATA / "ewp_3d_input.h5", "-o", "out.h5", "-r", "1", *GPU, "--checkpoint_file", "c.h5", "--checkpoint_interval", "9999")
+        with subprocess.Popen(words, cwd=self.folder, env=environment(), stdout=subprocess.PIPE, encoding="utf-8") as process:
+            while "%" not in process.stdout.readline():
+                self.assertIsNone(process.poll())
+            process.send_signal(signal.SIGUSR1)
+            output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 0)
+        self.contains(output, "stopped after step ")
 
     def test_output_states_the_device_and_its_rate(self):
         file = DATA / "homogeneous_input.h5"

@@ -26,6 +26,16 @@ struct Functions {
 #undef SHEARWAKE_DECLARE
 };
 
+SignalHandlers::SignalHandlers() {
+    for (std::size_t i = 1; i < handlers_.size(); ++i)
+        ::sigaction(static_cast<int>(i), nullptr, &handlers_[i]);
+}
+
+void SignalHandlers::restore() const {
+    for (std::size_t i = 1; i < handlers_.size(); ++i)
+        ::sigaction(static_cast<int>(i), &handlers_[i], nullptr);
+}
+
 namespace {
 
 Functions load_functions() {

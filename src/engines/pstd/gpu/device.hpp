@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <signal.h>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -19,6 +20,17 @@ namespace shearwake::pstd::gpu {
 /// The functions of OpenCL that are used. The library is loaded when a device is opened, so that a
 /// program that uses no GPU never loads it or the compilers of its drivers.
 struct Functions;
+
+/// The handlers of signals when it is made. LLVM, with which drivers such as pocl compile, replaces
+/// some of them, so that no signal would stop a run.
+class SignalHandlers {
+public:
+    SignalHandlers();
+    void restore() const;
+
+private:
+    std::array<struct sigaction, 32> handlers_ = {};
+};
 
 /// Owns an object of OpenCL.
 template <class T>

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <utility>
 
 namespace shearwake::pstd::gpu {
 namespace {
@@ -81,6 +82,7 @@ DeviceStepper<Real>::DeviceStepper(const Setup& setup, const Comm& team, int num
     const Coefficients<Real> coefficients(setup, prepared, slabs_, team);
     require_memory(setup, coefficients, layouts, sources);
     allocate(setup, coefficients, layouts, std::move(sources));
+    signals_.restore();
 }
 
 template <class Real>
@@ -213,6 +215,9 @@ void DeviceStepper<Real>::step() {
     update_shear_stresses();
     apply_sources(SourcesOf::stresses);
     ++steps_;
+    if (std::exchange(has_stepped_, true)) return;
+    device_.finish(); // drivers may compile kernels for their first use
+    signals_.restore();
 }
 
 template <class Real>

@@ -114,6 +114,8 @@ private:
     bool is_lossy() const { return absorption_ == Absorption::kelvin_voigt; }
     Device::Range nodes() const;
 
+    SignalHandlers signals_; // before OpenCL is loaded
+    bool has_stepped_ = false;
     Comm team_;
     Absorption absorption_;
     std::ptrdiff_t top_ = 0;
