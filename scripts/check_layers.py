@@ -51,7 +51,7 @@ STANDARD = set("""
     numeric optional ostream queue random ranges ratio regex set shared_mutex source_location span sstream
     stack stdexcept stop_token streambuf string string_view system_error thread tuple type_traits typeindex
     typeinfo unordered_map unordered_set utility valarray variant vector version
-    dirent.h dlfcn.h emmintrin.h fcntl.h fnmatch.h immintrin.h malloc.h poll.h sched.h signal.h time.h unistd.h x86intrin.h sys/file.h sys/mman.h
+    dirent.h dlfcn.h emmintrin.h fcntl.h fnmatch.h immintrin.h malloc.h poll.h sched.h signal.h time.h unistd.h x86intrin.h sys/file.h sys/ioctl.h sys/mman.h
     sys/prctl.h sys/resource.h sys/socket.h sys/stat.h sys/statvfs.h sys/time.h sys/types.h sys/utsname.h sys/vfs.h
     sys/wait.h linux/magic.h fmt/core.h fmt/format.h fmt/ranges.h fmt/std.h fmt/chrono.h""".split())
 GENERATED = {"git_id.hpp", "kernels_cl.hpp", "labels_csv.hpp"}  # by the build

@@ -94,12 +94,20 @@ class Program(KWaveTest, OnGpu):
     RECORDS = ("-p", "-u", "--p_rms", "--u_max_all", "--p_min_all", "--u_final", "--u_non_staggered_raw", "--u_split_field_raw", "--output_precision",
                "double")
 
-    def test_single_precision_agrees_with_the_processor(self):
+    def test_single_precision_errs_like_that_of_the_processor(self):
+        """Against double precision. p is the divergence times a large modulus, so that the processor's own error in it reaches 1.9e-5: where
+        that is more than half of the tolerance, twice the processor's error is allowed."""
         for case in ("stress_lossy", "p0_pml_outside"):
-            self.run_file(DATA / f"{case}_input.h5", *self.RECORDS, "--precision", "single")
-            shutil.copyfile(self.folder / "out.h5", self.folder / "cpu.h5")
-            self.run_file(DATA / f"{case}_input.h5", *self.RECORDS, "--precision", "single", *GPU)
-            self.assert_equal_results(self.folder / "out.h5", self.folder / "cpu.h5", TOLERANCE["single"])
+            runs = {}
+            for name, more in (("double", ()), ("cpu", ("--precision", "single")), ("gpu", ("--precision", "single", *GPU))):
+                self.run_file(DATA / f"{case}_input.h5", *self.RECORDS, *more)
+                with h5py.File(self.folder / "out.h5") as file:
+                    runs[name] = {key: item[()] for key, item in file.items() if item.dtype.kind == "f" and item.size > 1}
+            self.assertGreaterEqual(len(runs["double"]), 20)
+            for key, exact in runs["double"].items():
+                largest = max(numpy.abs(exact).max(), 1e-300)
+                cpu, gpu = (numpy.abs(runs[name][key] - exact).max() / largest for name in ("cpu", "gpu"))
+                self.assertLess(gpu, max(TOLERANCE["single"], 2 * cpu), (case, key))
 
     def test_processor_and_gpu_resume_from_each_others_checkpoints(self):
         file = DATA / "stress_lossy_input.h5"
@@ -177,22 +185,30 @@ class Program(KWaveTest, OnGpu):
 
 
 class Jobs(OnGpu):
-    DEVICES = SAVED.replace('"load.modulation.am_frequency_Hz" = [1250, 2500]', '"solver.pstd.device" = ["cpu", "gpu"]')
+    DEVICES = SAVED.partition("[sweep]")[0] + '[sweep]\n"solver.pstd.device" = ["cpu", "gpu"]\n'
     ON_GPU = SAVED.replace('engine = "pstd"', 'engine = "pstd"\npstd = { device = "gpu" }')
 
+    @pytest.mark.extended
     def test_processor_and_gpu_agree_for_bodies_and_a_map(self):
         make_map(self)
-        self.write_job(self.DEVICES.replace(*MAP).replace(*BONE))
-        self.contains(self.shearwake("plan", "job.toml").output, "on a GPU")
+        job = self.DEVICES.replace(*MAP).replace(*BONE)
+        for long, short in (("duration_ms = 2.0", "duration_ms = 0.3"), ("volumes_ms = [0.1, 1.5]", "volumes_ms = [0.1]"),
+                            ("at_ms = 1.0", "at_ms = 0.2"), ("settled_after_ms = 0.2", "settled_after_ms = 0.1")):
+            self.assertEqual(job.count(long), 1)
+            job = job.replace(long, short)
+        self.write_job(job)
         self.shearwake("run", "job.toml", ranks=2)  # two teams of one rank
         cpu, gpu = case_files(self.out)
         self.assert_equal_results(gpu, cpu, 1e-9)  # measures near 0 are ratios of small numbers
 
     def test_the_default_is_not_part_of_the_id_of_a_case(self):
-        self.write_job(SAVED)
-        ids = self.shearwake("plan", "job.toml", "--json").output
-        self.write_job(SAVED.replace('engine = "pstd"', 'engine = "pstd"\npstd = { device = "cpu" }'))
-        self.assertEqual(self.shearwake("plan", "job.toml", "--json").output, ids)
+        def ids(job):
+            self.write_job(job)
+            return [case["id"] for case in json.loads(self.shearwake("plan", "job.toml", "--json").stdout)["cases"]]
+        given = SAVED.replace('engine = "pstd"', 'engine = "pstd"\npstd = { device = "cpu" }')
+        self.assertNotEqual(given, SAVED)
+        self.assertEqual(ids(given), ids(SAVED))
+        self.assertNotEqual(ids(self.ON_GPU), ids(SAVED))
 
     def test_a_failure_of_the_device_ends_the_case_alone(self):
         self.write_job(self.ON_GPU)

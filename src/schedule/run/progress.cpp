@@ -151,9 +151,9 @@ std::string Progress::line(const SweepCounts& counts) const {
 }
 
 void Progress::report(const std::string& text) {
-    if (live_) fmt::print(stderr, "\r\x1b[K"); // rank 0 may have drawn the bar
     drawn_ = false;
-    fmt::print(stderr, "{}\n", coloured(text, stderr));
+    // Rank 0 may have drawn the bar; it must not draw it between two writes.
+    fmt::print(stderr, "{}{}\n", live_ ? "\r\x1b[K" : "", coloured(text, stderr));
     std::fflush(stderr);
 }
 

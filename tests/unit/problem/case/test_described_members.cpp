@@ -55,6 +55,9 @@ auto members(auto& s) {
     } else if constexpr (N == 14) {
         auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = s;
         return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
+    } else if constexpr (N == 16) {
+        auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p);
     }
 }
 
@@ -107,7 +110,7 @@ void check_members(T object = Example<T>::make()) {
 TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, LayeredOptions>();
     check_members<9, SpectralOptions>();
-    check_members<14, PstdOptions>();
+    check_members<16, PstdOptions>();
     check_members<5, Domain>();
     check_members<3, TimeAxis>();
     check_members<8, MeasureOptions>();
@@ -128,7 +131,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, Load>();
     check_members<1, ResolvedCarrier>();
     check_members<1, GaussianFootprint>();
-    check_members<13, ArrayFootprint>();
+    check_members<14, ArrayFootprint>();
     check_members<4, Modulation>();
     check_members<1, Hold>();
     check_members<4, Swing>();
