@@ -121,7 +121,7 @@ class Errors(FilesTest):
 
     def test_files_that_are_not_studies_are_explained(self):
         (self.folder / "text.mat").write_text("no study", encoding="utf-8")
-        self.refused("text.mat", "is neither an HDF5 file nor a .mat file but a text file", '"no study"')
+        self.refused("text.mat", "text.mat is neither an HDF5 file nor a .mat file")
         self.refused("nowhere.mat", "nowhere.mat: no such file", "the working directory is", expect=6)
         self.refused(".", "Is a directory", expect=6)
         scipy.io.savemat(self.folder / "other.mat", {"x": 1.0})

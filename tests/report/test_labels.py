@@ -45,7 +45,10 @@ class LabelsTest(InFolder):
     def test_the_motion_that_is_felt_has_the_line_of_its_reference(self):
         figure = self.drawn(sweep(self.root), fig_frequency)[2]["frequency"]
         motion = next(axes for axes in figure.axes if "40 to 400" in axes.get_title(loc="left"))
-        self.assertEqual([text.get_text() for text in motion.texts], ["plain STM\n0.3"])
+        legend, = figure.legends
+        self.assertEqual([text.get_text() for text in legend.get_texts()], ["AM-STM", "plain STM"])
+        reference, = (line for line in motion.lines if line.get_label() == "plain STM")
+        self.assertEqual(set(reference.get_ydata()), {0.3})
         self.assertLess(0.3, motion.get_ylim()[1], "the line is visible")
 
     def test_entries_of_legends_state_the_key_once(self):
