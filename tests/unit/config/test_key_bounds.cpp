@@ -41,6 +41,7 @@ const std::vector<std::pair<std::string, std::string>> beside = {
     {"solver.pstd.displacement_um", "load = \"displacement\""},
     {"solver.pstd.velocity_mm_s", "load = \"velocity\""},
     {"solver.pstd.fluid_", "top = \"fluid\""},
+    {"solver.pstd.device_number", "device = \"gpu\""},
     {"load.modulation.am_duty", "kind = \"AM\", am_wave = \"square\""},
     {"load.modulation.am_edge_us", "kind = \"AM\", am_wave = \"square\""},
     {"load.modulation.am_", "kind = \"AM\""},

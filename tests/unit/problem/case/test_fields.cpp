@@ -242,7 +242,7 @@ static std::vector<Case> samples() {
     third.afferents =
         AfferentOptions{.places = HandAfferents{"fingertip", 2}, .input = StressInput{}};
     Case fourth = third;
-    fourth.solver = PstdOptions{.load = PstdLoad::velocity};
+    fourth.solver = PstdOptions{.load = PstdLoad::velocity, .device = PstdDevice::gpu};
     fourth.afferents.reset();
     LensFootprint lens;
     lens.foci_m = {{1e-3, 0.0}};
