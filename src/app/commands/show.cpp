@@ -86,9 +86,10 @@ storage::CaseSummary read_summary(const std::filesystem::path& path) {
     }
     try {
         storage::CaseSummary summary = storage::read_case_summary(path);
-        std::ranges::stable_partition(summary.scalars, [](const Variable& scalar) {
-            return !measures::is_at_instant(scalar.name);
-        }); // as in tables
+        std::stable_partition(summary.scalars.begin(), summary.scalars.end(),
+                              [](const Variable& scalar) {
+                                  return !measures::is_at_instant(scalar.name);
+                              }); // as in tables
         return summary;
     } catch (const Error& error) {
         throw UsageError(

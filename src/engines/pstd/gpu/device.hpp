@@ -139,8 +139,8 @@ private:
                       const void* value) const;
     template <class T>
     void set(const Kernel& kernel, cl_uint& index, const Buffer<T>& buffer) const {
-        const cl_mem memory = buffer.raw();
-        set_argument(kernel, index++, sizeof memory, &memory);
+        cl_mem memory = buffer.raw();
+        set_argument(kernel, index++, sizeof(cl_mem), &memory);
     }
     void set(const Kernel& kernel, cl_uint& index, const LocalMemory& local) const {
         set_argument(kernel, index++, local.bytes, nullptr);
