@@ -136,7 +136,7 @@ class Program(KWaveTest, OnGpu):
         self.assertRegex(output.splitlines()[-1], r" Mpoint/s, [0-9]+ % of the bandwidth of copies on the device$")
         self.assertNotIn("note: -g", output)
         self.contains(self.run_file(file, "--benchmark", "2", "-g", "0"), "note: -g is ignored without --device gpu")
-        self.contains(self.run_file(file, *GPU, ranks=2, expect=1), "a GPU computes a grid in one rank; start the program without mpirun")
+        self.contains(self.run_file(file, *GPU, ranks=2, expect=1), "a GPU computes a grid in one rank: start kwave without mpirun")
 
     def test_bench_measures_steps_on_the_device(self):
         found = json.loads(self.shearwake("bench", "pstd", "--grid", "16x12x10", *GPU, "--json").stdout)["measurements"]

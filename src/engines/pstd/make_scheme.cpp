@@ -17,7 +17,9 @@ std::unique_ptr<Scheme> scheme_of(const Setup& setup, const DeviceChoice& choice
     if (const std::string error = device_error(choice.device); !error.empty())
         throw CaseFailure("the device " + error);
     if (team.size() > 1)
-        throw CaseFailure("a GPU computes a grid in one rank; start the program without mpirun");
+        throw CaseFailure(
+            "a GPU computes a grid in one rank: start kwave without mpirun, or a sweep with "
+            "--ranks-per-case 1");
 #ifdef SHEARWAKE_GPU
     return std::make_unique<gpu::DeviceStepper<Real>>(setup, team, choice.number);
 #else
