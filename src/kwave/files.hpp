@@ -141,9 +141,11 @@ private:
     std::size_t kwave_axis(std::size_t axis) const {
         return pstd::kwave_axis(input_.setup.grid, axis);
     }
-    const char* axis(std::size_t of_scheme) const { return axes[kwave_axis(of_scheme)]; }
+    const char* axis(std::size_t scheme_axis) const { return axes[kwave_axis(scheme_axis)]; }
     /// Each plane of a shear stress lacks another axis.
-    const char* plane(std::size_t of_scheme) const { return planes[2 - kwave_axis(2 - of_scheme)]; }
+    const char* plane(std::size_t scheme_axis) const {
+        return planes[2 - kwave_axis(2 - scheme_axis)];
+    }
     std::string field_name(pstd::Field field) const {
         const std::size_t f = index_of(field);
         return f < 3   ? std::string("u") + axis(f)

@@ -222,7 +222,7 @@ void Reader::read_cuboids() {
     double nodes = 0.0;
     for (std::size_t c = 0; c < count; ++c) {
         Cuboid cuboid;
-        double of_cuboid = 1.0;
+        double cuboid_nodes = 1.0;
         for (std::size_t a = 0; a < 3; ++a) {
             const std::size_t k = kwave_axis(a);
             const std::uint64_t first = corners[6 * c + k], last = corners[6 * c + 3 + k];
@@ -233,9 +233,9 @@ void Reader::read_cuboids() {
                     name, c + 1, first, last, axes[k], n_[a]));
             cuboid.first[k] = static_cast<std::ptrdiff_t>(first) - 1;
             cuboid.last[k] = static_cast<std::ptrdiff_t>(last) - 1;
-            of_cuboid *= static_cast<double>(cuboid.count(k));
+            cuboid_nodes *= static_cast<double>(cuboid.count(k));
         }
-        nodes += of_cuboid;
+        nodes += cuboid_nodes;
         input_.cuboids.push_back(cuboid);
     }
     require_memory(name, nodes * sizeof(Node));

@@ -28,7 +28,7 @@ public:
     Levels(const Case& c, const SensationMap& map) : domain_(c.domain), map_(map) {}
 
     /// Bilinear; NaN outside the rectangle or where nothing moves.
-    double at(Vec2 place_m, const std::vector<double>& levels_dB) const {
+    double interpolate(Vec2 place_m, const std::vector<double>& levels_dB) const {
         const double x = place_m.x / domain_.spacing_m +
                          static_cast<double>(domain_.nx / 2 - map_.x0),
                      y = place_m.y / domain_.spacing_m +
@@ -53,7 +53,7 @@ public:
                                                     (i + di) * map_.columns + j + dj)]);
         return 10.0 * std::log10(sum);
     }
-    double level(Vec2 place_m) const { return at(place_m, map_.level_dB); }
+    double level(Vec2 place_m) const { return interpolate(place_m, map_.level_dB); }
 
 private:
     const Domain& domain_;
@@ -245,7 +245,7 @@ private:
                 continue;
             }
             sum += point.weight * level;
-            power_sum += point.weight * levels_.at(point.at_m, map_.sum_dB);
+            power_sum += point.weight * levels_.interpolate(point.at_m, map_.sum_dB);
             weight += point.weight;
         }
         path_dB_ = sum / weight;

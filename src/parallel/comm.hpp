@@ -154,7 +154,7 @@ public:
     /// Sum over the rows of this rank. Not collective.
     double mine() const;
     /// Sum over the rows of all ranks. Collective.
-    double of(const Comm& team) const;
+    double team_sum(const Comm& team) const;
 
 private:
     std::vector<double> rows_;

@@ -58,7 +58,7 @@ public:
     const std::optional<measures::MachFit>& mach() const { return instant_.mach(); }
     /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
     /// rank 0 only; empty elsewhere, and when no window fits.
-    const std::vector<double>& mean_u2() const { return mean_.all(); }
+    const std::vector<double>& mean_u2() const { return mean_.values(); }
     /// The level of sensation. On rank 0 only; empty elsewhere, and where it is not computed.
     const measures::SensationMap& sensation() const { return sensation_.map(); }
     /// The notes of the engine; empty if there are none.

@@ -56,13 +56,13 @@ const char* name_of(measures::Shown shown) {
 }
 
 nlohmann::ordered_json json_of_column(const std::string& name, const std::string& of_errors) {
-    const std::string of = column_of_error(name);
-    const measures::Measure* measure = measures::find_measure(of.empty() ? name : of);
+    const std::string error_of = column_of_error(name);
+    const measures::Measure* measure = measures::find_measure(error_of.empty() ? name : error_of);
     const std::string meaning = measure ? measures::with_details(measure->meaning, {}) : "";
-    const bool is_value = measure && of.empty();
+    const bool is_value = measure && error_of.empty();
     return {{"name", name},
             {"unit", measure ? measure->unit : ""},
-            {"meaning", of.empty() ? meaning : of_errors + " of " + of},
+            {"meaning", error_of.empty() ? meaning : of_errors + " of " + error_of},
             {"shown", name_of(is_value ? measure->shown : measures::Shown::csv)},
             {"over_reference_of", is_value ? measure->over_reference_of : ""},
             {"counts_samples", measures::counts_samples(name)}};
@@ -80,8 +80,9 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
     std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
                                    table.columns.begin() + static_cast<std::ptrdiff_t>(end));
     const auto place = [](const std::string& name) {
-        const std::string of = column_of_error(name);
-        const measures::Measure* measure = measures::find_measure(of.empty() ? name : of);
+        const std::string error_of = column_of_error(name);
+        const measures::Measure* measure =
+            measures::find_measure(error_of.empty() ? name : error_of);
         return measure ? measure - measures::all_measures().data()
                        : std::ssize(measures::all_measures());
     };

@@ -140,8 +140,8 @@ void add_estimates(const std::vector<const PlannedCase*>& cases,
         const Case& c = planned->physics;
         PlannedCost cost{.planned = planned,
                          .work = work.at(planned),
-                         .memory_per_rank_B = costs.of(c, ranks).memory_per_rank_B(),
-                         .disk_B = costs.of(c).written_B,
+                         .memory_per_rank_B = costs.resources(c, ranks).memory_per_rank_B(),
+                         .disk_B = costs.resources(c).written_B,
                          .is_of_neighbour = costs.is_of_neighbour(c)};
         if (const auto rate_s = rates_s.at(engine_name(c.solver)); rate_s && costs.has_step(c))
             known_s.push_back(cost.seconds.emplace(*rate_s * cost.work));
@@ -149,7 +149,7 @@ void add_estimates(const std::vector<const PlannedCase*>& cases,
             e.unsaved_s = std::max(e.unsaved_s, cost.seconds.value_or(1e-9 * cost.work));
         if (cost.memory_per_rank_B > e.demand.memory_per_rank_B) {
             e.demand.memory_per_rank_B = cost.memory_per_rank_B;
-            e.arrays = pipeline::memory_text(costs.of(c, ranks));
+            e.arrays = pipeline::memory_text(costs.resources(c, ranks));
         }
         e.demand.disk_B += cost.disk_B;
         e.cases.push_back(cost);

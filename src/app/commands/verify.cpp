@@ -115,7 +115,7 @@ private:
 
     void verify_output(const schedule::OutputFolder& folder) {
         storage::CaseIndex index(folder.root, storage::CaseIndex::Trust::checksum, show_);
-        for (const auto& [id, digest] : index.all()) {
+        for (const auto& [id, digest] : index.digests()) {
             ++verified_.files;
             if (!digest.is_complete())
                 verified_.damaged.push_back({name_of(folder.case_file(id)), id, digest.damage});

@@ -78,8 +78,8 @@ public:
                 }
                 backward_.execute(lines_.data());
                 for (std::ptrdiff_t l = 0; l < lines; ++l)
-                    tail.add(kernels_, of_line(h, kx + l), jumps_.data() + l * jumps_per_line(),
-                             lines_.data() + l * coarse_);
+                    tail.add(kernels_, line_response(h, kx + l),
+                             jumps_.data() + l * jumps_per_line(), lines_.data() + l * coarse_);
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
                               count, plane(), fft::reals(spectra_.data() + ky * stored_nx_ + kx));
                 progress.record_completed(CaseProgress::Stage::samples, static_cast<double>(lines));
@@ -120,7 +120,8 @@ private:
         return jump_orders * std::ssize(load_.nodes().breaks());
     }
     /// H of one wave vector of a row.
-    std::span<const Complex> of_line(std::span<const Complex> h_row, std::ptrdiff_t kx) const {
+    std::span<const Complex> line_response(std::span<const Complex> h_row,
+                                           std::ptrdiff_t kx) const {
         const auto frequencies = static_cast<std::size_t>(time_.samples / 2 + 1);
         return h_row.subspan(static_cast<std::size_t>(std::min(kx, case_.domain.nx - kx)) *
                                  frequencies,
@@ -162,7 +163,7 @@ private:
         }
         const LoadSpectrum::Line of_load = load_.line(kx, share_.ky_start + ky);
         std::ranges::copy(of_load.jumps, jumps);
-        kernels_.respond(fft::reals(of_line(h_row, kx).data()), roll_off_.data(),
+        kernels_.respond(fft::reals(line_response(h_row, kx).data()), roll_off_.data(),
                          fft::reals(of_load.load.data()), time_.samples, coarse_, fft::reals(line));
         return of_load.load;
     }

@@ -92,7 +92,7 @@ public:
     void finish() override { all_ = team_.gather(rows_); }
 
     /// (x, y) row-major. On rank 0 only; empty elsewhere, and when no window fits.
-    const std::vector<double>& all() const { return all_; }
+    const std::vector<double>& values() const { return all_; }
 
 private:
     std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits

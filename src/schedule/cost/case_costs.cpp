@@ -108,7 +108,7 @@ std::size_t CaseCosts::limit_resources(const std::vector<const PlannedCase*>& ca
     std::size_t count = 0;
     for (const std::size_t i : order_of_estimates(cases)) {
         if (count++ >= least_estimated && used_s(began) > most_s) break;
-        of(cases[i]->physics, ranks);
+        resources(cases[i]->physics, ranks);
         is_computed[i] = true;
     }
     const Case* before = nullptr;
@@ -152,7 +152,7 @@ Case CaseCosts::with_step(const Case& c) const {
     return given;
 }
 
-const engines::Resources& CaseCosts::of(const Case& given, int ranks) {
+const engines::Resources& CaseCosts::resources(const Case& given, int ranks) {
     const auto other = neighbour_.find(&given);
     const Case& c = other == neighbour_.end() ? given : *other->second;
     const auto known = known_.find({&c, ranks});
@@ -184,7 +184,7 @@ Demand least_demand(const std::vector<const PlannedCase*>& cases, int ranks) {
     cost::CaseCosts costs({}, 0.0); // without time steps
     costs.limit_resources(cases, most_s, ranks);
     for (const PlannedCase* planned : cases) {
-        const engines::Resources& needs = costs.of(planned->physics, ranks);
+        const engines::Resources& needs = costs.resources(planned->physics, ranks);
         demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needs.memory_per_rank_B());
         demand.disk_B += needs.written_B;
     }

@@ -30,7 +30,7 @@ public:
     /// Whether the resources of the case are those of another one.
     bool is_of_neighbour(const Case& c) const { return neighbour_.contains(&c); }
     /// The resources of the case, with its receptors and files, on a team of `ranks` ranks.
-    const engines::Resources& of(const Case& c, int ranks = 1);
+    const engines::Resources& resources(const Case& c, int ranks = 1);
     /// Whether the time step of the case is known before it runs.
     bool is_step_chosen(const Case& c) const;
     /// The engine of the case, which remembers the steps that were chosen and what its runs share.

@@ -36,7 +36,8 @@ std::size_t count_unfit(const std::vector<const PlannedCase*>& cases, int ranks,
     if (!std::isfinite(memory_per_rank_B)) return 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < cases.size(); i += cases.size() / most_samples + 1)
-        if (costs.of(cases[i]->physics, ranks).memory_per_rank_B() > memory_per_rank_B) ++count;
+        if (costs.resources(cases[i]->physics, ranks).memory_per_rank_B() > memory_per_rank_B)
+            ++count;
     return count;
 }
 
@@ -51,7 +52,7 @@ std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& ca
     std::vector<Place> places;
     std::map<std::string, double> most; // work of a case of each group
     for (const PlannedCase* planned : cases) {
-        const engines::Resources& needs = costs.of(planned->physics);
+        const engines::Resources& needs = costs.resources(planned->physics);
         places.push_back({needs.shared.empty() ? planned->id : needs.shared, needs.work});
         double& work = most[places.back().group];
         work = std::max(work, needs.work);
@@ -70,7 +71,7 @@ std::vector<double> work_per_rank(const std::vector<const PlannedCase*>& cases, 
     std::vector<double> work;
     const engines::Resources* before = nullptr;
     for (const PlannedCase* planned : cases) {
-        const engines::Resources& needs = costs.of(planned->physics);
+        const engines::Resources& needs = costs.resources(planned->physics);
         const bool has_data = before && shares_with(*before, needs);
         work.push_back((needs.work + (has_data ? 0.0 : needs.shared_work)) /
                        std::clamp(ranks, 1, needs.useful_ranks));
@@ -95,7 +96,7 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
     };
     int useful = ranks;
     for (const PlannedCase* planned : cases)
-        useful = std::min(useful, costs.of(planned->physics).useful_ranks);
+        useful = std::min(useful, costs.resources(planned->physics).useful_ranks);
     std::vector<Choice> choices;
     for (int size = 1; size <= ranks; ++size) {
         if (wanted > 0 ? size != std::min(wanted, ranks) : ranks % size != 0 || size > useful)
@@ -141,11 +142,12 @@ std::vector<std::size_t> portions_of(const Arrangement& all, cost::CaseCosts& co
         largest_portion * std::accumulate(all.work.begin(), all.work.end(), 0.0) / all.layout.teams;
     std::vector<std::size_t> portions;
     for (std::size_t first = 0, end = 0; first < all.cases.size(); first = end) {
-        const engines::Resources& needs = costs.of(all.cases[first]->physics);
+        const engines::Resources& needs = costs.resources(all.cases[first]->physics);
         double work = 0.0;
         do
             work += all.work[end++];
-        while (end < all.cases.size() && shares_with(needs, costs.of(all.cases[end]->physics)));
+        while (end < all.cases.size() &&
+               shares_with(needs, costs.resources(all.cases[end]->physics)));
         for (std::size_t n = first; n < end; ++n)
             if (n == first || work > most) portions.push_back(n);
     }

@@ -64,11 +64,11 @@ long CaseQueue::next() {
 /// The next position in the portions; nothing when all of them are taken.
 std::optional<std::size_t> CaseQueue::next_in_portions() {
     if (portion_ == portion_end_) {
-        const std::vector<std::size_t>& all = list_.work.portions;
-        const auto taken = static_cast<std::size_t>(state_.add(RunState::next_portion));
-        if (taken >= all.size()) return std::nullopt;
-        portion_ = all[taken];
-        portion_end_ = taken + 1 < all.size() ? all[taken + 1] : list_.work.cases.size();
+        const std::vector<std::size_t>& firsts = list_.work.portions;
+        const auto portion = static_cast<std::size_t>(state_.add(RunState::next_portion));
+        if (portion >= firsts.size()) return std::nullopt;
+        portion_ = firsts[portion];
+        portion_end_ = portion + 1 < firsts.size() ? firsts[portion + 1] : list_.work.cases.size();
     }
     return portion_++;
 }

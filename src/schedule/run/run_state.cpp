@@ -11,8 +11,8 @@ using namespace std::chrono_literals;
 
 RunState::RunState(const WorkList& list, const Comm& world, Progress& progress)
     : list_(list), world_(world), progress_(progress), counters_(world, counter_count) {
-    const double all = std::accumulate(list_.work.work.begin(), list_.work.work.end(), 0.0);
-    if (world.is_root()) add(work_left, std::lround(all));
+    const double total_work = std::accumulate(list_.work.work.begin(), list_.work.work.end(), 0.0);
+    if (world.is_root()) add(work_left, std::lround(total_work));
 }
 
 void RunState::count_work(std::size_t place, double share) {

@@ -157,7 +157,7 @@ const CaseDigest* CaseIndex::find(const std::string& id) {
     return read == checked_.end() ? nullptr : &read->second; // another process has removed it
 }
 
-const std::map<std::string, CaseDigest>& CaseIndex::all() {
+const std::map<std::string, CaseDigest>& CaseIndex::digests() {
     read_missing();
     return checked_;
 }

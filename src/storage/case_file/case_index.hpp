@@ -92,7 +92,7 @@ public:
     /// Null if there is no such file. The pointer stays valid.
     const CaseDigest* find(const std::string& id);
     /// The entries of all case files in the folder, in the order of their names.
-    const std::map<std::string, CaseDigest>& all();
+    const std::map<std::string, CaseDigest>& digests();
     /// Number of lines of the index that were ignored: damaged or truncated.
     long lines_skipped() const { return lines_skipped_; }
     /// Number of bytes that were read to verify checksums.

@@ -184,7 +184,7 @@ void check_places(const PointMotion& motion) {
                                      motion.at_m.size()));
 }
 
-PointMotion of_case_file(hid_t file, const std::string& prefix) {
+PointMotion read_case_motion(hid_t file, const std::string& prefix) {
     PointMotion motion;
     motion.u_m = rows(read_numbers(file, prefix + "u_z", "_m"), "u_z", 1.0);
     const NumberBlock times = read_numbers(file, prefix + "time", "_s"),
@@ -214,7 +214,7 @@ double rate_Hz_of(const h5::Id& group) {
     return h5::number_attribute(group.raw(), "fs_hz");
 }
 
-PointMotion of_traces(hid_t file, const std::string& group) {
+PointMotion read_traces(hid_t file, const std::string& group) {
     constexpr double mm = 1e-3;
     const std::string prefix = group.empty() ? "" : group + "/";
     PointMotion motion;
@@ -241,8 +241,8 @@ PointMotion motion_of(hid_t file, std::string group) {
     };
     if (group.empty() && contains("traces/u_z")) group = "traces";
     const std::string prefix = group.empty() ? "" : group + "/";
-    if (contains(prefix + "trace_mm")) return of_traces(file, group);
-    if (contains(prefix + "u_z")) return of_case_file(file, prefix);
+    if (contains(prefix + "trace_mm")) return read_traces(file, group);
+    if (contains(prefix + "u_z")) return read_case_motion(file, prefix);
     throw UsageError(fmt::format("{} contains neither u_z nor trace_mm; use --group to select the "
                                  "group that contains one of them",
                                  group.empty() ? "its root" : "the group " + group));
@@ -258,10 +258,10 @@ PointStress stress_of(hid_t file, const std::string& group) {
     return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name, "_Pa"), name, 1.0)};
 }
 
-template <class OfCsv>
-auto read_csv_file(const std::filesystem::path& path, OfCsv of_csv) {
+template <class ParseCsv>
+auto read_csv_file(const std::filesystem::path& path, ParseCsv parse_csv) {
     try {
-        return of_csv(read_file(path, largest_user_text_B));
+        return parse_csv(read_file(path, largest_user_text_B));
     } catch (const UsageError& error) {
         if (error.code() != ExitCode::usage)
             throw; // messages of the file system already name the file

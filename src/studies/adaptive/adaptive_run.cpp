@@ -113,15 +113,15 @@ public:
     }
 
     ExitCode run() {
-        const ExitCode code = all_rounds();
+        const ExitCode code = run_rounds();
         if (world_.is_root() && arguments_.json) fmt::print("{}", json_document("run", document_));
         return code;
     }
 
 private:
-    ExitCode all_rounds() {
+    ExitCode run_rounds() {
         while (true) {
-            const ExitCode code = one_round();
+            const ExitCode code = run_round();
             const bool may_continue =
                 code == ExitCode::done ||
                 (code == ExitCode::some_cases_failed && !arguments_.fail_fast);
@@ -146,7 +146,7 @@ private:
 
     /// Runs the cases of the present points and of those in the folder. Another run may extend the
     /// plan after this one has read it; its points are the same, so the round is repeated.
-    ExitCode one_round() {
+    ExitCode run_round() {
         while (true) {
             const AxisPoints seen = known();
             add(seen, points_);

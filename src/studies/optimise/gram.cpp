@@ -95,7 +95,7 @@ public:
 
     MatrixXd focal() const { return both_triangles(focal_); }
     MatrixXd counted() const { return both_triangles(counted_); }
-    MatrixXd all() const { return both_triangles(all_); }
+    MatrixXd symmetric() const { return both_triangles(all_); }
     std::vector<MatrixXd> path() const {
         std::vector<MatrixXd> forms;
         std::ranges::transform(path_, std::back_inserter(forms), both_triangles);
@@ -238,7 +238,7 @@ Forms gram_forms(const Case& c, const Quotient& quotient, PathForms path,
     const MatrixXd focal = frames.focal();
     if (quotient.kind == Quotient::Kind::efficiency || quotient.kind == Quotient::Kind::sharpness)
         return {.numerator = frames.counted(),
-                .denominator = frames.all(),
+                .denominator = frames.symmetric(),
                 .focal = focal,
                 .path = frames.path()};
     const MatrixXd traces = traces_of(c.time, quotient, knot_files);

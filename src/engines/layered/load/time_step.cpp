@@ -40,7 +40,7 @@ struct FocusResponse {
     bool operator==(const FocusResponse&) const = default;
 
     /// By depth.
-    Eigen::VectorXcd at(Complex omega_rad_s) const;
+    Eigen::VectorXcd evaluate(Complex omega_rad_s) const;
 };
 
 /// What the powers of TailFit leave out, as signals at instants after a jump, a kink and a bend:
@@ -87,7 +87,7 @@ BreakError::BreakError(const Case& c, std::span<const Break> breaks, double cell
     const double omega_rad_s =
         std::max(0.5 * std::numbers::pi / c.time.duration_s(),
                  0.5 * greatest_speed_m_s(c.scene.load.modulation.trajectory) / sigma_m_);
-    typical_m_Pa_ = response_.at({omega_rad_s, -0.1 * omega_rad_s}).cwiseAbs();
+    typical_m_Pa_ = response_.evaluate({omega_rad_s, -0.1 * omega_rad_s}).cwiseAbs();
 }
 
 /// Gauss-Laguerre quadrature in (k sigma)^2 / 2 for a Gaussian of the same band, as if the spectrum
@@ -112,7 +112,7 @@ void BreakError::choose_wavenumbers(const Footprint& footprint) {
     }
 }
 
-Eigen::VectorXcd FocusResponse::at(Complex omega_rad_s) const {
+Eigen::VectorXcd FocusResponse::evaluate(Complex omega_rad_s) const {
     const StackResponse response(medium, omega_rad_s, depths_m);
     Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(std::ssize(depths_m)), h(std::ssize(depths_m));
     for (std::size_t i = 0; i < k_rad_m.size(); ++i) {
@@ -124,7 +124,7 @@ Eigen::VectorXcd FocusResponse::at(Complex omega_rad_s) const {
 
 Remainders compute_remainders(const FocusResponse& focus, double step_s) {
     // Damped by 0.2 per step, which smooths the resonances between the few wavenumbers.
-    const auto response = [&](double x) { return focus.at(Complex(x, -0.2) / step_s); };
+    const auto response = [&](double x) { return focus.evaluate(Complex(x, -0.2) / step_s); };
     const TailFit fit(probe_samples, StackQuantity::displacement);
     const Eigen::Index depths = std::ssize(focus.depths_m);
     Eigen::MatrixXd fitted(fit.matrix().cols(), depths);

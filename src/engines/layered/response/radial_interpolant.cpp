@@ -201,9 +201,9 @@ void RadialInterpolant::evaluate(std::size_t component, std::span<const double> 
 }
 
 std::vector<Complex> RadialInterpolant::packed() const {
-    std::vector<Complex> all(edges_.begin(), edges_.end());
-    all.insert(all.end(), coefficients_.begin(), coefficients_.end());
-    return all;
+    std::vector<Complex> numbers(edges_.begin(), edges_.end());
+    numbers.insert(numbers.end(), coefficients_.begin(), coefficients_.end());
+    return numbers;
 }
 
 RadialInterpolant RadialInterpolant::unpacked(std::span<const Complex> packed,

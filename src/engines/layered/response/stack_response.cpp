@@ -80,16 +80,16 @@ public:
     Complex beta() const { return beta_; }
     /// The factors of e^{-alpha zeta} in down(), and those of e^{-beta zeta}. They cancel for k
     /// much larger than k_s: digits of (k / k_s)^4 are lost in products.
-    Pair of_alpha() const {
+    Pair alpha_factors() const {
         const Complex share = k_ * k_ / difference_;
         Pair s = down(0.0);
         s.col(1) << -share, alpha_ * k_ / difference_, mu_ * k_ * (s_ - 2.0 * share),
             mu_ * alpha_ * 2.0 * share;
         return s;
     }
-    Pair of_beta() const {
+    Pair beta_factors() const {
         Pair s = Pair::Zero();
-        s.col(1) = down(0.0).col(1) - of_alpha().col(1);
+        s.col(1) = down(0.0).col(1) - alpha_factors().col(1);
         return s;
     }
 
@@ -198,7 +198,7 @@ double by_exponentials(const LayerModes<double>& modes, const StrainsOfState& st
         Complex rate;
     };
     const std::array<Complex, 2> rates = {modes.alpha(), modes.beta()};
-    const std::array<Pair, 2> factors = {modes.of_alpha(), modes.of_beta()};
+    const std::array<Pair, 2> factors = {modes.alpha_factors(), modes.beta_factors()};
     std::array<Term, 2> down, up;
     for (std::size_t i = 0; i < 2; ++i) {
         down[i] = {strains(factors[i] * at.down), rates[i]};

@@ -42,7 +42,7 @@ Complex TimeTransform::omega(std::ptrdiff_t m) const {
     return {two_pi * static_cast<double>(m) / period_s, -decay_rad_s};
 }
 
-double TransferTable::from_rad_m() const {
+double TransferTable::first_rad_m() const {
     return key_.edges == DomainEdges::open ? remainder_from_rad_m(key_.spacing_m) : 0.0;
 }
 
@@ -62,7 +62,7 @@ bool TransferTable::each_frequency(const Comm& team, CaseProgress* progress, con
 
 TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progress) const {
     const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
-    const double from = from_rad_m();
+    const double first_k_rad_m = first_rad_m();
     Panels mine;
     bool stops = false;
     fail_together(team, [&] {
@@ -71,8 +71,10 @@ TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progres
                                          key_.quantity);
             const auto fitted = fit_at(key_, key_.time.omega(m), [&] {
                 return RadialInterpolant::fit(
-                    [&](double k, std::span<Complex> out) { response.evaluate(from + k, out); },
-                    key_.depths_m.size(), k_max - from, key_.tolerance);
+                    [&](double k, std::span<Complex> out) {
+                        response.evaluate(first_k_rad_m + k, out);
+                    },
+                    key_.depths_m.size(), k_max - first_k_rad_m, key_.tolerance);
             });
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
@@ -144,16 +146,16 @@ std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& tea
             if (!stops) tables = grid.loss.tables(losses, block_done);
             return;
         }
-        std::vector<Complex> h, of_node(depths);
+        std::vector<Complex> h, node_response(depths);
         stops = each_frequency(team, progress, [&](std::ptrdiff_t m) {
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const std::size_t first = h.size();
             h.resize(first + depths * nodes);
             for (std::size_t i = 0; i < nodes; ++i) {
-                response.evaluate(grid.point.nodes_rad_m()[i], of_node);
+                response.evaluate(grid.point.nodes_rad_m()[i], node_response);
                 for (std::size_t d = 0; d < depths; ++d)
-                    h[first + d * nodes + i] = of_node[d];
+                    h[first + d * nodes + i] = node_response[d];
             }
         });
         if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
@@ -211,11 +213,11 @@ void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> t
 
 void TransferTable::add_remainder(std::ptrdiff_t ky, std::size_t depth, Complex* row) const {
     const std::vector<double> all = wavenumbers_rad_m(ky);
-    const double from = from_rad_m();
-    const auto first = std::ranges::lower_bound(all, from) - all.begin();
+    const double first_k_rad_m = first_rad_m();
+    const auto first = std::ranges::lower_bound(all, first_k_rad_m) - all.begin();
     std::vector<double> k, share;
     for (const double value : std::span(all).subspan(static_cast<std::size_t>(first))) {
-        k.push_back(value - from);
+        k.push_back(value - first_k_rad_m);
         share.push_back(1.0 - low_pass(value, key_.spacing_m).real());
     }
     std::vector<Complex> h(k.size());

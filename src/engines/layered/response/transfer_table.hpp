@@ -114,7 +114,7 @@ private:
     void add_remainder(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* row) const;
     std::vector<double> wavenumbers_rad_m(std::ptrdiff_t ky) const;
     /// The panels begin at this wavenumber.
-    double from_rad_m() const;
+    double first_rad_m() const;
     void expand(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* out) const;
 
     TransferKey key_;

@@ -39,7 +39,7 @@ template <class Real, class First, class Second, class Third>
         for (std::ptrdiff_t z = done; z < end; ++z)
             total[z] += first(z) + second(z) + third(z);
     };
-    const auto all_parts = [&](const SplitRun& run, Real* __restrict b, Real* __restrict c) {
+    const auto update_parts = [&](const SplitRun& run, Real* __restrict b, Real* __restrict c) {
         const auto [a_xy, a_z] = of[0];
         const auto [b_xy, b_z] = of[1];
         const auto [c_xy, c_z] = of[2];
@@ -60,7 +60,7 @@ template <class Real, class First, class Second, class Third>
         unsplit_until(run->begin);
         Real* s = row.part[0] + (run->offset - run->begin);
         if (run->face < 0)
-            all_parts(*run, s, row.part[1] + (run->second - run->begin));
+            update_parts(*run, s, row.part[1] + (run->second - run->begin));
         else if (run->face == row.axes[0])
             update_two(*run, total, s, of[0], first, of[1], sum(second, third));
         else if (run->face == row.axes[1])
@@ -84,7 +84,7 @@ template <class Real, class First, class Second>
         for (std::ptrdiff_t z = done; z < end; ++z)
             total[z] += first(z) + second(z);
     };
-    const auto one_factor = [&](const SplitRun& run) {
+    const auto update_by_factor = [&](const SplitRun& run) {
         const auto [xy, of_z] = of[0];
         SHEARWAKE_INDEPENDENT
         for (std::ptrdiff_t z = run.begin; z < run.end; ++z) {
@@ -101,7 +101,7 @@ template <class Real, class First, class Second>
         else if (run->face == row.axes[0])
             update_two(*run, total, s, of[0], first, of[1], second);
         else
-            one_factor(*run);
+            update_by_factor(*run);
         done = run->end;
     }
     unsplit_until(row.nz);

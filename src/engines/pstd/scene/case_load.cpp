@@ -174,11 +174,11 @@ public:
         first_ = static_cast<std::ptrdiff_t>(which.front());
         const double t_s = static_cast<double>(sample) * step_s_;
         if (!on_path)
-            load_.each_focus(t_s + 0.5 * step_s_,
-                             [&](std::ptrdiff_t i, std::ptrdiff_t j, double share) {
-                                 double* value = share > moved_share ? at(i, j, values) : nullptr;
-                                 if (value) *value = 0.0;
-                             });
+            load_.each_focus(
+                t_s + 0.5 * step_s_, [&](std::ptrdiff_t i, std::ptrdiff_t j, double share) {
+                    double* value = share > moved_share ? node_value(i, j, values) : nullptr;
+                    if (value) *value = 0.0;
+                });
         if (kind_ == PstdLoad::velocity) {
             add(t_s + 0.5 * step_s_, peak_m_s_, values);
             return;
@@ -191,13 +191,13 @@ public:
 
 private:
     /// The value of a point, or null if it is not a node of this rank.
-    double* at(std::ptrdiff_t i, std::ptrdiff_t j, std::span<double> values) const {
+    double* node_value(std::ptrdiff_t i, std::ptrdiff_t j, std::span<double> values) const {
         const std::ptrdiff_t n = number_[static_cast<std::size_t>(i * ny_ + j)] - first_;
         return n >= 0 && n < std::ssize(values) ? &values[static_cast<std::size_t>(n)] : nullptr;
     }
     void add(double t_s, double scale, std::span<double> values) {
         load_.each(t_s, [&](std::ptrdiff_t i, std::ptrdiff_t j, double share) {
-            if (double* value = at(i, j, values)) *value += scale * share;
+            if (double* value = node_value(i, j, values)) *value += scale * share;
         });
     }
 

@@ -83,7 +83,7 @@ public:
         }
         std::transform(rows.begin(), rows.end(), runs.begin(), runs_of);
     }
-    std::size_t of(std::ptrdiff_t row) const {
+    std::size_t row_kind(std::ptrdiff_t row) const {
         return in_layer(slabs_.grid, options_, 0, slabs_.x_start() + row / slabs_.ny()) +
                2 * in_layer(slabs_.grid, options_, 1, row % slabs_.ny());
     }
@@ -134,7 +134,7 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
     const std::ptrdiff_t count = slabs.x_count() * slabs.ny();
     std::size_t total = 0;
     for (std::ptrdiff_t row = 0; row < count; ++row)
-        total += kinds.runs[kinds.of(row)].size();
+        total += kinds.runs[kinds.row_kind(row)].size();
     runs_.reserve(total);
     starts_.reserve(static_cast<std::size_t>(count) + 1);
     for (std::ptrdiff_t row = 0; row < count; ++row) {
@@ -144,12 +144,12 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts&
         };
         std::vector<SplitRun> own;
         if (is_here()) {
-            std::vector<int> row_kinds = kinds.rows[kinds.of(row)];
+            std::vector<int> row_kinds = kinds.rows[kinds.row_kind(row)];
             for (; is_here(); ++next)
                 row_kinds[static_cast<std::size_t>((*next)[2])] = all;
             own = runs_of(row_kinds);
         }
-        for (const SplitRun& run : own.empty() ? kinds.runs[kinds.of(row)] : own)
+        for (const SplitRun& run : own.empty() ? kinds.runs[kinds.row_kind(row)] : own)
             add(run, parts);
         starts_.push_back(runs_.size());
     }

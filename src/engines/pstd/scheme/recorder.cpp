@@ -15,8 +15,8 @@ namespace shearwake::pstd {
 namespace {
 
 /// The quantities of the scheme in the order of the recorder.
-constexpr std::array<Quantity, Recorder::moved> of_scheme = {pressure_quantity, Field::ux,
-                                                             Field::uy, Field::uz};
+constexpr std::array<Quantity, Recorder::moved> scheme_quantities = {pressure_quantity, Field::ux,
+                                                                     Field::uy, Field::uz};
 
 } // namespace
 
@@ -129,7 +129,7 @@ Recorder::Recorder(const SensorPoints& points, const Scheme& scheme,
                                                                                       : 0.0);
         if (record.is_grid() && record.statistic != Statistic::final)
             record.tally =
-                scheme.tally({.quantity = of_scheme[record.quantity],
+                scheme.tally({.quantity = scheme_quantities[record.quantity],
                               .kind = record.statistic == Statistic::max_all ? Tally::Kind::max
                                                                              : Tally::Kind::min,
                               .planes = slabs_.nz()});
@@ -174,15 +174,15 @@ void Recorder::split_velocities(const Comm& team) {
         u[a] = team.gather(scheme_.dense(static_cast<Field>(a)));
     if (team.is_root()) split_->project(u);
     for (std::size_t a = 0; a < 3; ++a) {
-        std::vector<double> all(order_.size());
-        for (std::size_t i = 0; i < all.size() && team.is_root(); ++i) {
+        std::vector<double> gathered(order_.size());
+        for (std::size_t i = 0; i < gathered.size() && team.is_root(); ++i) {
             const Node& n = points_.nodes[order_[i]];
-            all[i] =
+            gathered[i] =
                 u[a][static_cast<std::size_t>((n[0] * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
         }
-        team.broadcast(all);
-        now_[split_p + a].assign(all.begin() + static_cast<std::ptrdiff_t>(first_),
-                                 all.begin() + static_cast<std::ptrdiff_t>(first_ + count_));
+        team.broadcast(gathered);
+        now_[split_p + a].assign(gathered.begin() + static_cast<std::ptrdiff_t>(first_),
+                                 gathered.begin() + static_cast<std::ptrdiff_t>(first_ + count_));
         now_[split_s + a].resize(count_);
         for (std::size_t i = 0; i < count_; ++i)
             now_[split_s + a][i] = now_[moved + a][i] - now_[split_p + a][i];
@@ -195,7 +195,7 @@ void Recorder::find_values(const Comm& team) {
     for (std::size_t q = pressure; q < moved; ++q) {
         if (!needs(q, 1)) continue;
         needed.push_back(q);
-        quantities.push_back(of_scheme[q]);
+        quantities.push_back(scheme_quantities[q]);
     }
     auto values = sensor_->values(quantities);
     for (std::size_t i = 0; i < needed.size(); ++i)
@@ -270,7 +270,7 @@ void Recorder::add_found() {
 
 std::vector<double> Recorder::grid_of(const Record& record, const Comm& team) const {
     return team.gather(record.tally ? record.tally->values()
-                                    : scheme_.dense(of_scheme[record.quantity]));
+                                    : scheme_.dense(scheme_quantities[record.quantity]));
 }
 
 } // namespace shearwake::pstd

@@ -26,7 +26,7 @@ EndlessBodies::EndlessBodies(const RigidPlan& plan, const DepthMesh& mesh,
 /// the one along the axis has been divided by i.
 double EndlessBodies::rigid(std::size_t marker, std::ptrdiff_t part,
                             const std::vector<double>& q) const {
-    const SectionMarkers::Marker& m = markers_.all()[marker];
+    const SectionMarkers::Marker& m = markers_.markers()[marker];
     const double* of = q.data() + m.body * section_freedoms;
     switch (part) {
     case 2 * along + 1:

@@ -26,7 +26,7 @@ public:
     };
     SectionMarkers(const RigidPlan& plan, const DepthMesh& mesh, const WaveVectors& vectors);
 
-    const std::vector<Marker>& all() const { return markers_; }
+    const std::vector<Marker>& markers() const { return markers_; }
     std::ptrdiff_t count() const { return std::ssize(markers_); }
     bool along_x() const { return along_x_; }
     double memory_B() const { return static_cast<double>(phases_.size() * sizeof(Block)); }

@@ -53,16 +53,16 @@ void RigidBodies::set_mass(const std::vector<std::vector<double>>& masses, doubl
                           [free_[row] % freedoms_ * freedoms_ + free_[column] % freedoms_];
 }
 
-void RigidBodies::prepare(const std::vector<double>& motion, std::vector<double> forces) {
-    per_freedom_ = std::move(forces);
+void RigidBodies::prepare(const std::vector<double>& motion, std::vector<double> given) {
+    per_freedom_ = std::move(given);
     const Eigen::Index freedoms = size_of(free_);
     if (freedoms == 0) return;
     const Eigen::Index rows = size_of(motion) / freedoms;
-    const Eigen::Map<const Matrix> of_motion(motion.data(), rows, freedoms),
-        of_forces(per_freedom_.data(), rows, freedoms);
+    const Eigen::Map<const Matrix> motions(motion.data(), rows, freedoms),
+        forces(per_freedom_.data(), rows, freedoms);
     Matrix stiffness =
         Eigen::Map<const RowMajor>(mass_.data(), freedoms, freedoms) / (step_s_ * step_s_);
-    stiffness += of_motion.transpose() * of_forces;
+    stiffness += motions.transpose() * forces;
     const Eigen::LLT<Matrix> factor(stiffness);
     if (factor.info() != Eigen::Success)
         throw CaseFailure(

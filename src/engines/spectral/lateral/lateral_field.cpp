@@ -103,7 +103,7 @@ std::vector<double> LateralField::to_rows(const Values& values) const {
     return out;
 }
 
-void LateralField::from_rows(const std::vector<double>& in, Values& values) const {
+void LateralField::read_rows(const std::vector<double>& in, Values& values) const {
     const DistributedRows all = rows(0);
     const double* plane = in.data();
     for (const LateralVariation::Point& point : variation_.points)

@@ -42,7 +42,7 @@ public:
     /// that can be read on any number of ranks.
     DistributedRows rows(std::ptrdiff_t nx) const;
     std::vector<double> to_rows(const Values& values) const;
-    void from_rows(const std::vector<double>& rows, Values& values) const;
+    void read_rows(const std::vector<double>& rows, Values& values) const;
 
 private:
     const StrainKernels& kernels_;

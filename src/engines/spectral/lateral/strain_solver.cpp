@@ -60,9 +60,9 @@ void StrainSolver::refresh(Values& residual, const Response& respond) {
 
 /// Sums over all ranks and clears the sums.
 double StrainSolver::sum_over_team() {
-    const double all = sums_.of(team_);
+    const double total = sums_.team_sum(team_);
     sums_.clear();
-    return all;
+    return total;
 }
 
 /// Sets the image to (1 + G S) direction and returns its product with S direction.

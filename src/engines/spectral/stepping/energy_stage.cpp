@@ -20,8 +20,8 @@ public:
             s_.energy.watch.check(s_.step, 0.5 * s_.energy.kinetic.mine());
         s_.energy.watch.add_work(s_.scale() * s_.energy.work.mine());
         if (s_.field.variation().iterates)
-            s_.energy.reference =
-                std::max(s_.energy.kinetic.of(s_.team), std::abs(s_.energy.work.of(s_.team)));
+            s_.energy.reference = std::max(s_.energy.kinetic.team_sum(s_.team),
+                                           std::abs(s_.energy.work.team_sum(s_.team)));
     }
     std::vector<engines::Allocation> arrays() const override { return {}; } // a number per ky
     void save(StateWriter& state) const override { s_.energy.watch.save(state); }

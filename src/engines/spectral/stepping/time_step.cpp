@@ -146,7 +146,7 @@ double inertia_of_inclusions(const Case& c, const SpectralOptions& options, cons
 /// Estimated relative L2 error of the surface field caused by the time step.
 struct Expected {
     double layers, bodies;
-    double all() const { return layers + bodies; }
+    double total() const { return layers + bodies; }
 };
 
 /// Factors of 1000 elements of degree 8 take 130 MB, and their first step 0.1 s.
@@ -186,9 +186,9 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options,
     const double least = std::max(1.0, std::ceil(c.time.interval_s * s.load_rad_s));
     TimeStep chosen = divided(c, static_cast<std::ptrdiff_t>(least));
     Expected error = expected_error(c, options, s, chosen.step_s, limit);
-    const auto is_enough = [&] { return safety * error.all() <= options.accuracy; };
+    const auto is_enough = [&] { return safety * error.total() <= options.accuracy; };
     while (!is_enough() && s.omega_rad_s * chosen.step_s > shortest_step_rad) {
-        const double finer = std::pow(safety * error.all() / options.accuracy, 0.25);
+        const double finer = std::pow(safety * error.total() / options.accuracy, 0.25);
         const double next =
             std::ceil(0.9 * static_cast<double>(chosen.per_frame) * std::min(finer, 2.0));
         chosen = divided(c, std::max(chosen.per_frame + 1, static_cast<std::ptrdiff_t>(next)));
@@ -196,7 +196,7 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options,
     }
     chosen.why =
         fmt::format("time step {:.4g} us for an accuracy of {:.2g} (estimated error {:.1g}): {}",
-                    1e6 * chosen.step_s, options.accuracy, error.all(),
+                    1e6 * chosen.step_s, options.accuracy, error.total(),
                     !is_enough() ? "the accuracy is not reached, shorter steps are not considered"
                     : error.bodies > error.layers ? "limited by the stiffest inclusion"
                     : chosen.per_frame == 1       ? "one step per frame is sufficient"

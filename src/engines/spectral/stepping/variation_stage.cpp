@@ -133,9 +133,9 @@ void StrainIteration::restore(const StateReader& state) {
     const DistributedRows rows = s_.field.rows(s_.c.domain.nx);
     std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));
     state.get("strain", rows, buffer.data());
-    s_.field.from_rows(buffer, s_.strain);
+    s_.field.read_rows(buffer, s_.strain);
     state.get("strain_before", rows, buffer.data());
-    s_.field.from_rows(buffer, s_.strain_before);
+    s_.field.read_rows(buffer, s_.strain_before);
 }
 
 } // namespace shearwake::spectral

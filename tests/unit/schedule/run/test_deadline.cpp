@@ -82,7 +82,7 @@ TEST_CASE(
     std::set<double> of_chosen, of_others;
     for (const PlannedCase* p : cases)
         (costs.is_step_chosen(p->physics) ? of_chosen : of_others)
-            .insert(costs.of(p->physics).work);
+            .insert(costs.resources(p->physics).work);
     // The steps are those of the chosen ones, and the meshes are nearly the same for all.
     CHECK(*of_others.begin() > 0.8 * *of_chosen.begin());
     CHECK(*of_others.rbegin() < 1.25 * *of_chosen.rbegin());

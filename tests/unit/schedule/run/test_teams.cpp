@@ -78,7 +78,7 @@ TEST_CASE("the first of adjacent cases of a medium computes its transfer functio
         pairs.planned[i].physics.scene.medium.layers[0].c_s_m_s =
             5.0 + 1e-4 * static_cast<double>(i / 2);
     cost::CaseCosts costs({}, 0.0);
-    const engines::Resources& one = costs.of(pairs.planned[0].physics);
+    const engines::Resources& one = costs.resources(pairs.planned[0].physics);
     REQUIRE(one.shared_work > 0.0);
     const std::vector<double> work = schedule::work_per_rank(pairs.pointers(), 1, costs);
     REQUIRE(work.size() == 6);
