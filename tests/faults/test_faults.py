@@ -149,6 +149,16 @@ class Failing(FaultTest):
             self.assertEqual(table_bytes(self.out), reference)
         self.assertGreater(again, 0, "no case has met a failure")
 
+    def test_a_file_is_flushed_before_it_gets_its_name(self):
+        for ranks, path, words, code in ((1, "cases/*.h5", (), 6), (2, "cases/*.h5", ("--ranks-per-case", 2), 6),
+                                         (1, "checkpoints/", ("--checkpoint-steps", 20), 0), (1, "journal", (), 6)):
+            with self.subTest(path=path, ranks=ranks):
+                shutil.rmtree(self.out, ignore_errors=True)
+                done = self.run_with(ranks, words, PATH=f"/out/small/{path}", CALL="fsync", EIO_AT=1, EIO_COUNT=1000000,
+                                     ERRNO=errno.ENOSPC)
+                self.assertEqual(done.returncode, code, done.output)
+                self.assertRegex(done.output, f"cannot flush out/small/{path.replace('*', '.*')}.*: No space left")
+
     @pytest.mark.long
     def test_persistent_file_errors_are_reported_and_the_next_run_continues(self):
         reference = self.reference()
