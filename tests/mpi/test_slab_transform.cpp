@@ -13,8 +13,8 @@ using namespace shearwake;
 
 /// Extents that are not divisible, odd extents, and fewer rows than ranks.
 using PlaneSize = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
-const auto grids = {PlaneSize{14, 10}, PlaneSize{30, 18}, PlaneSize{9, 7}, PlaneSize{4, 2},
-                    PlaneSize{2, 6}};
+const auto grids = {PlaneSize{14, 10}, PlaneSize{30, 18}, PlaneSize{9, 7},
+                    PlaneSize{4, 2},   PlaneSize{2, 6},   PlaneSize{1, 6}};
 
 /// Pseudo-random numbers that depend on the position in the grid, not on the rank.
 static double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
