@@ -143,11 +143,13 @@ class Reading(InFolder):
 
     def test_cases_of_different_grids_are_united(self):
         sweep = job(("name = \"small\"", "name = \"grids\""), (program.SWEEP, '"domain.spacing_mm" = [1.0, 2.0]'),
+                    ("settled_after_ms = 1.0", "settled_after_ms = 1.0\ndepths_mm = [0.0, 3.0]"),
                     ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.spacing_mm"')).run()
         with self.assertWarnsRegex(shearwake.GridsDiffer, "surface/x|/x"):
             surface = sweep.dataset("surface")["surface"]
         fine, coarse = (surface.sel(spacing_mm=s).isel(surface_time=-1, depth=0) for s in (1.0, 2.0))
         self.assertFalse(np.isnan(fine.values).any())
+        self.assertEqual(surface["depth"].values.tolist(), [0.0, 3e-3])
         kept = coarse.dropna("x", how="all").dropna("y", how="all")
         np.testing.assert_array_equal(kept.values, sweep.cases[1].snapshot()[3])
 
