@@ -221,6 +221,12 @@ print(result["p"].shape)
         text = "".join("".join(output.get("text", "")) for output in outputs)
         self.contains(text, "absorbing layer: 3, 3, 3 points, inside the grid", "] 100 %\n", "(1, 40)")
 
+    def test_a_rank_without_points_takes_part_in_their_interpolation(self):
+        point = {"mask": numpy.array([[3.2e-4], [0.3e-4], [-1.1e-4]]), "record": ["p", "u"]}  # in the half of the second rank
+        one, two = (self.small(sensor=point, ranks=ranks) for ranks in (1, 2))
+        for name, values in one.items():
+            numpy.testing.assert_allclose(two[name], values, rtol=0.0, atol=TOLERANCE * numpy.abs(values).max(), err_msg=name)
+
     @pytest.mark.extended
     def test_identities_of_kwaves_own_tests(self):
         """What the unit tests of k-Wave's elastic code compare, with their limits 1e-14 and 1e-15 relative to the largest value."""

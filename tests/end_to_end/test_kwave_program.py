@@ -125,6 +125,12 @@ class Program(KWaveTest):
                 numpy.testing.assert_array_equal(out[name][()], given[name][()])
             self.assertEqual((int(out["Nt"][0, 0, 0]), int(out["t_index"][0, 0, 0])), (120, 120))
 
+    def test_extremes_of_the_last_step_alone_are_its_values(self):
+        self.run_file(DATA / "homogeneous_input.h5", "--p_max_all", "--p_min_all", "--p_final", "-s", "120")
+        with h5py.File(self.folder / "out.h5") as out:
+            for name in ("p_max_all", "p_min_all"):
+                numpy.testing.assert_array_equal(out[name][()], out["p_final"][()], name)
+
     def test_options_have_the_meaning_of_kwaves_programs(self):
         file = DATA / "homogeneous_input.h5"
         text = self.run_file(file, "--benchmark", "20", "-r", "10", "--u_non", "-g", "0", "--verbose", "2", "-t", "1")
