@@ -152,6 +152,14 @@ TEST_CASE("rounding phases to few levels reduces the peak as predicted by theory
     const double x = std::numbers::pi / levels;
     CHECK(strength(levels) / strength(0) == Approx(std::pow(std::sin(x) / x, 2)).epsilon(0.1));
     CHECK(strength(256) / strength(0) == Approx(1.0).epsilon(1e-2));
+    ArrayFootprint array = board();
+    const auto exact = ArrayField(array, 0.02).drives({&focus, 1});
+    array.phase_levels = levels;
+    const auto rounded = ArrayField(array, 0.02).drives({&focus, 1});
+    double worst_rad = 0.0;
+    for (std::size_t n = 0; n < exact.size(); ++n)
+        worst_rad = std::max(worst_rad, std::abs(std::arg(rounded[n] / exact[n])));
+    CHECK(worst_rad <= x * (1.0 + 1e-12)); // half a step
 }
 
 TEST_CASE("the pattern of an array is that of the discs of its pistons", "[array]") {

@@ -79,6 +79,9 @@ TEST_CASE("a cell at the face of a body is a laminate", "[material_field]") {
           Approx(1.0 / (0.25 / (layer_mu + s * 2.0) + 0.75 / (body_mu + s * 8.0))).epsilon(1e-12));
     CHECK(std::abs(m.normal.z) == Approx(1.0).epsilon(1e-12));
     CHECK_FALSE(material_of_cell(medium, 0, {0, 0, 0.5e-3}, cell_m).is_laminate());
+    medium.bodies[0].viscosity_Pa_s.reset(); // not given: the layer's
+    CHECK(material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m).viscosity_Pa_s ==
+          Approx(2.0).epsilon(1e-15));
     // A uniform viscosity remains uniform along the surface.
     medium.bodies[0].viscosity_Pa_s = 2.0;
     CHECK(material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m).viscosity_Pa_s ==

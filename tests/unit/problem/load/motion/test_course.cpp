@@ -137,6 +137,7 @@ TEST_CASE("a focus rests at its points and jumps between them", "[course]") {
         CHECK(are_near(at(pass_s + 0.0031), third));
         CHECK(level({{travel}}, pass_s + 0.0025) == 1.0);
     }
+    CHECK(are_near(at(0.002), second)); // the end of a rest is not part of it
     CHECK(norm(velocity({{travel}}, 0.0025)) == 0.0);
     travel.at_end = AtEnd::back_and_forth;
     CHECK(cycle_s(travel) == 0.014);
