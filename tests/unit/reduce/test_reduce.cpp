@@ -10,6 +10,7 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 namespace test_reduce {
 
@@ -90,6 +91,9 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(written.rows == 5);
     CHECK(written.complete == 2);
     CHECK(storage::read_file(written.csv) == reduce::csv(table));
+    const auto json = nlohmann::json::parse(storage::read_file(folder / "tables/job.json"));
+    CHECK(json.at("cases").at(0).at("notes").size() == 2);
+    CHECK(json.at("cases").at(1).at("notes").empty());
 }
 
 } // namespace test_reduce
