@@ -53,7 +53,9 @@ public:
         inverse_ = Eigen::Map<const Eigen::MatrixXd>(systems.inverse(0), n, n);
     }
 
-    const std::vector<spectral::SectionMarkers::Marker>& markers() const { return markers_->markers(); }
+    const std::vector<spectral::SectionMarkers::Marker>& markers() const {
+        return markers_->markers();
+    }
 
     /// The forces per length [N/m] for a displacement (along, across, down) of the markers [m].
     template <class Displacement>

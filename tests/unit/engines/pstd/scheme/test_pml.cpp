@@ -22,4 +22,19 @@ TEST_CASE("the planned sizes of the parts of a field are those of its runs", "[p
     }
 }
 
+TEST_CASE("the layers on both sides of an axis are mirror images", "[pstd]") {
+    const std::size_t n = 24;
+    const pstd::Grid grid{{24, 8, 8}, {1e-3, 1e-3, 1e-3}, 1e-5};
+    const pstd::PmlOptions options{.points = {5, 0, 0}};
+    for (const auto places : {pstd::PmlPlaces::nodes, pstd::PmlPlaces::half_a_cell_on}) {
+        // Half a cell above the last node of a grid is half a cell below the first one.
+        const std::size_t last = places == pstd::PmlPlaces::nodes ? n - 1 : n - 2;
+        const pstd::PmlProfile profile = pstd::pml_profile(grid, options, 0, places, 20.0);
+        CHECK(profile.main[0] < 1.0);
+        // The half cell between the layer and the node above it belongs to the lower layer alone.
+        for (std::size_t i = 0; i < 4; ++i)
+            CHECK(profile.main[i] == profile.main[last - i]);
+    }
+}
+
 } // namespace test_pml
