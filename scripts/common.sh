@@ -60,7 +60,8 @@ show_steps() {
         *) continue ;;
         esac
         steps=${steps#?} now=$(date +%s) left=""
-        if [ $((now - began)) -ge 10 ]; then # as if the remaining steps took as long as those before
+        # As if the remaining steps took as long as those before.
+        if [ $((now - began)) -ge 10 ] && [ "${steps%/*}" -gt 0 ]; then
             seconds=$(((now - began) * (${steps#*/} - ${steps%/*}) / ${steps%/*}))
             left=", about $((seconds / 60 + 1)) min left"
         fi
