@@ -93,7 +93,7 @@ WITHOUT_PICTURE = ("bounds-am", "bounds-sm", "read-back")
 # Jobs that take more than a few minutes are shortened as scripts/quickstart does it.
 OVERRIDES = {
     "bone-under-palm": [
-        "domain.extent_mm=[72, 48]", "load.modulation.path.from_mm=[-14, 0]",
+        "domain.extent_mm=[80, 48]", "load.modulation.path.from_mm=[-14, 0]",
         "load.modulation.am_frequency_Hz=400", "time.duration_ms=4", "measure.at_ms=4",
         "measure.settled_after_ms=1.5", "record.snapshots_ms=[2, 4]",
         'sweep."medium.body[1].depth_mm"=[5, 8, 12]'],
