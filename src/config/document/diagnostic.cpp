@@ -41,6 +41,13 @@ void DiagnosticList::error(const Place& at, std::string message) {
     add(Severity::error, at, std::move(message));
 }
 
+void DiagnosticList::error_once(const Place& at, std::string message) {
+    if (seen_.insert(message).second)
+        error(at, std::move(message));
+    else
+        ++errors_;
+}
+
 void DiagnosticList::warning(const Place& at, std::string message) {
     add(Severity::warning, at, std::move(message));
 }

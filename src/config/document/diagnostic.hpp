@@ -44,6 +44,8 @@ std::string excerpt(std::string_view text, std::size_t limit = 60);
 class DiagnosticList {
 public:
     void error(const Place& at, std::string message);
+    /// An error that is stored once, even if its message recurs at other places.
+    void error_once(const Place& at, std::string message);
     void warning(const Place& at, std::string message);
 
     /// Number of errors reported so far, including repeated ones: it increases with every error.

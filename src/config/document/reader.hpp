@@ -67,6 +67,8 @@ public:
     /// Reports an error; `message` follows the full name of the key. Its location is the value, if
     /// present.
     void error(std::string_view key, std::string_view message) const;
+    /// Reports that a key excludes another one: in a sweep once, not for each of its values.
+    void conflict(std::string_view key, std::string_view message) const;
     void missing(std::string_view key);
     /// Reports that a key on which the others depend is missing, if it is. `finish` is not called
     /// then, since the other keys belong to some choice.

@@ -71,6 +71,10 @@ void Reader::error(std::string_view key, std::string_view message) const {
     diagnostics_->error(place(key), fmt::format("{} {}", full(key), message));
 }
 
+void Reader::conflict(std::string_view key, std::string_view message) const {
+    diagnostics_->error_once(place(key), fmt::format("{} {}", full(key), message));
+}
+
 void Reader::wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const {
     const auto* word = std::get_if<std::string>(&found.value);
     const auto number = word ? with_decimal_point(*word) : std::nullopt;

@@ -37,12 +37,12 @@ void read_direction(Reader& reader, Cylinder& cylinder) {
     const double azimuth_deg = read_angle_deg(reader, "azimuth_deg", azimuth_range);
     const double inclination_deg = read_angle_deg(reader, "inclination_deg", inclination_range);
     if (reader.has("axis") && reader.has("azimuth_deg"))
-        reader.error("azimuth_deg", "and axis are both given; remove one of them from the job");
+        reader.conflict("azimuth_deg", "and axis are both given; remove one of them from the job");
     else if (!reader.has("axis") && !reader.has("azimuth_deg"))
         reader.missing(reader.has("inclination_deg") ? "azimuth_deg" : "axis");
     else if (reader.has("axis") && reader.has("inclination_deg"))
-        reader.error("inclination_deg",
-                     "and axis are both given; give azimuth_deg instead of axis");
+        reader.conflict("inclination_deg",
+                        "and axis are both given; give azimuth_deg instead of axis");
     if (inclination_deg != 0.0 && cylinder.is_endless())
         reader.error("inclination_deg",
                      "requires length_mm, since a cylinder without ends must lie horizontally "
@@ -69,8 +69,8 @@ Vec3 read_centre_m(Reader& reader, bool has_depth) {
     }
     const bool is_complete = values->size() == 3;
     if (is_complete && reader.has("depth_mm"))
-        reader.error("depth_mm",
-                     "and the z of center_mm = [x, y, z] are both given; remove one of them");
+        reader.conflict("depth_mm",
+                        "and the z of center_mm = [x, y, z] are both given; remove one of them");
     if (!is_complete && !reader.has("depth_mm") && has_depth) reader.missing("depth_mm");
     return {(*values)[0], (*values)[1], is_complete ? (*values)[2] : depth_m.value_or(0.0)};
 }

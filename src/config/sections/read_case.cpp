@@ -92,8 +92,8 @@ double read_focal_radius_m(Reader& reader, const Load& load) {
     const auto radius_m =
         reader.find_number("focal_radius_mm", range_of<MeasureOptions>("focal_radius_mm"));
     if (reader.has("focal_radius_fwhm") && reader.has("focal_radius_mm"))
-        reader.error("focal_radius_mm",
-                     "and focal_radius_fwhm are both given; remove one of them from the job");
+        reader.conflict("focal_radius_mm",
+                        "and focal_radius_fwhm are both given; remove one of them from the job");
     return radius_m.value_or(in_fwhm.value_or(1.0) * fwhm_m(load.footprint));
 }
 

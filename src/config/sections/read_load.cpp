@@ -268,7 +268,7 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
     load.peak_Pa = peak_Pa.value_or(read.peak_Pa.value_or(1.0));
     const bool is_lens = std::holds_alternative<LensFootprint>(load.footprint);
     if (read.defines_peak && reader.has("peak_Pa"))
-        reader.error(
+        reader.conflict(
             "peak_Pa",
             fmt::format("and load.footprint.{} are both given; remove one of them from the job",
                         is_lens ? "pressure_Pa" : "pressure_Pa_m"));

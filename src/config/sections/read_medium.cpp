@@ -32,7 +32,8 @@ ShearLoss read_loss(Reader& reader) {
     const NodePtr loss = reader.node("loss");
     if (!loss) return viscosity_Pa_s ? kelvin_voigt(*viscosity_Pa_s) : Lossless{};
     if (reader.has("viscosity_Pa_s"))
-        reader.error("loss", "and viscosity_Pa_s are both given; remove one of them from the job");
+        reader.conflict("loss",
+                        "and viscosity_Pa_s are both given; remove one of them from the job");
     if (std::holds_alternative<TableNode>(loss->value)) return read_law(reader.table("loss"));
     const auto* word = std::get_if<std::string>(&loss->value);
     if (!word || *word != "none")

@@ -102,7 +102,8 @@ Curve read_shape(Context& c, const PolygonKeys&) {
     const auto radius_m = c.reader.find_number("radius_mm", range_of<PolygonKeys>("radius_mm"));
     const auto side_m = c.reader.find_number("side_mm", range_of<PolygonKeys>("side_mm"));
     if (c.reader.has("radius_mm") && c.reader.has("side_mm"))
-        c.reader.error("side_mm", "and radius_mm are both given; remove one of them from the job");
+        c.reader.conflict("side_mm",
+                          "and radius_mm are both given; remove one of them from the job");
     if (!c.reader.has("radius_mm") && !c.reader.has("side_mm")) c.reader.missing("radius_mm");
     const double start_rad =
         c.reader.number_or("start_deg", -0.25 * two_pi + 0.5 * two_pi / sides, Range::any());

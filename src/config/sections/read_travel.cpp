@@ -44,12 +44,12 @@ double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& 
     const auto draw_Hz =
         reader.find_number("draw_frequency_Hz", range_of<Travel>("draw_frequency_Hz"));
     if (reader.has("speed_m_s") && reader.has("mach"))
-        reader.error("mach", "and speed_m_s are both given; remove one of them from the job");
+        reader.conflict("mach", "and speed_m_s are both given; remove one of them from the job");
     const bool has_speed = reader.has("speed_m_s") || reader.has("mach");
     if (reader.has("draw_frequency_Hz")) {
         if (has_speed)
-            reader.error("draw_frequency_Hz",
-                         "and a speed are both given; remove one of them from the job");
+            reader.conflict("draw_frequency_Hz",
+                            "and a speed are both given; remove one of them from the job");
         else if (!has_path)
             return 1.0;
         else if (travel.at_end == AtEnd::off || travel.at_end == AtEnd::hold)

@@ -194,6 +194,13 @@ TEST_CASE("every invalid value of an axis is reported once", "[config][sweep]") 
                 error_at("28:27 load.peak_Pa must be above 0, but is -1")});
 }
 
+TEST_CASE("keys that exclude each other are reported once for all values of an axis",
+          "[config][sweep]") {
+    CHECK(diagnostics_of(plain_and("[sweep]\n\"load.modulation.mach\" = [1.2, 1.4, 1.6]\n")) ==
+          Texts{error_at("28:27 load.modulation.mach and speed_m_s are both given; remove one of "
+                         "them from the job")});
+}
+
 TEST_CASE("two combinations that give the same case are reported", "[config][sweep]") {
     const Texts found = diagnostics_of(plain_and("[sweep]\nload.modulation.kind = [\"STM\"]\n"
                                                  "load.modulation.am_frequency_Hz = [500, 600]\n"));
