@@ -141,21 +141,55 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
     return text;
 }
 
+namespace {
+
+/// The number of characters of UTF-8, each of which takes one place in a terminal here.
+std::size_t width_of(const std::string& text) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+}
+
+/// The words of a label on lines of about `width` characters.
+std::vector<std::string> wrapped(const std::string& label, std::size_t width) {
+    std::vector<std::string> lines(1);
+    std::istringstream words(label);
+    for (std::string word; words >> word;) {
+        if (!lines.back().empty() && width_of(lines.back()) + 1 + width_of(word) > width)
+            lines.emplace_back();
+        lines.back() += (lines.back().empty() ? "" : " ") + word;
+    }
+    return lines;
+}
+
+} // namespace
+
 std::string first_rows(const Table& table, const std::vector<std::string>& columns,
                        std::size_t most) {
-    std::vector<std::string> lines(1 + std::min(most, table.rows.size()));
+    constexpr std::size_t label_width = 18;
+    std::vector<std::vector<std::string>> cells; // of each column, from the top
+    std::vector<std::size_t> heights;            // of the labels
     for (const std::string& name : columns) {
         const auto column = table.find(name);
         if (!column) continue;
-        std::vector<std::string> cells = {name.substr(name.rfind('.') + 1)};
-        for (std::size_t n = 0; n + 1 < lines.size(); ++n)
-            cells.push_back(one_line(text_of(table.rows[n][*column], 4)));
-        std::size_t width = 0;
-        for (const std::string& cell : cells)
-            width = std::max(width, cell.size());
-        for (std::size_t n = 0; n < lines.size(); ++n)
-            lines[n] += fmt::format("{}{:>{}}", lines[n].empty() ? "" : "  ", cells[n], width);
+        cells.push_back(wrapped(axis_label(name), label_width));
+        heights.push_back(cells.back().size());
+        for (std::size_t n = 0; n < std::min(most, table.rows.size()); ++n)
+            cells.back().push_back(one_line(text_of(table.rows[n][*column], 4)));
     }
+    std::vector<std::string> lines;
+    const std::size_t height = heights.empty() ? 0 : std::ranges::max(heights);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        cells[i].insert(cells[i].begin(), height - heights[i], "");
+        lines.resize(cells[i].size());
+        std::size_t width = 0;
+        for (const std::string& cell : cells[i])
+            width = std::max(width, width_of(cell));
+        for (std::size_t n = 0; n < lines.size(); ++n)
+            lines[n] +=
+                std::string(width - width_of(cells[i][n]) + (i > 0 ? 2 : 0), ' ') + cells[i][n];
+    }
+    for (std::string& line : lines) // labels differ in height
+        line.erase(line.find_last_not_of(' ') + 1);
     return fmt::format("{}\n", fmt::join(lines, "\n"));
 }
 

@@ -60,7 +60,7 @@ std::string markdown_text(const std::string& text);
 /// follow the table.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
 
-/// The first `most` rows of the named columns as aligned text, with short names of swept keys.
+/// The first `most` rows of the named columns as aligned text below their labels.
 std::string first_rows(const Table& table, const std::vector<std::string>& columns,
                        std::size_t most);
 

@@ -78,11 +78,12 @@ class Output(ProgramTest):
         self.write_job()
         self.shearwake("run", "job.toml")
         output = self.shearwake("reduce", self.out).output.splitlines()
-        head = next(line for line in output if "am_frequency_Hz" in line)
-        first = output[output.index(head) + 1].split()
+        begin = next(number for number, line in enumerate(output) if line.endswith("valid"))  # the last line of the labels
+        self.assertRegex(output[begin], r"^AM frequency \(Hz\)  efficiency η  ")
+        first = output[begin + 1].split()
         row = table(self.out)[0]
         self.assertEqual(float(first[0]), float(row["load.modulation.am_frequency_Hz"]))
-        self.assertEqual(first[head.split().index("eta_period_1")], f"{float(row['eta_period_1']):.4g}")
+        self.assertEqual(first[1], f"{float(row['eta_period_1']):.4g}")
 
     def test_presets_have_values_and_sources(self):
         output = self.shearwake("presets").output

@@ -38,6 +38,17 @@ TEST_CASE("each remark stands once below a Markdown table", "[reduce]") {
     CHECK(reduce::markdown(table, {"id"}) == "| id |\n| --- |\n| a |\n| b |\n| c |\n");
 }
 
+TEST_CASE("the first rows of a table stand below the labels of its columns", "[reduce]") {
+    const reduce::Table table{{"eta_period_over_reference_1", "peak_um"},
+                              {{1.0625, 1.5}, {2.0, 10.25}, {4.0, 3.0}}};
+    CHECK(reduce::first_rows(table, {"eta_period_over_reference_1", "none", "peak_um"}, 2) ==
+          "   efficiency η\n"
+          "relative to the            largest\n"
+          "      reference  displacement (µm)\n"
+          "          1.062                1.5\n"
+          "              2              10.25\n");
+}
+
 TEST_CASE("every case is a row with its status", "[reduce]") {
     const char *good = "a", *failed = "b", *damaged = "c", *reference = "d"; // ids are hexadecimal
     const test::TemporaryFolder folder;
