@@ -105,6 +105,9 @@ def medium_label(selection: Selection, case: Case) -> str:
     return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys) or case_label(selection, case)
 
 
+ONLY_CASE = "this case"  # of a job without swept keys
+
+
 @remembered
 def case_label(selection: Selection, case: Case) -> str:
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
@@ -112,7 +115,7 @@ def case_label(selection: Selection, case: Case) -> str:
         keys = [k for k in axes(selection) if k in case.settings and not is_reading(k)]
         return ", ".join([reference_name([case]), *(setting_text(selection, k, case.settings[k]) for k in keys)])
     if not selection.sweep.swept_keys:
-        return ", ".join(["this case", *(setting_text(selection, k, v) for k, v in case.settings.items() if not is_reading(k))])
+        return ", ".join([ONLY_CASE, *(setting_text(selection, k, v) for k, v in case.settings.items() if not is_reading(k))])
     keys = ([selection.x] if selection.x in case.settings else []) + group_keys(selection)
     return ", ".join(setting_text(selection, k, case.settings[k]) for k in keys if k in case.settings)
 

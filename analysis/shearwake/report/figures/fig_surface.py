@@ -147,7 +147,8 @@ def arrange(selection: load.Selection, shots: list[Any], columns: int,
     if height > highest:
         left += 0.5 * columns * width * (1.0 - highest / height)
         width, height = width * highest / height, highest
-    titles = [layout.wrapped(warnings_of.label(selection, s.case, "surface"), width) if s else "" for s in shots]
+    labels = [warnings_of.label(selection, s.case, "surface") if s else "" for s in shots]
+    titles = [layout.wrapped(label, width) if label != layout.ONLY_CASE else "" for label in labels]
     down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
     total = rows * (height + down) + bottom
     figure = plt.figure(figsize=(style.width_in(), total))
