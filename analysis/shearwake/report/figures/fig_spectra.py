@@ -160,7 +160,7 @@ def relative_figure(selection: Selection, panels: list[Panel]) -> Figure | None:
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    figure, _, charts = draw_panels(selection, panels, f"amplitude / largest of {name} (1)", relative)
+    figure, _, charts = draw_panels(selection, panels, f"amplitude / largest of {name}", relative)
     text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
     return Figure(figure, "spectra_relative", f"Spectra relative to {name}", text,
