@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A library of OpenCL that is linked with the one of the system under the name libRealCL.so.1, and
 // fails:
-//   FAULT_KERNEL_AT=n  the n-th kernel that is started finds no device any more, nor do those after
-//   it FAULT_ARRAY_AT=n   the n-th array finds no memory FAULT_MEMORY_B=b   the device has this
-//   memory
+//   FAULT_KERNEL_AT=n             the n-th kernel and those after it find no device
+//   FAULT_ARRAY_AT=n              the n-th array finds no memory
+//   FAULT_MEMORY_B=b, _LOCAL_B=b  the device has this memory, or this local memory
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
@@ -30,8 +30,10 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, vo
                        size_t* used) {
     const cl_int code =
         original(clGetDeviceInfo, "clGetDeviceInfo")(device, what, size, value, used);
-    if (what == CL_DEVICE_GLOBAL_MEM_SIZE && value && number("FAULT_MEMORY_B"))
-        *static_cast<cl_ulong*>(value) = static_cast<cl_ulong>(number("FAULT_MEMORY_B"));
+    const long limit = what == CL_DEVICE_GLOBAL_MEM_SIZE  ? number("FAULT_MEMORY_B")
+                       : what == CL_DEVICE_LOCAL_MEM_SIZE ? number("FAULT_LOCAL_B")
+                                                          : 0;
+    if (limit > 0 && value) *static_cast<cl_ulong*>(value) = static_cast<cl_ulong>(limit);
     return code;
 }
 

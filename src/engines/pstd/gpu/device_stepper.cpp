@@ -168,8 +168,7 @@ void DeviceStepper<Real>::update_velocities() const {
         const Buffer<Real>&g0 = g(0), &g1 = g(1), &g2 = g(2);
         device_.run(kernel("velocity"), nodes(), group_of_nodes, fields_[i].arguments(),
                     static_cast<cl_int>(axes[0]), static_cast<cl_int>(axes[1]),
-                    static_cast<cl_int>(axes[2]), dt_over_rho_[i].arguments(), g0, g1, g2,
-                    acceleration_[i]);
+                    dt_over_rho_[i].arguments(), g0, g1, g2, acceleration_[i]);
     }
 }
 
