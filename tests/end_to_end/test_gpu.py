@@ -210,6 +210,13 @@ class Jobs(OnGpu):
         self.assertEqual(ids(given), ids(SAVED))
         self.assertNotEqual(ids(self.ON_GPU), ids(SAVED))
 
+    def test_plan_states_the_memory_that_a_case_needs_on_the_device(self):
+        self.write_job(self.ON_GPU)
+        planned = re.search(r"on a GPU, in ([0-9.e-]+) GB of its memory", self.shearwake("plan", "job.toml").stdout)
+        output = self.call(*command("run", "job.toml"), variables=faults(MEMORY_B=1000000), expect=4).output
+        needed = re.search(r"the case\s+needs ([0-9.e-]+) GB in arrays", output)
+        self.assertAlmostEqual(float(planned[1]) / float(needed[1]), 1.0, delta=0.03)  # tables are left out
+
     def test_a_failure_of_the_device_ends_the_case_alone(self):
         self.write_job(self.ON_GPU)
         output = self.call(*command("run", "job.toml"), variables=faults(ARRAY_AT=30), expect=4).output
