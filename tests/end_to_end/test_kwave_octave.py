@@ -3,6 +3,7 @@
 import os
 import shutil
 import unittest
+from pathlib import Path
 
 import h5py
 import numpy
@@ -46,6 +47,10 @@ class Octave(FunctionsTest):
                 self.compare([found] if group == "corners" and isinstance(found, dict) else found, file[group])
         self.assertEqual([path.name for path in folder.glob("oct-*")], [])
         return out["more"]
+
+    @unittest.skipUnless(list(Path("/etc/OpenCL/vendors").glob("*.icd")), "OpenCL has no driver")
+    def test_a_gpu_agrees_with_kwave(self):
+        self.octave([("homogeneous", "binary", "'Device', 'gpu'")])
 
     def test_records_and_types_agree_without_kwave(self):
         """Values of all types in which Octave stores masks and times, and the options of k-Wave's three-dimensional example."""
