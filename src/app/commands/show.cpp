@@ -204,10 +204,12 @@ Json description(const Case& c, const ShowArguments& arguments) {
     members["distance_m"] = array->distance_m;
     const ArrayField field(*array, 0.0);
     const double count = std::round((cycle_s > 0.0 ? cycle_s : run_s) * arguments.rate_Hz);
-    for (double n = 0.0; arguments.phases && n < count; ++n)
-        for (const std::complex<double> drive :
-             field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz))))
-            phases.push_back(std::arg(drive));
+    for (double n = 0.0; arguments.phases && n < count; ++n) {
+        const auto drives =
+            field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz)));
+        for (const std::size_t piston : board_order(*array))
+            phases.push_back(std::arg(drives[piston]));
+    }
     members["phases_rad"] = phases; // frame by frame
     return members;
 }

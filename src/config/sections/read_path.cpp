@@ -189,10 +189,11 @@ PointsFile read_frames(const std::string& text, ArrayFootprint& array) {
     if (width != pistons)
         return {.problem = fmt::format("has {} phases per frame, but the array has {} pistons",
                                        width, pistons)};
-    for (double phase_rad = 0.0; words >> phase_rad;) {
-        if (frames->drives.empty() || std::ssize(frames->drives.back()) == pistons)
-            frames->drives.emplace_back();
-        frames->drives.back().push_back(std::polar(1.0, phase_rad));
+    const std::vector<std::size_t> order = board_order(array);
+    std::size_t next = 0;
+    for (double phase_rad = 0.0; words >> phase_rad; next = (next + 1) % order.size()) {
+        if (next == 0) frames->drives.emplace_back(order.size());
+        frames->drives.back()[order[next]] = std::polar(1.0, phase_rad);
     }
     for (std::size_t n = 0; n < frames->drives.size(); ++n) // until the places are known
         frames->places_m.push_back({static_cast<double>(n), 0.0});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace shearwake {
 namespace {
@@ -116,6 +117,17 @@ ArrayField::ArrayField(const ArrayFootprint& array, double furthest_m) : array_(
 
 const double* ArrayField::table_row(const std::vector<double>& table, std::ptrdiff_t offset) const {
     return table.data() + std::abs(offset) * (2 * half_ + 1) + half_;
+}
+
+std::vector<std::size_t> board_order(const ArrayFootprint& array) {
+    std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> places;
+    for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
+        places.emplace_back(column, -row);
+    });
+    std::vector<std::size_t> order(places.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t n) { return places[n]; });
+    return order;
 }
 
 /// Drives that focus on all foci, with the total power of a single focus.

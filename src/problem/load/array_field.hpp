@@ -15,6 +15,10 @@ namespace shearwake {
 /// below it [1/m].
 std::complex<double> piston_pressure(const ArrayFootprint& array, double offset_m);
 
+/// The numbers of the pistons, among drives(), in the order of the files of OpenMPD's boards: by x,
+/// and for each x from the largest y.
+std::vector<std::size_t> board_order(const ArrayFootprint& array);
+
 /// |p|^2 on the skin below an array, divided by its value at a focus directly below the centre.
 ///
 /// All pistons and samples are on one lattice, whose spacing divides the pitch, so that a single
