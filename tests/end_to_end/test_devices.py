@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of devices, read as loads and written by `export --to`. The files that are read are made here, byte by byte."""
+import collections
 import json
 import math
 import re
@@ -89,12 +90,13 @@ class Devices(ProgramTest):
         np.testing.assert_allclose(gain, ((1 + wave) / 2) ** 2, atol=1e-9)
 
     def test_phases_of_an_array_are_played(self):
-        """Phases that focus on a place, computed here: the load is there, frame by frame."""
+        """Phases that focus on a place, computed here: the load is there, frame by frame. The order is that of board_X.pat of OpenMPD: x
+        from the smallest, and for each of them y from the largest."""
         place = {"x": [0.0, 12.0], "y": [-9.0, 0.0]}
         at = (np.arange(16) - 7.5) * 10.47
         rows = []
         for x, y in zip(place["x"], place["y"]):
-            rows.append(",".join(f"{-2 * math.pi * 40 / 346.1 * math.hypot(x - px, y - py, 150.0):.9f}" for py in at for px in at))
+            rows.append(",".join(f"{-2 * math.pi * 40 / 346.1 * math.hypot(x - px, y - py, 150.0):.9f}" for px in at for py in at[::-1]))
         (self.folder / "p.csv").write_text("2,256\n" + "\n".join(rows) + "\n", encoding="utf-8")
         self.write('kind = "file"\nfile = "p.csv"', footprint=ARRAY)
         x, y, gain = self.load_at(4000)
@@ -125,6 +127,18 @@ class Devices(ProgramTest):
                 ("a.hjif", deep, "nested"),
                 ("a.hjif", "{\n 1}", "line 2"),
                 ("a.hjif", json.dumps(frame), "perceptions[0].channels[0].bands[0].effects[0].keyframes[1].amplitude_modulation", "7"),
+                ("a.csv", "t_s;x_mm;y_mm\r\n0;0;0\r\n0,001;1,5;0\r\n", "line 3", "'0,001'"),
+                ("a.csv", "t_s,x_mm,y_mm\n0,0,0\n0.1,1_0,0\n", "line 3", "'1_0'"),
+                ("a.csv", 't_s,x_mm,y_mm\n0,0,0\n"0.1,1,0\n', "line 3", "unexpected end"),
+                ("a.csv", "t_s,x_mm,y_mm\n0,0,0\n0.1,1,0\n0.1,2,0\n", "line 4", "after 0.1 s"),
+                ("a.wav", wav_bytes([0, 1], data_B=40), "byte 36", "4 follow"),
+                ("a.wav", wav_bytes([0, 1])[:30], "byte 12", "ends in its header"),
+                ("a.wav", wav_bytes([0, 1]).replace(struct.pack("<HH", 1, 1), struct.pack("<HH", 6, 1), 1), "chunk fmt", "format 6"),
+                ("a.hjif", json.dumps(HJIF).replace('"gain": 1.0', '"gain": 1.0, "gain": 0.2'), "member twice"),
+                ("a.hjif", json.dumps(HJIF).replace('"gain": 1.0', '"gain": NaN'), "channels[0].gain"),
+                ("a.hjif", json.dumps(HJIF).replace('"gain": 1.0', '"gain": "1.0"'), "channels[0].gain"),
+                ("a.hjif", json.dumps(HJIF).replace('"position": 0', f'"position": {"1" * 5000}'), "thousands of digits"),
+                ("a.hjif", json.dumps(HJIF).replace("Basis", "Reference"), "effects[0]", "Basis"),
                 ("a.mp3", "x", ".wav")):
             with self.subTest(name=name, texts=texts):
                 (self.folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -186,6 +200,56 @@ class Devices(ProgramTest):
         gains = [np.loadtxt(self.folder / f"{case.stem}.csv", delimiter=",", skiprows=1)[:, 4] for case in
                  case_files(self.folder / "out")]
         self.assertEqual(sorted(int(gain.min() < 0.5) for gain in gains), [0, 1])  # the reference is not modulated
+
+    def test_cycles_repeat_until_they_end_with_a_sample(self):
+        """75 Hz has 533.3 samples of 40 kHz: three cycles are played, so that they do not drift."""
+        self.write('kind = "AM"\nam_frequency_Hz = 75.0', ms=80.0)
+        self.shearwake("export", "job.toml", "--to", "csv", "--no-effect", "--out", "back")
+        self.write('kind = "file"\nfile = "back.csv"', "back.toml", ms=80.0)
+        asked, played = self.load_at(80_000)[2], self.load_at(80_000, "back.toml")[2]
+        np.testing.assert_allclose(played[1::2], asked[:-1:2], atol=1e-4)
+
+    def test_phases_return_and_their_rounding_has_an_effect(self):
+        self.write('kind = "STM"\npath = { shape = "circle", radius_mm = 5.0 }\ndraw_frequency_Hz = 100.0', footprint=ARRAY)
+        output = self.shearwake("export", "job.toml", "--to", "phases", "--rate", "2000", "--out", "back").output
+        self.contains(output, "128 levels", "update_rate_kHz = 2", "effect: eta_", "as played")
+        self.write('kind = "file"\nfile = "back.phases.csv"', "back.toml", footprint=ARRAY)
+        asked, played = (np.array(json.loads(self.shearwake("show", "--modulation", name, "--json", "--rate", 2000, "--phases").stdout)["phases_rad"])
+                         for name in ("job.toml", "back.toml"))
+        self.assertEqual(len(asked), 20 * 256)
+        np.testing.assert_allclose(np.exp(1j * played), np.exp(1j * asked), atol=1e-4)
+        self.contains(self.shearwake("export", "job.toml", "--to", "phases", "--rate", "100", expect=2).output, "from 1 to 255")
+
+    def test_the_effect_of_an_envelope_is_that_along_the_motion_of_the_case(self):
+        self.write(MODULATIONS["AM-STM"])
+        for kind in ("wav", "hjif"):
+            output = self.shearwake("export", "job.toml", "--to", kind).output
+            self.contains(output, "no positions", "along the motion")
+            change = float(re.search(r"effect: eta_\S+ .*\(([+-]\S+) %\)", output)[1])
+            self.assertLess(abs(change), 1.0)  # straight lines between samples of 8 kHz change sin^2 of 200 Hz by 0.3 %
+
+    def test_a_lens_is_a_closed_solid_in_millimetres(self):
+        job = (ROOT / "jobs/lens-letter.toml").read_text(encoding="utf-8")
+        (self.folder / "lens.toml").write_text(job, encoding="utf-8")
+        self.shearwake("export", "lens.toml", "--to", "stl")
+        self.shearwake("lens", "lens.toml", "--out", "map")
+        content = (self.folder / "lens.stl").read_bytes()
+        count = int.from_bytes(content[80:84], "little")
+        self.assertEqual(len(content), 84 + 50 * count)
+        facets = np.frombuffer(content[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")]))
+        corners = facets["corners"].astype(float)
+        edges = collections.Counter()
+        for corner in np.round(corners, 4):
+            for n in range(3):
+                edges[tuple(corner[n]), tuple(corner[(n + 1) % 3])] += 1
+        self.assertTrue(all(edges[b, a] == n for (a, b), n in list(edges.items())))  # each edge is passed in both directions
+        volume_mm3 = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        heights_mm = np.loadtxt(self.folder / "map/thickness.csv", delimiter=",", skiprows=1)[:, 2]
+        self.assertAlmostEqual(volume_mm3 / (16 * heights_mm.sum()), 1.0, places=6)  # pixels of 4 mm
+        range_mm = 1e3 / (40e3 * (1 / 346.1 - 1 / 1000))  # a turn of the phase: 1 / (f |1 / c_air - 1 / c_lens|)
+        self.assertGreaterEqual(heights_mm[heights_mm > 0].min(), 1.0)
+        self.assertLess(heights_mm.max(), 1.0 + range_mm)
+        self.assertGreater(heights_mm.max(), 1.0 + 0.95 * range_mm)
 
     def test_what_cannot_be_exported_is_refused(self):
         self.write(MODULATIONS["AM"])

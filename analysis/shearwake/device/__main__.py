@@ -8,27 +8,19 @@ Exit 0: written; 2: the device cannot play the load; 3: the job has errors; 6: a
 from __future__ import annotations
 
 import argparse
+import json
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 from .. import program
 from ..errors import ShearwakeError
 from ..job import Job
-from .load import BadExport, Trace, effect_of, played_job, single_case, trace_of
-from .read import MOST
-from .targets import DISTANCE_mm, TARGETS, Export
+from .load import BadExport, Trace, effect_of, single_case, table_of, trace_of
+from .targets import BACK, DISTANCE_mm, TARGETS
 
 USAGE, ENVIRONMENT = 2, 6
-
-
-def write(prefix: str, made: Export) -> None:
-    for suffix, content in made.files.items():
-        Path(prefix + suffix).write_bytes(content if isinstance(content, bytes) else content.encode())
-    print("files: " + ", ".join(prefix + suffix for suffix in made.files))
 
 
 def export_lens(job: Job, prefix: str) -> None:
@@ -52,26 +44,19 @@ def export(given: argparse.Namespace, prefix: str) -> None:
             known[rate_Hz] = trace_of(job, rate_Hz, given.to == "phases")
         return known[rate_Hz]
 
-    own_mm = sample(1000.0).distance_mm
-    made = TARGETS[given.to](sample, given.rate, given.distance_mm or own_mm or DISTANCE_mm)
-    write(prefix, made)
-    trace = next(iter(reversed(known.values())))
-    back = next((suffix for suffix in (".csv", ".wav", ".hjif", ".phases.csv") if suffix in made.files), "")
-    if back:
-        end = "repeat" if trace.cycle_s else "off"
-        print(f"to read it back: [load.modulation] kind = \"file\", file = \"{Path(prefix).name}{back}\", at_end = \"{end}\"")
+    made = TARGETS[given.to](sample, given.rate, given.distance_mm or sample(1000.0).distance_mm or DISTANCE_mm)
+    for suffix, content in made.files.items():
+        Path(prefix + suffix).write_bytes(content if isinstance(content, bytes) else content.encode())
+    print("files: " + ", ".join(prefix + suffix for suffix in made.files))
+    if back := next((suffix for suffix in BACK if suffix in made.files), ""):
+        table = table_of(made, Path(Path(prefix).name + back))
+        print("to read it back: [load.modulation] " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in table.items()))
+        if back == ".csv" and "update_rate_kHz" in job.tables["load"]["footprint"]:
+            print("to read it back, remove load.footprint.update_rate_kHz, since each point is an update")
     for note in made.notes:
         print(note)
-    if given.no_effect or given.to == "phases" or not made.has_places:
-        return
-    if len(made.gain) > MOST:
-        raise BadExport(f"the effect is not computed, since {len(made.gain)} points exceed the limit of {MOST}; use a lower --rate or --no-effect")
-    dwells_ms = 1e3 * np.diff(np.append(made.times_s, made.played_s))
-    with tempfile.NamedTemporaryFile("w", prefix="shearwake-", suffix=".csv") as file:
-        np.savetxt(file, np.column_stack((dwells_ms, made.xy_mm, made.gain)), "%.12g", ",", header="dwell_ms,x_mm,y_mm,intensity_1", comments="")
-        file.flush()
-        for line in effect_of(job, played_job(job, Path(file.name), trace, made.played_s)):
-            print(f"effect: {line}")
+    for line in [] if given.no_effect else effect_of(job, made):
+        print(f"effect: {line}")
 
 
 def main(arguments: list[str]) -> int:
@@ -90,9 +75,8 @@ def main(arguments: list[str]) -> int:
     if other:
         print(f"{other[0].partition('=')[0]} applies only without --to", file=sys.stderr)
         return USAGE
-    prefix = given.out or Path(given.source).stem
     try:
-        export(given, prefix.removesuffix(f".{given.to}"))
+        export(given, (given.out or Path(given.source).stem).removesuffix(f".{given.to}"))
     except BadExport as error:
         print(f"{given.source}: {error}", file=sys.stderr)
         return USAGE

@@ -44,6 +44,12 @@ def require(place: str, value: Any, members: dict[str, type]) -> Any:
     return value
 
 
+def members_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len({name for name, _ in pairs}) < len(pairs):
+        raise BadFile(f"an object has a member twice; its members are {', '.join(name for name, _ in pairs)}"[:300])
+    return dict(pairs)
+
+
 def channel_of(document: Any) -> tuple[dict[str, Any], int]:
     """The only channel of a document, and its ticks per second."""
     head = require("", document, HEAD)
@@ -61,8 +67,8 @@ def channel_of(document: Any) -> tuple[dict[str, Any], int]:
 
 
 def check_effect(place: str, effect: Any) -> None:
-    if require(place, effect, EFFECT)["position"] < 0 or effect["base_signal"] not in WAVES:
-        raise BadFile(f"{place}: position must not be negative, and base_signal one of {', '.join(WAVES)}")
+    if require(place, effect, EFFECT)["position"] < 0 or effect["base_signal"] not in WAVES or effect["effect_type"] != "Basis":
+        raise BadFile(f"{place}: position must not be negative, effect_type Basis, and base_signal one of {', '.join(WAVES)}")
     last = -1
     for k, frame in enumerate(effect["keyframes"]):
         at = f"{place}.keyframes[{k}]"
@@ -133,17 +139,19 @@ def end_of(band: dict[str, Any], timescale: int) -> float:
 
 def pressures(text: str, most: int) -> tuple[int, Array, list[str]]:
     """Rate in Hz and samples of the acoustic pressure, 0 to 1, and warnings. Raises BadFile."""
-    def refuse(constant: str) -> float:
-        raise BadFile(f"{constant} is not a number of JSON")
     try:
-        document = json.loads(text, parse_constant=refuse)
+        document = json.loads(text, object_pairs_hook=members_of)
     except json.JSONDecodeError as error:
         raise BadFile(f"line {error.lineno}, column {error.colno}: {error.msg}") from None
     except RecursionError:
         raise BadFile("is nested too deeply to be an effect") from None
+    except BadFile:
+        raise
+    except ValueError:
+        raise BadFile("has a whole number of thousands of digits") from None
     channel, timescale = channel_of(document)
     rate = channel.get("frequency_sampling") or RATE_Hz
-    if not isinstance(rate, int) or not 1 <= rate <= 1_000_000:
+    if type(rate) is not int or not 1 <= rate <= 1_000_000:
         raise BadFile(f"{CHANNEL_PLACE}.frequency_sampling must be from 1 to 1000000")
     count = int(max((end_of(band, timescale) for band in channel["bands"]), default=0.0) * rate / timescale + 1e-6)
     if not 2 <= count <= most:

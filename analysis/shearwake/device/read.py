@@ -15,8 +15,8 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import struct
 import sys
-import wave
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -34,23 +34,26 @@ GAP = 1.5  # times the median of the rests
 REGULAR = 0.01  # deviation of a sample of an envelope, in intervals
 SHORTEST_s, LONGEST_s = 1e-6, 1e3  # of a rest or an interval
 FLAT = 3  # successive samples at full scale are clipped
+FLOAT, EXTENSIBLE = 3, 0xFFFE  # formats of .wav files
+WAV_KINDS = {(1, 8), (1, 16), (1, 24), (1, 32), (FLOAT, 32), (FLOAT, 64)}
 
 
 def rows_of(text: str) -> Iterator[tuple[int, list[str]]]:
     """Line and cells of each row that is neither empty nor a comment."""
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     separator = next((s for s in ",;\t" if s in first), ",")
+    reader = csv.reader(text.splitlines(), delimiter=separator, strict=True)
     try:
-        for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=separator, strict=True), 1):
+        for cells in reader:
             if cells and any(c.strip() for c in cells) and not cells[0].lstrip().startswith("#"):
-                yield number, [cell.strip() for cell in cells]
+                yield reader.line_num, [cell.strip() for cell in cells]
     except csv.Error as error:
-        raise BadFile(f"is not CSV: {error}") from None
+        raise BadFile(f"line {reader.line_num}: is not CSV: {error}") from None
 
 
 def number_in(line: int, cell: str, name: str) -> float:
     try:
-        value = float(cell)
+        value = float(cell if "_" not in cell else "")  # Python reads 1_0 as 10
     except ValueError:
         value = math.nan
     if not abs(value) < 1e9:
@@ -161,53 +164,50 @@ def read_csv(path: Path) -> Played:
 
 
 def read_wav(path: Path) -> Played:
-    """PCM by the module wave, other formats by SciPy."""
-    try:
-        with wave.open(str(path), "rb") as file:
-            rate, count, width, channels = file.getframerate(), file.getnframes(), file.getsampwidth(), file.getnchannels()
-            if count > MOST:
-                raise BadFile(f"states {count} samples; at most {MOST} are read. Shorten it, or convert it to a lower rate")
-            data = file.readframes(count)
-        if len(data) < count * width * channels:
-            raise BadFile(f"ends after {len(data) // (width * channels)} of the {count} samples that it states")
-        if width == 3:
-            bytes3 = np.frombuffer(data, np.uint8).reshape(-1, 3).astype(np.int64)
-            samples = ((bytes3 @ (1, 256, 65536)) ^ 0x800000) - 0x800000
-        else:
-            samples = np.frombuffer(data, {1: "u1", 2: "<i2", 4: "<i4"}[width]).astype(np.int64) - (128 if width == 1 else 0)
-        highest = 2 ** (8 * width - 1) - 1
-        signal = (samples + highest + 1) / (2 * highest + 1)
-        full = (samples >= highest) | (samples <= -highest - 1)
-    except (wave.Error, EOFError) as error:
-        if "unknown format" not in str(error):
-            raise BadFile(f"is not a sound file: {str(error) or 'it ends in its header'}") from None
-        rate, channels, signal, full = read_floats(path, str(error))
+    """The chunks fmt and data of a RIFF file, in PCM of 8 to 32 bits or as floating-point numbers."""
+    content = path.read_bytes()
+    if content[:4] != b"RIFF" or content[8:12] != b"WAVE":
+        raise BadFile("byte 0: is not a sound file, which begins with RIFF and WAVE")
+    at, form, chunk = 12, b"", b""
+    while chunk[:4] != b"data":
+        chunk = content[at:at + 8]
+        size = int.from_bytes(chunk[4:], "little")
+        if len(chunk) < 8 or (chunk[:4] == b"fmt " and not 16 <= size <= len(content) - at - 8):
+            raise BadFile(f"byte {at}: is not a sound file: it ends in its header, before its samples")
+        if chunk[:4] == b"fmt ":
+            form = content[at + 8:at + 8 + size]
+        at += 8 + size + size % 2 if chunk[:4] != b"data" else 8
+    if not form:
+        raise BadFile(f"byte {at - 8}: the chunk data has no chunk fmt before it")
+    kind, channels, rate, _, frame_B, bits = struct.unpack("<HHIIHH", form[:16])
+    if kind == EXTENSIBLE:
+        kind = int.from_bytes(form[24:26], "little")
+    if (kind, bits) not in WAV_KINDS or channels == 0 or frame_B != channels * bits // 8:
+        raise BadFile(f"chunk fmt: format {kind} with {bits} bits and {frame_B} bytes per sample of {channels} channels is not read; save it as PCM of 16 bits")
     if channels != 1:
-        raise BadFile(f"has {channels} channels; an envelope has one")
-    if not 2 <= len(signal) <= MOST or not 1 <= rate <= 1_000_000:
-        raise BadFile(f"has {len(signal)} samples at {rate} Hz; possible are 2 to {MOST} samples at 1 to 1000000 Hz")
-    found = Played("envelope", np.full(len(signal), 1 / rate), signal ** 2)
+        raise BadFile(f"chunk fmt: has {channels} channels; an envelope has one")
+    count, left = size // frame_B, len(content) - at
+    if not 2 <= count <= MOST or not 1 <= rate <= 1_000_000:
+        raise BadFile(f"byte {at - 8}: states {count} samples at {rate} Hz; possible are 2 to {MOST} samples at 1 to 1000000 Hz. Shorten it, or convert it to a lower rate")
+    if left < size or size % frame_B:
+        raise BadFile(f"byte {at - 8}: states {size} bytes of samples of {frame_B} bytes, of which {left} follow")
+    raw = content[at:at + size]
+    if kind == FLOAT:
+        values = np.frombuffer(raw, f"<f{frame_B}").astype(float)
+        if (wrong := np.flatnonzero(~(np.abs(values) <= 1))).size:
+            raise BadFile(f"sample {wrong[0]} ({wrong[0] / rate:.6g} s): must be from -1 to 1, but is {values[wrong[0]]:g}")
+        pressure = (1 + values) / 2
+    else:
+        steps = np.frombuffer(raw, np.uint8).reshape(-1, frame_B) @ 256 ** np.arange(frame_B)
+        pressure = (steps + (1 << bits - 1 if bits > 8 else 0)) % (1 << bits) / ((1 << bits) - 1)  # 8 bits have no sign
+    found = Played("envelope", np.full(count, 1 / rate), pressure ** 2)
+    full = (pressure == 0) | (pressure == 1)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], full, [0])).astype(int)))
-    flat = [(int(a), int(b - a)) for a, b in zip(edges[::2], edges[1::2]) if b - a >= FLAT]
+    flat = [int(a) for a, b in zip(edges[::2], edges[1::2]) if b - a >= FLAT]
     if flat:
-        found.warnings.append(f"clipping: {len(flat)} runs of {FLAT} or more samples at full scale, the first at {flat[0][0] / rate:.6g} s; "
+        found.warnings.append(f"clipping: {len(flat)} runs of {FLAT} or more samples at full scale, the first at {flat[0] / rate:.6g} s; "
                               "if they are not intended, record it at a lower level")
     return found
-
-
-def read_floats(path: Path, reason: str) -> tuple[int, int, np.ndarray, np.ndarray]:
-    """Rate, channels, pressure, and whether a sample is at full scale."""
-    try:
-        from scipy.io import wavfile
-        rate, data = wavfile.read(path)
-    except (ImportError, ValueError, EOFError, MemoryError) as error:
-        raise BadFile(f"has an {reason}, which SciPy cannot read: {error}; save it as PCM of 16 bits") from None
-    if data.dtype.kind != "f":
-        raise BadFile(f"has {data.dtype} samples in an {reason}; save it as PCM of 16 bits")
-    wrong = np.flatnonzero(~(np.abs(data.reshape(-1)) <= 1))
-    if wrong.size:
-        raise BadFile(f"sample {wrong[0]} ({wrong[0] / max(rate, 1):.6g} s): must be from -1 to 1, but is {data.reshape(-1)[wrong[0]]:g}")
-    return int(rate), 1 if data.ndim == 1 else data.shape[1], (1 + data.astype(float)) / 2, np.abs(data) == 1
 
 
 def read_hjif(path: Path) -> Played:

@@ -10,13 +10,12 @@ import io
 import json
 import wave
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from . import hjif
-from .load import BadExport, Trace
-from .read import MOST
+from .load import BadExport, Export, Trace, cycles_of
+from .read import MOST, MOST_FRAMES
 
 CLOCK_Hz = 40_000  # sampling rates of AUTD3 are this clock divided by whole numbers
 MOST_POINTS, USUAL_POINTS, MOST_FOCI = 65_536, 8192, 8
@@ -25,52 +24,46 @@ AUTD3_STEP_mm, AUTD3_RANGE_mm = 0.025, 3276.775
 ULTRALEAP_Hz = 40_000
 DISTANCE_mm = 200.0  # of the skin, unless the case has an array
 WAV_RATES_Hz = (8000, 48_000)
-
-
-@dataclass
-class Export:
-    """Files by their suffix, what the device plays (a list of points: times in s, mm and gains on the force), and what it cannot do."""
-
-    files: dict[str, str | bytes] = field(default_factory=dict)
-    times_s: np.ndarray = field(default_factory=lambda: np.empty(0))
-    xy_mm: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
-    gain: np.ndarray = field(default_factory=lambda: np.empty(0))
-    played_s: float = 0.0
-    notes: list[str] = field(default_factory=list)
-    has_places: bool = True
+PHASE_LEVELS = 128  # board_X.pat of OpenMPD
+BACK = (".csv", ".wav", ".hjif", ".phases.csv")  # files that load.modulation reads
 
 
 Sample = Callable[[float], Trace]  # the load at a rate
 
 
-def list_text(export: Export, names: str = "t_s,x_mm,y_mm,z_mm,intensity_1", scale: float = 1.0, z: float = 0.0) -> str:
-    rows = zip(export.times_s, export.xy_mm * scale, export.gain)
-    return names + "\n" + "".join(f"{t:.9g},{p[0]:.9g},{p[1]:.9g},{z:.9g},{g:.9g}\n" for t, p, g in rows)
+def list_text(times_s: np.ndarray, mm: np.ndarray, gain: np.ndarray, names: str = "t_s,x_mm,y_mm,z_mm,intensity_1", z: float = 0.0) -> str:
+    return names + "\n" + "".join(f"{t:.10g},{p[0]:.9g},{p[1]:.9g},{z:.9g},{g:.9g}\n" for t, p, g in zip(times_s, mm, gain))
 
 
 def list_of(trace: Trace) -> Export:
     """The load between samples is that of the last one."""
-    made = Export(times_s=trace.times_s, xy_mm=trace.xy_mm, gain=trace.gain, played_s=len(trace.gain) / trace.rate_Hz)
+    made = Export(trace, len(trace.gain) / trace.rate_Hz)
     steps = np.linalg.norm(np.diff(trace.xy_mm, axis=0), axis=1)
     made.notes.append(f"update rate: the focus moves in steps of up to {steps.max(initial=0.0):.3g} mm, and the strength in steps of up to "
                       f"{np.abs(np.diff(trace.gain)).max(initial=0.0):.3g}, every {1e6 / trace.rate_Hz:.4g} us")
-    if trace.cycle_s and abs(made.played_s / trace.cycle_s - 1) > 1e-9:
+    if trace.cycle_s and abs(made.played_s / (trace.cycle_s * trace.cycles) - 1) > 1e-9:
         made.notes.append(f"update rate: a cycle of {1e3 * trace.cycle_s:.6g} ms takes {1e3 * made.played_s:.6g} ms, a whole number of samples")
     return made
+
+
+def play(made: Export, times_s: np.ndarray, mm: np.ndarray, gain: np.ndarray) -> None:
+    """The list of points that the device plays, each until the next."""
+    rows = zip(1e3 * np.diff(np.append(times_s, made.played_s)), mm, gain)
+    made.played = ".csv", "dwell_ms,x_mm,y_mm,intensity_1\n" + "".join(f"{t:.12g},{p[0]:.12g},{p[1]:.12g},{g:.12g}\n" for t, p, g in rows)
 
 
 def csv(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
     trace = sample(rate_Hz or CLOCK_Hz / divider(ticks_of(sample), MOST))
     made = list_of(trace)
-    foci = "" if len(trace.foci_mm) == 1 else f"# each point stands for {len(trace.foci_mm)} foci: foci_mm = {trace.foci_mm.tolist()}\n"
-    made.files[".csv"] = foci + list_text(made)
+    made.files[".csv"] = list_text(trace.times_s, trace.xy_mm, trace.gain)
+    play(made, trace.times_s, trace.xy_mm, trace.gain)
     return made
 
 
 def ticks_of(sample: Sample) -> int:
-    """Ticks of the clock in a cycle, or in the run."""
+    """Ticks of the clock in the cycles that are played, or in the run."""
     probe = sample(1000.0)
-    return round(CLOCK_Hz * (probe.cycle_s or len(probe.gain) / probe.rate_Hz))
+    return round(CLOCK_Hz * (probe.cycle_s * cycles_of(probe.cycle_s, CLOCK_Hz) or len(probe.gain) / probe.rate_Hz))
 
 
 def divider(ticks: int, most: int, unit: int = 1) -> int:
@@ -79,12 +72,18 @@ def divider(ticks: int, most: int, unit: int = 1) -> int:
     return next((n for n in range(least, 8 * least + 1) if ticks % (n * unit) == 0), least)
 
 
+def clocked(device: str, most: int, rate_Hz: float | None, usual: int) -> int:
+    """The divider of the clock that gives a rate. Raises BadExport."""
+    n = usual if rate_Hz is None else min(max(round(CLOCK_Hz / rate_Hz), 1), most)
+    if n > most or (rate_Hz is not None and abs(CLOCK_Hz / n / rate_Hz - 1) > 1e-6):
+        raise BadExport(f"--rate: {device} plays {CLOCK_Hz} Hz / N with N from 1 to {most}, the nearest being {CLOCK_Hz / min(n, most):.6g} Hz")
+    return n
+
+
 def autd3(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
     """Points of FociSTM and a buffer of Modulation, both repeated."""
     ticks, foci = ticks_of(sample), len(sample(1000.0).foci_mm)
-    n = divider(ticks, USUAL_POINTS // foci) if rate_Hz is None else round(CLOCK_Hz / rate_Hz)
-    if not 1 <= n <= 65_535 or (rate_Hz is not None and abs(CLOCK_Hz / n / rate_Hz - 1) > 1e-6):
-        raise BadExport(f"--rate: AUTD3 plays {CLOCK_Hz} Hz / N with N from 1 to 65535, the nearest being {CLOCK_Hz / min(max(n, 1), 65_535):.6g} Hz")
+    n = clocked("AUTD3", 65_535, rate_Hz, divider(ticks, USUAL_POINTS // foci))
     trace, m = sample(CLOCK_Hz / n), divider(ticks, MOST_MODULATION, CLOCK_Hz // MODULATION_Hz)
     envelope = sample(MODULATION_Hz / m).gain
     points = len(trace.gain)
@@ -113,12 +112,10 @@ def autd3(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
                 "sampling_divider": n, "rate_Hz": CLOCK_Hz / n, "modulation": buffer.tolist(), "modulation_divider": hold,
                 "modulation_rate_Hz": MODULATION_Hz / m, "loops": bool(trace.cycle_s)}
     made.files = {".autd3.json": json.dumps(document) + "\n", ".autd3.py": AUTD3_SCRIPT}
-    # What is played: both change at their own times.
-    steps = np.unique(np.concatenate((np.arange(points) * n, np.arange(len(buffer)) * hold)))
+    steps = np.unique(np.concatenate((np.arange(points) * n, np.arange(len(buffer)) * hold)))  # both change at their own times
     steps = steps[steps < points * n]
-    made.times_s = steps / CLOCK_Hz
-    made.xy_mm = (rounded[:, 0, :] - trace.foci_mm[0] + np.array(trace.center_mm))[steps // n]
-    made.gain = ((buffer / 255) ** 2)[np.minimum(steps // hold, len(buffer) - 1)]
+    play(made, steps / CLOCK_Hz, (rounded[:, 0, :] - trace.foci_mm[0] + np.array(trace.center_mm))[steps // n],
+         ((buffer / 255) ** 2)[np.minimum(steps // hold, len(buffer) - 1)])
     return made
 
 
@@ -132,58 +129,65 @@ def ultraleap(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Expo
     pressure = np.sqrt(trace.gain).astype(np.float32)
     metres = ((trace.xy_mm - np.array(trace.center_mm)) * 1e-3).astype(np.float32)
     made.notes.append("quantisation: positions and intensities have 32 bits")
-    stream = Export(times_s=made.times_s, xy_mm=metres, gain=pressure)
-    made.files = {".ultraleap.csv": list_text(stream, "t_s,x_m,y_m,z_m,pressure_1", z=1e-3 * distance_mm), ".ultraleap.cpp": ULTRALEAP_SOURCE.replace("@", "#")}
-    made.gain, made.xy_mm = pressure.astype(float) ** 2, metres.astype(float) * 1e3 + np.array(trace.center_mm)
+    text = list_text(trace.times_s, metres, pressure, "t_s,x_m,y_m,z_m,pressure_1", 1e-3 * distance_mm)
+    made.files = {".ultraleap.csv": text, ".ultraleap.cpp": ULTRALEAP_SOURCE.replace("@", "#")}
+    play(made, trace.times_s, metres.astype(float) * 1e3 + np.array(trace.center_mm), pressure.astype(float) ** 2)
     return made
 
 
-def envelope_of(sample: Sample, rate_Hz: float | None, rates: tuple[int, ...]) -> tuple[Trace, Export]:
+def envelope_of(sample: Sample, rate_Hz: float | None, rates: tuple[int, ...]) -> Export:
     if rate_Hz is not None and (rate_Hz not in rates if rates else rate_Hz != int(rate_Hz) or rate_Hz > hjif.MOST_TIMESCALE):
         raise BadExport("--rate: possible are " + (" and ".join(map(str, rates)) if rates else f"whole numbers up to {hjif.MOST_TIMESCALE}") + " Hz")
-    trace = sample(rate_Hz or hjif.RATE_Hz)
-    made = list_of(trace)
-    if np.ptp(trace.xy_mm, axis=0).max() > 0:
-        made.notes[0] = "range: the file has no positions, so that the device plays the envelope at its own focus"
-        made.has_places = False
-    return trace, made
+    made = list_of(sample(rate_Hz or hjif.RATE_Hz))
+    made.keys = {"position_mm": made.trace.xy_mm[0].tolist()}
+    return made
+
+
+def with_envelope(made: Export, suffix: str, content: str | bytes, gain: np.ndarray) -> Export:
+    made.files[suffix] = content
+    made.played = suffix, content
+    if np.ptp(made.trace.xy_mm, axis=0).max() > 0:
+        made.notes[0] = "range: the file has no positions, so that the device plays the envelope at its own focus; the effect is that of the envelope along the motion of the case"
+        made.played = gain
+    made.notes.append(f"quantisation: the force differs by up to {np.abs(gain - made.trace.gain).max():.3g}")
+    return made
 
 
 def hjif_file(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
-    trace, made = envelope_of(sample, rate_Hz, ())
-    document = hjif.document_of(np.sqrt(trace.gain), int(trace.rate_Hz), "envelope of a focus, by shearwake")
+    made = envelope_of(sample, rate_Hz, ())
+    document = hjif.document_of(np.sqrt(made.trace.gain), int(made.trace.rate_Hz), "envelope of a focus, by shearwake")
     text = json.dumps(document) + "\n"
-    made.files[".hjif"] = text
-    made.gain = hjif.pressures(text, len(trace.gain) + 1)[1][:len(trace.gain)] ** 2
-    return made
+    return with_envelope(made, ".hjif", text, hjif.pressures(text, len(made.trace.gain) + 1)[1][:len(made.trace.gain)] ** 2)
 
 
 def wav(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
     """16 bits. Full scale is left out, since it marks clipping."""
-    trace, made = envelope_of(sample, rate_Hz, WAV_RATES_Hz)
-    samples = np.round(np.sqrt(trace.gain) * 65_533).astype(int) - 32_767
+    made = envelope_of(sample, rate_Hz, WAV_RATES_Hz)
+    samples = np.round(np.sqrt(made.trace.gain) * 65_533).astype(int) - 32_767
     buffer = io.BytesIO()
     with wave.open(buffer, "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(int(trace.rate_Hz))
+        file.setparams((1, 2, int(made.trace.rate_Hz), 0, "NONE", ""))
         file.writeframes(samples.astype("<i2").tobytes())
-    made.files[".wav"] = buffer.getvalue()
-    made.gain = ((samples + 32_768) / 65_535) ** 2
-    made.notes.append(f"quantisation: 16 bits, whose force differs by up to {np.abs(made.gain - trace.gain).max():.3g}")
-    return made
+    return with_envelope(made, ".wav", buffer.getvalue(), ((samples + 32_768) / 65_535) ** 2)
 
 
 def phases(sample: Sample, rate_Hz: float | None, distance_mm: float) -> Export:
-    """OpenMPD's CSV, in the order of the pistons of the job: along x first, from the smallest y."""
-    trace = sample(rate_Hz or 10_000.0)
+    """OpenMPD's CSV, in the order of the transducers in the files of its boards."""
+    n = clocked("OpenMPD", 255, rate_Hz, 4 * divider(ticks_of(sample), MOST_FRAMES, 4))
+    trace = sample(CLOCK_Hz / n)
     if not trace.phases_rad.size:
         raise BadExport("the load is not that of an array; set load.footprint.shape = \"array\"")
     if np.ptp(trace.gain) > 1e-6:
         raise BadExport("phases alone cannot change the strength, but the load has an envelope; export its points with --to autd3")
-    made = list_of(trace)
-    rows = "\n".join(",".join(f"{phase:.9g}" for phase in frame) for frame in trace.phases_rad)
-    made.files[".phases.csv"] = f"{len(trace.phases_rad)},{trace.phases_rad.shape[1]}\n{rows}\n"
+    made, step = list_of(trace), 2 * np.pi / PHASE_LEVELS
+    made.notes += [f"quantisation: the boards of OpenMPD round phases to {PHASE_LEVELS} levels, by up to {step / 2:.2g} rad",
+                   f"to read it back, set load.footprint.update_rate_kHz = {1e-3 * trace.rate_Hz:.12g}"]
+    if len(trace.foci_mm) > 1:
+        made.notes.append("range: all pistons play at full amplitude, also where the case drives them less strongly")
+    made.files[".phases.csv"], played = (
+        f"{len(frames)},{frames.shape[1]}\n" + "".join(",".join(f"{phase:.9g}" for phase in frame) + "\n" for frame in frames)
+        for frames in (trace.phases_rad, step * np.round(trace.phases_rad / step)))
+    made.played = ".csv", played
     return made
 
 
