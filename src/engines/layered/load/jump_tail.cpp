@@ -114,7 +114,7 @@ TailFit::TailFit(std::ptrdiff_t samples, StackQuantity quantity)
             values(row, a) = weights(row) * (row % 2 == 0 ? power.real() : power.imag());
         }
     }
-    matrix_ = values.completeOrthogonalDecomposition().solve(Eigen::MatrixXd(weights.asDiagonal()));
+    matrix_ = values.householderQr().solve(Eigen::MatrixXd(weights.asDiagonal()));
 }
 
 JumpTail::JumpTail(const TimeNodes& nodes, const TimeTransform& time, std::ptrdiff_t per_frame,

@@ -95,13 +95,13 @@ BreakError::BreakError(const Case& c, std::span<const Break> breaks, double cell
 void BreakError::choose_wavenumbers(const Footprint& footprint) {
     sigma_m_ =
         std::sqrt(-2.0 * std::log(band_fraction)) / bandwidth_rad_m(footprint, band_fraction);
-    Eigen::Matrix<double, wavenumbers, wavenumbers> jacobi;
-    jacobi.setZero();
+    Eigen::VectorXd diagonal(wavenumbers), beside(wavenumbers - 1); // of the Jacobi matrix
     for (int i = 0; i < wavenumbers; ++i) {
-        jacobi(i, i) = 2 * i + 1;
-        if (i > 0) jacobi(i, i - 1) = jacobi(i - 1, i) = i;
+        diagonal(i) = 2 * i + 1;
+        if (i > 0) beside(i - 1) = i;
     }
-    const Eigen::SelfAdjointEigenSolver<decltype(jacobi)> solver(jacobi);
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+    solver.computeFromTridiagonal(diagonal, beside);
     for (int i = 0; i < wavenumbers; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const double u = solver.eigenvalues()(i);
