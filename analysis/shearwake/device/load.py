@@ -192,4 +192,4 @@ def effect_of(job: Job, made: Export) -> list[str]:
         if name in asked and name in played and not (name == "eta_at_1" and "eta_period_1" in asked):
             by = f"{played[name] - asked[name]:+.3g} dB" if name.endswith("_dB") else f"{100 * (played[name] / asked[name] - 1):+.3g} %"
             lines.append(f"{name}: {asked[name]:.6g} as asked, {played[name]:.6g} as played ({by})")
-    return lines
+    return lines or ["not computed, since the case has no reading at measure.at_ms or over periods of the modulation"]
