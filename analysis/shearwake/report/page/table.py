@@ -7,7 +7,7 @@ import math
 
 from ... import wake
 from ...case import Case
-from ...keys import axis_label, label
+from ...keys import axis_label, is_at_instant, label
 from .. import labels, layout, thinning
 from ..figure import Figure
 from ..load import Selection
@@ -21,8 +21,9 @@ def measures(selection: Selection) -> list[str]:
     shapes only if the focus draws a shape, not a straight line, and ratios only if there are references."""
     shapes = not all(wake.runs_straight_on(c) for c in layout.recordings(selection))
     references = bool(layout.all_references(selection))
-    return [c.name for c in selection.sweep.columns if (c.shown == "page" or (c.shown == "shapes" and shapes))
-            and (references or not c.over_reference_of)]
+    shown = [c.name for c in selection.sweep.columns if (c.shown == "page" or (c.shown == "shapes" and shapes))
+             and (references or not c.over_reference_of)]
+    return sorted(shown, key=is_at_instant)  # readings over periods come first
 
 
 def numeric_cell(amount: float) -> str:
@@ -40,12 +41,13 @@ def setting_cell(selection: Selection, case: Case, key: str) -> str:
     return numeric_cell(math.nan if setting is None else float(setting))
 
 
-def head(columns: list[str]) -> str:
+def head(selection: Selection, columns: list[str]) -> str:
     cells = ""
     for column in columns:
         kind = "" if column in ("id", "reference", "valid", "status") else ' class="n"'
         name = html.escape(column)
-        cells += f'<th scope="col"{kind} data-name="{name}" title="{name}"><button type="button">{html.escape(axis_label(column))}</button></th>'
+        text = labels.axis_label(selection, column) if column in selection.sweep.swept_keys else axis_label(column)
+        cells += f'<th scope="col"{kind} data-name="{name}" title="{name}"><button type="button">{html.escape(text)}</button></th>'
     return f"<thead><tr>{cells}</tr></thead>"
 
 
@@ -119,7 +121,7 @@ def table(selection: Selection, figures: list[Figure]) -> str:
         mark = ", ".join(marks)
         rows.append(row(selection, case, kinds, keys, shown, followers, mark))
     columns = ["id", *kinds, *keys, *shown, *followers, "valid", "wall_s", "status", "note"]
-    body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
+    body = (f'{tools(selection, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(selection, columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     warning = caution(selection)
