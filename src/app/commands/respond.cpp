@@ -112,8 +112,8 @@ GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& option
     pipeline::ReceptorMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
     const auto* carrier = std::get_if<CarrierInput>(&options.input);
     if (carrier && !arguments.motion.empty())
-        throw UsageError("a prescribed carrier and a MOTION cannot be combined: specify only one "
-                         "of them");
+        throw UsageError("a prescribed carrier and a MOTION cannot be combined: omit MOTION, or "
+                         "remove afferents.carrier");
     if (!carrier && arguments.motion.empty())
         throw UsageError("respond needs a MOTION (CSV or HDF5), or a carrier: -S "
                          "afferents.input=carrier -S 'afferents.carrier={amplitude_um = 50}'");
