@@ -10,7 +10,7 @@ _shearwake() {
         choices=$(sed -nE 's/^ +(-[^ ]+).*/\1/p' <<< "$help" | tr , '\n')
     elif [[ -z $command ]]; then
         choices=$(sed -nE 's/^  ([a-z]+)(, [a-z]+)* {2,}.*/\1/p' <<< "$help")
-    else # values such as NAME TEXT:{layered,spectral,pstd}
+    else # values such as NAME {layered,spectral,pstd}
         choices=$(sed -nE '/^Positionals:/,/^$/s/.*\{(.*)\}.*/\1/p' <<< "$help" | tr , '\n')
     fi
     if [[ $choices ]]; then

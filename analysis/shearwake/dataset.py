@@ -167,7 +167,8 @@ def of_sweep(sweep: SweepInterface, names: Sequence[str], references: bool) -> x
     sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
     for name, value in flags.items():
         builder.variables[name] = of_cells(grid, value, {
-            "standard_name": "quality_flag", "long_name": "1: the readings are valid, 0: they are not, NaN: no result",
+            "standard_name": "quality_flag", "long_name": "validity of the readings",
+            "description": "1: the readings are valid, 0: they are not, NaN: no result",
             "flag_values": [0, 1], "flag_meanings": "not_valid valid"})
     return xr.Dataset(builder.variables, builder.coordinates)
 

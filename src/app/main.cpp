@@ -213,23 +213,31 @@ ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, con
     return action(world);
 }
 
-/// Removes what is no name of a value from the help: the ranges of numbers ("S:NONNEGATIVE") and
-/// the types of CLI11. The choices of one_of() remain.
-void plain_values(CLI::App& command) {
+/// Names the values in the help: the choices of one_of(), DIR for other text and N for a number,
+/// without the ranges and types of CLI11 ("S:NONNEGATIVE").
+void name_values(CLI::App& command) {
     for (CLI::Option* option : command.get_options()) {
+        std::string choices;
         try {
-            for (int i = 0;; ++i)
-                if (CLI::Validator& validator = *option->get_validator(i);
-                    !validator.get_description().starts_with('{'))
-                    validator.description("");
+            for (int i = 0;; ++i) {
+                CLI::Validator& validator = *option->get_validator(i);
+                if (validator.get_description().starts_with('{'))
+                    choices = validator.get_description();
+                validator.description("");
+            }
         } catch (const CLI::OptionNotFound&) { // after the last one
         }
-        const bool is_positional = option->get_positional();
-        if (option->get_type_name() == "TEXT") option->type_name(is_positional ? "" : "DIR");
-        if (option->get_type_name() == "INT" || option->get_type_name() == "FLOAT")
+        const std::string type = option->get_type_name();
+        if (!choices.empty())
+            option->type_name(choices);
+        else if (type == "TEXT")
+            option->type_name(option->get_positional() ? "" : "DIR");
+        else if (type == "INT" || type == "FLOAT")
             option->type_name("N");
     }
     command.get_formatter()->label("REQUIRED", "");
+    for (CLI::App* group : command.get_subcommands({}))
+        name_values(*group);
 }
 
 /// Reads the command line and calls the function of its command. Collective over the world.
@@ -249,8 +257,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
              [] { return pipeline::version_text() + "\n"; });
     for (const char* name : {"help", "version"})
         app.get_subcommand(name)->group("Reference");
-    for (CLI::App* command : app.get_subcommands({}))
-        plain_values(*command);
+    name_values(app);
     app.footer(footer + exit_code_list());
     app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     try {

@@ -55,14 +55,14 @@ const char* name_of(measures::Shown shown) {
     return "page";
 }
 
-nlohmann::ordered_json json_of_column(const std::string& name, const std::string& of_errors) {
+nlohmann::ordered_json json_of_column(const std::string& name, const std::string& error_meaning) {
     const std::string error_of = column_of_error(name);
     const measures::Measure* measure = measures::find_measure(error_of.empty() ? name : error_of);
     const std::string meaning = measure ? measures::with_details(measure->meaning, {}) : "";
     const bool is_value = measure && error_of.empty();
     return {{"name", name},
             {"unit", measure ? measure->unit : ""},
-            {"meaning", error_of.empty() ? meaning : of_errors + " of " + error_of},
+            {"meaning", error_of.empty() ? meaning : error_meaning + " of " + error_of},
             {"shown", name_of(is_value ? measure->shown : measures::Shown::csv)},
             {"over_reference_of", is_value ? measure->over_reference_of : ""},
             {"counts_samples", measures::counts_samples(name)}};
@@ -83,8 +83,9 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
         const std::string error_of = column_of_error(name);
         const measures::Measure* measure =
             measures::find_measure(error_of.empty() ? name : error_of);
-        return measure ? measure - measures::all_measures().data()
-                       : std::ssize(measures::all_measures());
+        return std::pair(measures::is_at_instant(name),
+                         measure ? measure - measures::all_measures().data()
+                                 : std::ssize(measures::all_measures()));
     };
     std::ranges::stable_sort(names, {}, place);
     for (const std::string& name : names)
