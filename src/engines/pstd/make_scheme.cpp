@@ -8,26 +8,6 @@
 #endif
 
 namespace shearwake::pstd {
-namespace {
-
-template <class Real>
-std::unique_ptr<Scheme> scheme_of(const Setup& setup, const DeviceChoice& choice,
-                                  const Comm& team) {
-    if (choice.device == PstdDevice::cpu) return std::make_unique<Stepper<Real>>(setup, team);
-    if (const std::string error = device_error(choice.device); !error.empty())
-        throw CaseFailure("the device " + error);
-    if (team.size() > 1)
-        throw CaseFailure(
-            "a GPU computes a grid in one rank: start kwave without mpirun, or a sweep with "
-            "--ranks-per-case 1");
-#ifdef SHEARWAKE_GPU
-    return std::make_unique<gpu::DeviceStepper<Real>>(setup, team, choice.number);
-#else
-    return nullptr;
-#endif
-}
-
-} // namespace
 
 std::string device_error([[maybe_unused]] PstdDevice device) {
 #ifndef SHEARWAKE_GPU
@@ -39,8 +19,20 @@ std::string device_error([[maybe_unused]] PstdDevice device) {
 
 std::unique_ptr<Scheme> make_scheme(const Setup& setup, Precision precision,
                                     const DeviceChoice& choice, const Comm& team) {
-    return precision == Precision::single_precision ? scheme_of<float>(setup, choice, team)
-                                                    : scheme_of<double>(setup, choice, team);
+    const bool is_single = precision == Precision::single_precision;
+    if (const std::string error = device_error(choice.device); !error.empty())
+        throw CaseFailure("the device " + error);
+    if (choice.device == PstdDevice::gpu && team.size() > 1)
+        throw CaseFailure(
+            "a GPU computes a grid in one rank: start kwave without mpirun, or a sweep with "
+            "--ranks-per-case 1");
+#ifdef SHEARWAKE_GPU
+    if (choice.device == PstdDevice::gpu)
+        return std::make_unique<gpu::DeviceStepper>(setup, team, choice.number,
+                                                    is_single ? sizeof(float) : sizeof(double));
+#endif
+    if (is_single) return std::make_unique<Stepper<float>>(setup, team);
+    return std::make_unique<Stepper<double>>(setup, team);
 }
 
 } // namespace shearwake::pstd

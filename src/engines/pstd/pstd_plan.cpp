@@ -40,25 +40,11 @@ double work_of(const Case& c, const PstdPlan& plan) {
 
 } // namespace
 
-/// The memory of a GPU, as a DeviceStepper compares it with that of its device.
-static double device_memory_B(const PstdPlan& plan) {
-    const Slabs slabs = slabs_of(plan.grid, 1, 0);
-    const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
-    // Fields, gradients and accelerations; zeros for an axis with one point.
-    double arrays = plan.absorption != Absorption::none ? 18.0 : 12.0, parts = 0.0, runs_B = 0.0;
-    for (const std::ptrdiff_t points : plan.grid.points)
-        if (points == 1) arrays += 1.0;
-    for (std::size_t f = 0; f < field_count; ++f) {
-        const SplitSizes split = split_sizes(slabs, plan.pml, parts_of(static_cast<Field>(f)));
-        parts += split.values;
-        runs_B += split.runs_B;
-    }
-    const double places_B = plan.source_nodes * (32.0 + 2.0 * sizeof(double) + 2.0 * value_B);
-    return ((arrays + plan.coefficients) * static_cast<double>(slabs.reals()) + parts) * value_B +
-           runs_B + places_B;
-}
-
 std::string note_of(const PstdPlan& plan) {
+    const double value_B = plan.precision == Precision::single_precision ? 4.0 : 8.0;
+    const double device_B =
+        device_memory_B({.grid = plan.grid, .pml = plan.pml, .absorption = plan.absorption},
+                        value_B, plan.coefficients, plan.source_nodes);
     const auto& [nx, ny, nz] = plan.grid.points;
     const auto& [x, y, z] = plan.pml.points;
     return fmt::format(
@@ -68,7 +54,7 @@ std::string note_of(const PstdPlan& plan) {
         plan.absorption == Absorption::none ? "lossless" : "viscous",
         plan.uneven ? "the material of each node" : "one material for each plane",
         plan.device.device == PstdDevice::gpu
-            ? fmt::format("; on a GPU, in {:.3g} GB of its memory", 1e-9 * device_memory_B(plan))
+            ? fmt::format("; on a GPU, in {:.3g} GB of its memory", 1e-9 * device_B)
             : "");
 }
 

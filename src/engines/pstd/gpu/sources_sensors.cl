@@ -2,10 +2,11 @@
 // What is put into the fields and read of them: sources, tallies, sensors, energy.
 
 // The place of a node of a source: its total, its kept parts or -1, whether the first is the part of
-// the field's own axis (PlacedSource).
+// the field's own axis; scale, work and value of the processor (PlacedSource::Place).
 typedef struct {
-    long total, first, second;
-    int has_own_part, unused;
+    long total, part[2];
+    char has_own_part;
+    long unused[3];
 } Place;
 
 // MODE 0 additive, 1 dirichlet, 2 total. PARTS of the field, SHARES of a stress.
@@ -13,9 +14,9 @@ __kernel void apply_source(__global Real* total, __global Real* first, __global 
                            __global const Real* uz, __global Real* leaps,
                            __global const Place* places, __global const Sum* per_work,
                            __global Real* before, __global Sum* work,
-                           __global const Real* values, long first_value, int count,
-                           int is_velocity, int mode, int in_rates, int parts) {
-    const int i = (int)get_global_id(0);
+                           __global const Real* values, long first_value, long count,
+                           char is_velocity, int mode, char in_rates, long parts) {
+    const long i = get_global_id(0);
     if (i >= count) return;
     const Place place = places[i];
     const Real value = values[first_value + i], was = total[place.total];
@@ -27,9 +28,8 @@ __kernel void apply_source(__global Real* total, __global Real* first, __global 
     const Real into_total = is_velocity || IS_PLANE ? value : share * parts;
     Real others = 0; // of the other parts of a prescribed velocity
     for (int p = 0; p < 2; ++p) {
-        const long at = p == 0 ? place.first : place.second;
-        if (at < 0) continue;
-        __global Real* part = (p == 0 ? first : second) + at;
+        if (place.part[p] < 0) continue;
+        __global Real* part = (p == 0 ? first : second) + place.part[p];
         if (is_velocity && mode == 0)
             *part += place.has_own_part ? value : 0;
         else if (is_velocity)
@@ -45,64 +45,54 @@ __kernel void apply_source(__global Real* total, __global Real* first, __global 
     work[i] += per_work[i] * mean * (Sum)(is_velocity ? now - was : uz[place.total]);
 }
 
-// The totals at the nodes of a source, from which the next work is counted.
-__kernel void resume_source(__global const Real* total, __global const Place* places,
-                            __global Real* before, int count) {
-    const int i = (int)get_global_id(0);
-    if (i < count) before[i] = total[places[i].total];
-}
-
 // A field, or the pressure of three normal stresses.
 static Real quantity(__global const Real* a, __global const Real* b, __global const Real* c,
-                     int is_pressure, long at) {
+                     char is_pressure, long at) {
     if (!is_pressure) return a[at];
     return IS_PLANE ? -(b[at] + c[at]) / 2 : -(a[at] + b[at] + c[at]) / 3;
 }
 
 // KIND 0 sum, 1 largest, 2 smallest value.
 __kernel void tally(__global const Real* a, __global const Real* b, __global const Real* c,
-                    int is_pressure, int kind, int first_z, int planes, Real scale,
-                    __global Sum* values) {
-    const int plane = (int)get_global_id(0);
-    const long row = get_global_id(1);
-    if (plane >= planes || row >= NX * NY) return;
-    const Sum now = quantity(a, b, c, is_pressure, row * PITCH + first_z + plane);
-    __global Sum* value = values + row * planes + plane;
-    *value = kind == 0 ? *value + scale * now : kind == 1 ? fmax(*value, now) : fmin(*value, now);
+                    char is_pressure, int kind, long first_z, long planes,
+                    __global const Real* scale, long count, __global Sum* values) {
+    const long i = get_global_id(0);
+    if (i >= count) return;
+    const Sum now = quantity(a, b, c, is_pressure, i / planes * PITCH + first_z + i % planes),
+              was = values[i];
+    values[i] = kind == 0 ? was + *scale * now : kind == 1 ? fmax(was, now) : fmin(was, now);
 }
 
 __kernel void gather(__global const Real* a, __global const Real* b, __global const Real* c,
-                     int is_pressure, __global const long* offsets, int count,
+                     char is_pressure, __global const long* offsets, long count,
                      __global Real* values, long first) {
-    const int i = (int)get_global_id(0);
+    const long i = get_global_id(0);
     if (i < count) values[first + i] = quantity(a, b, c, is_pressure, offsets[i]);
 }
 
 // Sums of weights[(i - j) mod n] u[j] over the lines of the nodes, whose points are `stride` apart.
 __kernel void line_sums(__global const Real* u, __global const Sum* weights,
-                        __global const long* offsets, int count, int n, long stride,
+                        __global const long* offsets, long count, long n, long stride,
                         __global Sum* sums) {
-    const int node = (int)get_global_id(0);
+    const long node = get_global_id(0);
     if (node >= count) return;
-    const long at = offsets[node];
-    const int i = (int)(at / stride % (stride == 1 ? PITCH : n));
+    const long at = offsets[node], i = at / stride % (stride == 1 ? PITCH : n);
     __global const Real* line = u + (at - i * stride);
     Sum sum = 0;
-    for (int j = 0; j < n; ++j)
+    for (long j = 0; j < n; ++j)
         sum += weights[(i - j + n) % n] * line[j * stride];
     sums[node] = sum;
 }
 
 // Of v^2/(dt/rho) at the planes from first_z on, one sum for each work item.
-__kernel void kinetic(__global const Real* u, __global const Real* dt_over_rho, int is_lateral,
-                      int first_z, __global Sum* sums) {
-    const long planes = NZ - first_z, all = (long)NX * NY * planes;
+__kernel void kinetic(__global const Real* u, __global const Real* dt_over_rho, char is_lateral,
+                      long first_z, __global Sum* sums) {
+    const long planes = NZ - first_z;
     Sum sum = 0;
-    for (long i = get_global_id(0); i < all; i += get_global_size(0)) {
-        const long row = i / planes;
-        const int x = (int)(row / NY), y = (int)(row % NY), z = first_z + (int)(i % planes);
+    for (long i = get_global_id(0); i < NX * NY * planes; i += get_global_size(0)) {
+        const long row = i / planes, z = first_z + i % planes;
         const Real v = u[row * PITCH + z];
-        sum += (Sum)v * v / value_of(dt_over_rho, is_lateral, x, y, z);
+        sum += (Sum)v * v / value_of(dt_over_rho, is_lateral, row / NY, row % NY, z);
     }
     sums[get_global_id(0)] += sum;
 }

@@ -4,18 +4,19 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace shearwake::pstd::gpu {
 namespace {
 
-/// Values of a source that are sent to the device at once.
-constexpr std::ptrdiff_t most_values = std::ptrdiff_t{1} << 18, most_block = 64;
+/// Values of a source that are sent to the device at once, at most 64 samples.
+constexpr std::size_t most_values = std::size_t{1} << 18, most_samples = 64;
 
-template <class Real>
 class DeviceTally : public Tally {
 public:
-    DeviceTally(const DeviceStepper<Real>& stepper, const Tally::Of& tally)
-        : stepper_(stepper), of_(tally) {
+    DeviceTally(const DeviceStepper& stepper, const Tally::Of& tally)
+        : stepper_(stepper), of_(tally),
+          scale_(stepper.device().numbers({of_.scale}, stepper.device().facts().real_B)) {
         constexpr double infinite = std::numeric_limits<double>::infinity();
         restore(std::vector<double>(static_cast<std::size_t>(stepper.slabs().rows() * of_.planes),
                                     of_.kind == Kind::max   ? -infinite
@@ -23,136 +24,104 @@ public:
                                                             : 0.0));
     }
     void add() override {
-        is_read_ = false;
-        const int kind = static_cast<int>(of_.kind), planes = static_cast<int>(of_.planes);
-        stepper_.device().run(stepper_.kernel("tally"),
-                              {static_cast<std::size_t>(planes),
-                               static_cast<std::size_t>(stepper_.slabs().rows()), 1},
-                              of_.planes < 32 ? Device::Range{1, 64, 1} : group_of_nodes,
-                              stepper_.arrays_of(of_.quantity), kind,
-                              static_cast<cl_int>(of_.first_z), planes,
-                              static_cast<Real>(of_.scale), sums_);
+        values_.clear();
+        stepper_.run("tally", {sums_.size, 1, 1}, stepper_.arrays_of(of_.quantity),
+                     static_cast<int>(of_.kind), of_.first_z, of_.planes, scale_, sums_.size,
+                     sums_);
     }
     const std::vector<double>& values() const override {
-        if (!is_read_) values_ = stepper_.device().read_sums(sums_);
-        is_read_ = true;
+        if (values_.empty()) values_ = stepper_.device().read(sums_);
         return values_;
     }
     void restore(const std::vector<double>& values) override {
-        sums_ = stepper_.device().uploaded_sums(values);
-        is_read_ = false;
+        values_ = values;
+        sums_ = stepper_.device().numbers(values, stepper_.device().facts().sum_B);
     }
 
 private:
-    const DeviceStepper<Real>& stepper_;
+    const DeviceStepper& stepper_;
     Tally::Of of_;
-    Buffer<char> sums_;
+    Buffer scale_, sums_;
     mutable std::vector<double> values_; // the sums, if they were read since the last step
-    mutable bool is_read_ = false;
 };
 
-template <class Real>
 class DeviceSensor : public Sensor {
 public:
-    DeviceSensor(const DeviceStepper<Real>& stepper, const SensorNodes& nodes) : stepper_(stepper) {
-        std::vector<cl_long> offsets;
+    DeviceSensor(const DeviceStepper& stepper, const SensorNodes& nodes) : stepper_(stepper) {
+        std::vector<std::ptrdiff_t> offsets;
         for (const Node& node : nodes.nodes)
             offsets.push_back(stepper.slabs().offset(node));
         offsets_ = stepper.device().uploaded(offsets);
     }
     std::vector<std::vector<double>> values(std::span<const Quantity> quantities) const override {
         const Device& device = stepper_.device();
-        const std::size_t count = offsets_.size();
-        std::vector<std::vector<double>> all(quantities.size(), std::vector<double>(count));
-        if (count == 0 || all.empty()) return all;
-        if (values_.size() != count * all.size()) values_ = device.buffer<Real>(count * all.size());
-        for (std::size_t q = 0; q < all.size(); ++q)
-            device.run(stepper_.kernel("gather"), {count, 1, 1}, group_of_nodes,
-                       stepper_.arrays_of(quantities[q]), offsets_, static_cast<cl_int>(count),
-                       values_, static_cast<cl_long>(q * count));
-        const std::vector<Real> read = device.read(values_);
-        for (std::size_t q = 0; q < all.size(); ++q)
-            std::copy_n(read.begin() + static_cast<std::ptrdiff_t>(q * count), count,
-                        all[q].begin());
-        return all;
+        const std::size_t count = offsets_.size, all = count * quantities.size();
+        if (values_.size != all) values_ = device.zeros(all, device.facts().real_B);
+        for (std::size_t q = 0; q < quantities.size(); ++q)
+            stepper_.run("gather", {count, 1, 1}, stepper_.arrays_of(quantities[q]), offsets_,
+                         count, values_, q * count);
+        const std::vector<double> read = device.read(values_);
+        std::vector<std::vector<double>> found;
+        for (auto from = read.begin(); found.size() < quantities.size();
+             from += static_cast<std::ptrdiff_t>(count))
+            found.emplace_back(from, from + static_cast<std::ptrdiff_t>(count));
+        return found;
     }
     std::vector<double> line_sums(Field velocity, std::span<const double> weights) const override {
         const Device& device = stepper_.device();
         const Slabs& slabs = stepper_.slabs();
-        const std::size_t axis = index_of(velocity), count = offsets_.size();
-        if (count == 0) return {};
+        const std::size_t sum_B = device.facts().sum_B, axis = index_of(velocity);
         const std::ptrdiff_t strides[] = {slabs.ny() * slabs.pitch, slabs.pitch, 1};
-        const auto w = device.uploaded_sums({weights.begin(), weights.end()});
-        const auto sums = device.uploaded_sums(std::vector<double>(count));
-        device.run(stepper_.kernel("line_sums"), {count, 1, 1}, group_of_nodes,
-                   stepper_.total(velocity), w, offsets_, static_cast<cl_int>(count),
-                   static_cast<cl_int>(slabs.grid.points[axis]),
-                   static_cast<cl_long>(strides[axis]), sums);
-        return device.read_sums(sums);
+        const Buffer there = device.numbers({weights.begin(), weights.end()}, sum_B),
+                     sums = device.zeros(offsets_.size, sum_B);
+        stepper_.run("line_sums", {sums.size, 1, 1}, stepper_.total(velocity), there, offsets_,
+                     sums.size, slabs.grid.points[axis], strides[axis], sums);
+        return device.read(sums);
     }
 
 private:
-    const DeviceStepper<Real>& stepper_;
-    Buffer<cl_long> offsets_;
-    mutable Buffer<Real> values_;
+    const DeviceStepper& stepper_;
+    Buffer offsets_;
+    mutable Buffer values_;
 };
 
 } // namespace
 
-template <class Real>
-DeviceSource<Real>::DeviceSource(const Device& device, PlacedSource<Real> source)
-    : placed(std::move(source)) {
-    std::vector<DevicePlace> device_places;
+DeviceSource::DeviceSource(const Device& device, PlacedSource<double> source)
+    : placed(std::move(source)), places(device.uploaded(placed.places())) {
     std::vector<double> factors;
-    for (const auto& place : placed.places()) {
-        device_places.push_back(
-            {place.total, place.part[0], place.part[1], place.has_own_part ? 1 : 0, 0});
+    for (const auto& place : placed.places())
         factors.push_back(place.per_work);
-    }
-    const std::size_t nodes = factors.size();
-    places = device.uploaded(device_places);
-    per_work = device.uploaded_sums(factors);
-    work = device.uploaded_sums(std::vector<double>(nodes));
-    before = device.zeros<Real>(nodes);
-    most_samples = std::clamp<std::ptrdiff_t>(
-        most_values / std::max<std::ptrdiff_t>(std::ssize(factors), 1), 1, most_block);
-    values = device.buffer<Real>(nodes * static_cast<std::size_t>(most_samples));
+    const auto& [name, memory_B, most_array_B, local_B, real_B, sum_B] = device.facts();
+    per_work = device.numbers(factors, sum_B);
+    work = device.zeros(places.size, sum_B);
+    before = device.zeros(places.size, real_B);
+    values = device.zeros(
+        places.size * std::clamp<std::size_t>(most_values / places.size, 1, most_samples), real_B);
 }
 
-template <class Real>
-cl_long DeviceSource<Real>::load(const Device& device, std::ptrdiff_t sample) {
-    const auto nodes = std::ssize(placed.places());
-    if (sample < first_sample || sample >= first_sample + samples) {
-        first_sample = sample;
-        samples = std::min(most_samples, placed.source().samples - sample);
-        std::vector<Real> block;
-        block.reserve(static_cast<std::size_t>(samples * nodes));
-        for (std::ptrdiff_t s = sample; s < sample + samples; ++s) {
+std::ptrdiff_t DeviceSource::load(const Device& device, std::ptrdiff_t sample) {
+    const auto nodes = std::ssize(placed.places()),
+               samples = static_cast<std::ptrdiff_t>(values.size) / nodes;
+    if (std::exchange(loaded, sample / samples) != sample / samples) {
+        std::vector<double> block;
+        for (std::ptrdiff_t s = loaded * samples;
+             s < std::min((loaded + 1) * samples, placed.source().samples); ++s) {
             const std::span<const double> unscaled = placed.values_of(s);
             for (std::size_t i = 0; i < unscaled.size(); ++i)
-                block.push_back(static_cast<Real>(unscaled[i] * placed.places()[i].scale));
+                block.push_back(unscaled[i] * placed.places()[i].scale);
         }
         device.write(values, block);
     }
-    return (sample - first_sample) * nodes;
+    return sample % samples * nodes;
 }
 
-template <class Real>
-std::unique_ptr<Tally> DeviceStepper<Real>::tally(const Tally::Of& tally) const {
-    return std::make_unique<DeviceTally<Real>>(*this, tally);
+std::unique_ptr<Tally> DeviceStepper::tally(const Tally::Of& tally) const {
+    return std::make_unique<DeviceTally>(*this, tally);
 }
 
-template <class Real>
-std::unique_ptr<Sensor> DeviceStepper<Real>::sensor(const SensorNodes& nodes) const {
-    return std::make_unique<DeviceSensor<Real>>(*this, nodes);
+std::unique_ptr<Sensor> DeviceStepper::sensor(const SensorNodes& nodes) const {
+    return std::make_unique<DeviceSensor>(*this, nodes);
 }
-
-template struct DeviceSource<double>;
-template struct DeviceSource<float>;
-// The other members are instantiated in device_stepper.cpp.
-template std::unique_ptr<Tally> DeviceStepper<double>::tally(const Tally::Of&) const;
-template std::unique_ptr<Tally> DeviceStepper<float>::tally(const Tally::Of&) const;
-template std::unique_ptr<Sensor> DeviceStepper<double>::sensor(const SensorNodes&) const;
-template std::unique_ptr<Sensor> DeviceStepper<float>::sensor(const SensorNodes&) const;
 
 } // namespace shearwake::pstd::gpu

@@ -7,37 +7,39 @@
 // Values [begin, end) of a row that keep parts, from `first` and `second` on in their arrays, and
 // the axis in whose layer they are, or -1 (SplitRun).
 typedef struct {
-    int begin, end, face, unused;
-    long first, second;
+    long begin, end, first, second;
+    int face, unused;
 } Run;
 
 #define FIELD(f)                                                                                   \
     __global Real *f, __global Real *f##_first, __global Real *f##_second,                         \
-        __global const Real *f##_factor, __global const int *f##_start, __global const Run *f##_run
+        __global const Real *f##_factor, __global const long *f##_start,                           \
+        __global const Run *f##_run
 
 #define POINT                                                                                      \
-    const int z = (int)get_global_id(0), y = (int)get_global_id(1), x = (int)get_global_id(2);     \
-    if (z >= NZ || y >= NY) return;                                                                \
-    const long row = (long)x * NY + y, at = row * PITCH + z;
+    const long z = get_global_id(0), y = get_global_id(1), x = get_global_id(2);                   \
+    if (z >= NZ) return;                                                                           \
+    const long row = x * NY + y, at = row * PITCH + z;
 
 // A coefficient that varies laterally, or is stored in four rows (Coefficient).
-static Real value_of(__global const Real* c, int is_lateral, int x, int y, int z) {
-    const long row = is_lateral ? (long)x * NY + y : (x == NX - 1 ? 1 : 0) + (y == NY - 1 ? 2 : 0);
+static Real value_of(__global const Real* c, char is_lateral, long x, long y, long z) {
+    const long row = is_lateral ? x * NY + y : (x == NX - 1 ? 1 : 0) + (y == NY - 1 ? 2 : 0);
     return c[row * PITCH + z];
 }
 
 // The layer's factor Q of a part, minus 1.
-static Real loss_of(__global const Real* factor, int part, int x, int y, int z) {
+static Real loss_of(__global const Real* factor, int part, long x, long y, long z) {
     __global const Real* f = factor + part * (NX + NY + NZ);
     const Real a = f[x] - 1, b = f[NX + y] - 1, c = f[NX + NY + z] - 1, ab = a + b + a * b;
     return ab + c + ab * c;
 }
 
-// The run that keeps parts of a value, or -1.
-static int run_of(__global const int* start, __global const Run* runs, long row, int z) {
-    for (int i = start[row]; i < start[row + 1]; ++i)
-        if (z >= runs[i].begin && z < runs[i].end) return i;
-    return -1;
+// The run that keeps parts of a value, or the end of the runs of its row.
+static long run_of(__global const long* start, __global const Run* runs, long row, long z) {
+    long i = start[row];
+    while (i < start[row + 1] && (z < runs[i].begin || z >= runs[i].end))
+        ++i;
+    return i;
 }
 
 // Q (Q F + r) - F for h = Q - 1.
@@ -46,10 +48,10 @@ static Real change_of(Real value, Real h, Real rate) {
 }
 
 // A field with 3 parts, or 2 if r2 is 0, of these axes.
-static void update(FIELD(f), int parts, int axis_0, int axis_1, int x, int y, int z, long row,
+static void update(FIELD(f), int parts, long axis_0, long axis_1, long x, long y, long z, long row,
                    long at, Real r0, Real r1, Real r2) {
-    const int i = run_of(f_start, f_run, row, z);
-    if (i < 0) {
+    const long i = run_of(f_start, f_run, row, z);
+    if (i == f_start[row + 1]) {
         f[at] += r0 + r1 + r2;
         return;
     }
@@ -79,8 +81,8 @@ static void update(FIELD(f), int parts, int axis_0, int axis_1, int x, int y, in
 #define PASS(f) f, f##_first, f##_second, f##_factor, f##_start, f##_run
 
 // rho du_i/dt = sum of the gradients g of the stresses, in the order of the parts.
-__kernel void velocity(FIELD(u), int axis_0, int axis_1, __global const Real* dt_over_rho,
-                       int is_lateral, __global const Real* g0, __global const Real* g1,
+__kernel void velocity(FIELD(u), long axis_0, long axis_1, __global const Real* dt_over_rho,
+                       char is_lateral, __global const Real* g0, __global const Real* g1,
                        __global const Real* g2, __global Real* acceleration) {
     POINT
     const Real c = value_of(dt_over_rho, is_lateral, x, y, z);
@@ -92,35 +94,27 @@ __kernel void velocity(FIELD(u), int axis_0, int axis_1, __global const Real* dt
 
 // Normal stresses from e_xx, e_yy, e_zz and, lossy, the derivatives d of the accelerations.
 __kernel void normal_stress(FIELD(sxx), FIELD(syy), FIELD(szz), __global const Real* dt_lambda,
-                            int lambda_varies, __global const Real* dt_p_modulus,
-                            int p_modulus_varies, __global const Real* chi, int chi_varies,
-                            __global const Real* chi_2eta, int chi_2eta_varies,
+                            char lambda_varies, __global const Real* dt_p_modulus,
+                            char p_modulus_varies, __global const Real* chi, char chi_varies,
+                            __global const Real* chi_2eta, char chi_2eta_varies,
                             __global const Real* exx, __global const Real* eyy,
                             __global const Real* ezz, __global const Real* dxx,
                             __global const Real* dyy, __global const Real* dzz) {
     POINT
-    const Real l = value_of(dt_lambda, lambda_varies, x, y, z),
-               m = value_of(dt_p_modulus, p_modulus_varies, x, y, z);
-    Real lx = l * exx[at], ly = l * eyy[at], lz = l * ezz[at];
-    Real mx = m * exx[at], my = m * eyy[at], mz = m * ezz[at];
+    Real3 l = value_of(dt_lambda, lambda_varies, x, y, z) * (Real3)(exx[at], eyy[at], ezz[at]),
+          m = value_of(dt_p_modulus, p_modulus_varies, x, y, z) * (Real3)(exx[at], eyy[at], ezz[at]);
 #ifdef LOSSY
-    const Real l_v = value_of(chi, chi_varies, x, y, z),
-               m_v = value_of(chi_2eta, chi_2eta_varies, x, y, z);
-    lx += l_v * dxx[at];
-    ly += l_v * dyy[at];
-    lz += l_v * dzz[at];
-    mx += m_v * dxx[at];
-    my += m_v * dyy[at];
-    mz += m_v * dzz[at];
+    l += value_of(chi, chi_varies, x, y, z) * (Real3)(dxx[at], dyy[at], dzz[at]);
+    m += value_of(chi_2eta, chi_2eta_varies, x, y, z) * (Real3)(dxx[at], dyy[at], dzz[at]);
 #endif
-    update(PASS(sxx), 3, 0, 1, x, y, z, row, at, mx, ly, lz);
-    update(PASS(syy), 3, 1, 0, x, y, z, row, at, my, lx, lz);
-    update(PASS(szz), 3, 2, 0, x, y, z, row, at, mz, lx, ly);
+    update(PASS(sxx), 3, 0, 1, x, y, z, row, at, m.x, l.y, l.z);
+    update(PASS(syy), 3, 1, 0, x, y, z, row, at, m.y, l.x, l.z);
+    update(PASS(szz), 3, 2, 0, x, y, z, row, at, m.z, l.x, l.y);
 }
 
 // A shear stress from both derivatives, in the order of the parts.
-__kernel void shear_stress(FIELD(s), int axis_0, int axis_1, __global const Real* dt_mu,
-                           int mu_varies, __global const Real* eta, int eta_varies,
+__kernel void shear_stress(FIELD(s), long axis_0, long axis_1, __global const Real* dt_mu,
+                           char mu_varies, __global const Real* eta, char eta_varies,
                            __global const Real* e0, __global const Real* e1,
                            __global const Real* d0, __global const Real* d1) {
     POINT

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/coefficients.hpp"
 
+#include "engines/pstd/scheme/placed_source.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -20,6 +21,22 @@ Preparation::Preparation(const Setup& setup, const Slabs& slabs, const Comm& tea
     : nodes(nodes_of(setup, slabs, team)), reference_m_s(setup.pml.reference_speed_m_s) {
     if (reference_m_s == 0.0) reference_m_s = team.max(nodes.largest_c_p_m_s());
     top = static_cast<std::ptrdiff_t>(team.min(static_cast<double>(nodes.top())));
+}
+
+double device_memory_B(const Setup& setup, double value_B, double coefficients,
+                       double source_nodes) {
+    const Slabs slabs = slabs_of(setup.grid, 1, 0);
+    // Fields, gradients and accelerations; zeros for an axis with one point.
+    double arrays = coefficients + (setup.absorption != Absorption::none ? 18.0 : 12.0) +
+                    (std::ranges::count(setup.grid.points, 1) > 0 ? 1.0 : 0.0);
+    double bytes = arrays * static_cast<double>(slabs.reals()) * value_B;
+    for (std::size_t f = 0; f < field_count; ++f) {
+        const SplitSizes split = split_sizes(slabs, setup.pml, parts_of(static_cast<Field>(f)));
+        bytes += split.values * value_B + split.runs_B;
+    }
+    // Of a node of a source also a factor, a sum, the last value and one sample.
+    return bytes + source_nodes *
+                       (sizeof(PlacedSource<double>::Place) + 2.0 * sizeof(double) + 2.0 * value_B);
 }
 
 std::vector<Node> split_nodes(Field field, const Slabs& slabs, const std::vector<Source>& sources) {

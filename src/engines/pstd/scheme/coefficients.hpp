@@ -67,6 +67,11 @@ struct Coefficients {
     Coefficient<Real> dt_lambda, dt_p_modulus, chi, chi_2eta;
 };
 
+/// Memory that the scheme needs on a GPU (gpu/device_stepper.hpp), apart from tables of some lines,
+/// with values of `value_B` bytes and so many coefficients that vary laterally. Not collective.
+double device_memory_B(const Setup& setup, double value_B, double coefficients,
+                       double source_nodes);
+
 /// The nodes of a rank where a field's parts must be kept outside the layer. Not collective.
 std::vector<Node> split_nodes(Field field, const Slabs& slabs, const std::vector<Source>& sources);
 
