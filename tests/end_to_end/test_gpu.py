@@ -215,7 +215,11 @@ class Jobs(OnGpu):
         planned = re.search(r"on a GPU, in ([0-9.e-]+) GB of its memory", self.shearwake("plan", "job.toml").stdout)
         output = self.call(*command("run", "job.toml"), variables=faults(MEMORY_B=1000000), expect=4).output
         needed = re.search(r"the case\s+needs ([0-9.e-]+) GB in arrays", output)
-        self.assertAlmostEqual(float(planned[1]) / float(needed[1]), 1.0, delta=0.03)  # tables are left out
+        self.assertAlmostEqual(float(planned[1]) / float(needed[1]), 1.0, delta=0.03)
+        sizes = self.folder / "sizes.txt"
+        self.call(*command("run", "job.toml", "--retry-failed"), variables=faults(SIZES_IN=sizes))
+        allocated_GB = 1e-9 * sum(int(size) for size in sizes.read_text().split())
+        self.assertAlmostEqual(float(planned[1]) / allocated_GB, 1.0, delta=0.03)  # tables and sums of displacements are left out
 
     def test_a_failure_of_the_device_ends_the_case_alone(self):
         self.write_job(self.ON_GPU)

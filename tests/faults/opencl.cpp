@@ -3,10 +3,12 @@
 // fails:
 //   FAULT_KERNEL_AT=n             the n-th kernel and those after it find no device
 //   FAULT_ARRAY_AT=n              the n-th array finds no memory
+//   FAULT_SIZES_IN=file           appends the sizes in bytes of arrays before the first kernel
 //   FAULT_MEMORY_B=b, _LOCAL_B=b  the device has this memory, or this local memory
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <dlfcn.h>
 
@@ -21,6 +23,8 @@ long number(const char* name) {
     const char* text = getenv(name);
     return text ? atol(text) : 0;
 }
+
+long kernels = 0;
 
 } // namespace
 
@@ -44,15 +48,19 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void*
         *code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
         return nullptr;
     }
+    if (const char* name = getenv("FAULT_SIZES_IN"); name && kernels == 0)
+        if (FILE* file = fopen(name, "a")) {
+            fprintf(file, "%zu\n", size);
+            fclose(file);
+        }
     return original(clCreateBuffer, "clCreateBuffer")(context, flags, size, host, code);
 }
 
 cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
                               const size_t* first, const size_t* items, const size_t* group,
                               cl_uint waits, const cl_event* events, cl_event* event) {
-    static long count = 0;
     const long at = number("FAULT_KERNEL_AT");
-    if (++count >= at && at > 0) return CL_DEVICE_NOT_AVAILABLE;
+    if (++kernels >= at && at > 0) return CL_DEVICE_NOT_AVAILABLE;
     return original(clEnqueueNDRangeKernel, "clEnqueueNDRangeKernel")(
         queue, kernel, dimensions, first, items, group, waits, events, event);
 }

@@ -9,9 +9,6 @@
 namespace shearwake::pstd::gpu {
 namespace {
 
-/// Values of a source that are sent to the device at once, at most 64 samples.
-constexpr std::size_t most_values = std::size_t{1} << 18, most_samples = 64;
-
 class DeviceTally : public Tally {
 public:
     DeviceTally(const DeviceStepper& stepper, const Tally::Of& tally)
@@ -96,8 +93,7 @@ DeviceSource::DeviceSource(const Device& device, PlacedSource<double> source)
     per_work = device.numbers(factors, sum_B);
     work = device.zeros(places.size, sum_B);
     before = device.zeros(places.size, real_B);
-    values = device.zeros(
-        places.size * std::clamp<std::size_t>(most_values / places.size, 1, most_samples), real_B);
+    values = device.zeros(places.size * samples_at_once(places.size), real_B);
 }
 
 std::ptrdiff_t DeviceSource::load(const Device& device, std::ptrdiff_t sample) {

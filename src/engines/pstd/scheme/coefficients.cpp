@@ -34,9 +34,11 @@ double device_memory_B(const Setup& setup, double value_B, double coefficients,
         const SplitSizes split = split_sizes(slabs, setup.pml, parts_of(static_cast<Field>(f)));
         bytes += split.values * value_B + split.runs_B;
     }
-    // Of a node of a source also a factor, a sum, the last value and one sample.
-    return bytes + source_nodes *
-                       (sizeof(PlacedSource<double>::Place) + 2.0 * sizeof(double) + 2.0 * value_B);
+    // Of a node of a source also a factor, a sum, the last value, and samples.
+    const double samples =
+        static_cast<double>(samples_at_once(static_cast<std::size_t>(source_nodes)));
+    return bytes + source_nodes * (sizeof(PlacedSource<double>::Place) + 2.0 * sizeof(double) +
+                                   (1.0 + samples) * value_B);
 }
 
 std::vector<Node> split_nodes(Field field, const Slabs& slabs, const std::vector<Source>& sources) {

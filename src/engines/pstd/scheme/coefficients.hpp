@@ -4,6 +4,8 @@
 #include "engines/pstd/scheme/field_state.hpp"
 #include "engines/pstd/scheme/scheme.hpp"
 
+#include <algorithm>
+
 namespace shearwake::pstd {
 
 /// A rank's nodes and the plane after them, asked once.
@@ -66,6 +68,11 @@ struct Coefficients {
     std::array<Coefficient<Real>, 3> dt_over_rho, dt_mu, eta;
     Coefficient<Real> dt_lambda, dt_p_modulus, chi, chi_2eta;
 };
+
+/// Samples of a source with so many nodes that go to a GPU at once.
+constexpr std::size_t samples_at_once(std::size_t nodes) {
+    return std::clamp<std::size_t>((std::size_t{1} << 18) / std::max<std::size_t>(nodes, 1), 1, 64);
+}
 
 /// Memory that the scheme needs on a GPU (gpu/device_stepper.hpp), apart from tables of some lines,
 /// with values of `value_B` bytes and so many coefficients that vary laterally. Not collective.
