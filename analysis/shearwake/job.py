@@ -146,7 +146,7 @@ class Job:
         tables = self.tables
         for key, value in values.items():
             put(tables, key, copy.deepcopy(value))
-        return self._copy(tables)
+        return self.with_tables(tables)
 
     def sweep(self, axes: Mapping[str, Any] | None = None, /, *, zip: Sequence[Mapping[str, Any]] = (),
               exclude: Sequence[Mapping[str, Any]] = (), x: str | None = None, reference: Mapping[str, Any] | None = None) -> Job:
@@ -170,9 +170,10 @@ class Job:
             del table["series"]
         if reference is not None:
             table["reference"] = dict(reference)
-        return self._copy(tables)
+        return self.with_tables(tables)
 
-    def _copy(self, tables: dict[str, Any]) -> Job:
+    def with_tables(self, tables: dict[str, Any]) -> Job:
+        """A job with other tables, whose relative paths refer to the same folder."""
         made = Job(tables)
         made.folder = self.folder
         return made
@@ -183,7 +184,7 @@ class Job:
         return str(self._path) if self._path else f"<Job {self.name}>" if self.name else "<Job>"
 
     @contextlib.contextmanager
-    def _file(self) -> Iterator[Path]:
+    def file(self) -> Iterator[Path]:
         """The path of a file with the job. A temporary file lies in a folder of its own outside of the folder of the job, with
         links to the files to which the job refers, and is deleted afterwards."""
         if self._path is not None:
@@ -202,7 +203,7 @@ class Job:
     def check(self, *, elsewhere: bool = False) -> list[Diagnostic]:
         """Returns the warnings about the job. Raises JobError with all errors. With `elsewhere`, the job is not compared with
         the memory and disk of this machine."""
-        with self._file() as path:
+        with self.file() as path:
             return self._check(path, elsewhere)
 
     def _check(self, path: Path, elsewhere: bool = False) -> list[Diagnostic]:
@@ -217,7 +218,7 @@ class Job:
         arguments = ["--ranks", str(ranks)] if ranks > 1 else []
         if ranks_per_case is not None:
             arguments += ["--ranks-per-case", str(ranks_per_case)]
-        with self._file() as path:
+        with self.file() as path:
             try:
                 return Plan(program.call_json(["plan", str(path), *arguments]))
             except ProgramError as error:
@@ -247,7 +248,7 @@ class Job:
     def run_command(self, command: str, folder: Path, ranks: int, progress: bool | Callable[[Progress], None],
                     launch: Sequence[str] | None, options: Sequence[str]) -> None:
         """Runs a command of the program for the job into an output folder, to its end. Raises JobError and the errors of run()."""
-        with self._file() as path:
+        with self.file() as path:
             try:
                 run_and_watch([command, str(path), "--out", str(folder), *options], ranks, launch, progress)
             except ProgramError as error:

@@ -89,7 +89,7 @@ class Jobs(InFolder):
         made = shearwake.Job("below/study/listed.toml", name="listed")
         os.chmod("below/study", 0o555)  # as for a job that the user may only read
         self.addCleanup(os.chmod, "below/study", 0o755)
-        with made._file() as path:
+        with made.file() as path:
             self.assertFalse(path.is_relative_to(Path.cwd()))
         self.assertFalse(path.exists())
         self.assertEqual([c.settings["load.peak_Pa"] for c in made.run(out="out/listed").cases], [50.0, 80.0])
@@ -103,7 +103,7 @@ class Jobs(InFolder):
         words = {"c.csv": "own", "../job/c.csv": "other", "job/c.csv": "below", "data/../c.csv": "own", "small.toml": "kept"}
         made = shearwake.Job({"job": {"name": "small"}, "files": list(words)})
         made.folder = Path("study")
-        with made._file() as path:
+        with made.file() as path:
             self.assertEqual(path.name, "small.toml")
             self.assertIn("[job]", path.read_text())
             for word, content in words.items():

@@ -9,60 +9,36 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 
-from .. import program
-from ..errors import ShearwakeError
-from ..job import Job
-from .load import BadExport, Trace, effect_of, single_case, table_of, trace_of
-from .targets import BACK, DISTANCE_mm, TARGETS
+from ..errors import ProgramError, ShearwakeError
+from .load import Load, effect_of, single_case
+from .targets import BACK, TARGETS
 
-USAGE, ENVIRONMENT = 2, 6
-
-
-def export_lens(job: Job, prefix: str) -> None:
-    if job.tables["load"].get("footprint", {}).get("shape") != "lens":
-        raise BadExport("the load is not a lens; set load.footprint.shape = \"lens\"")
-    with tempfile.TemporaryDirectory() as folder, job._file() as path:
-        program.call(["lens", str(path), "--out", folder])
-        shutil.copy(Path(folder) / "lens.stl", prefix + ".stl")
-    print(f"files: {prefix}.stl")
+ENVIRONMENT = 6
 
 
 def export(given: argparse.Namespace, prefix: str) -> None:
     """Raises BadExport, ShearwakeError and OSError."""
     job = single_case(Path(given.source), given.S)
-    if given.to == "stl":
-        return export_lens(job, prefix)
-    known: dict[float, Trace] = {}
-
-    def sample(rate_Hz: float) -> Trace:
-        if rate_Hz not in known:
-            known[rate_Hz] = trace_of(job, rate_Hz, given.to == "phases")
-        return known[rate_Hz]
-
-    made = TARGETS[given.to](sample, given.rate, given.distance_mm or sample(1000.0).distance_mm or DISTANCE_mm)
+    made = TARGETS[given.to](Load(job, given.distance_mm), given.rate)
     for suffix, content in made.files.items():
         Path(prefix + suffix).write_bytes(content if isinstance(content, bytes) else content.encode())
     print("files: " + ", ".join(prefix + suffix for suffix in made.files))
     if back := next((suffix for suffix in BACK if suffix in made.files), ""):
-        table = table_of(made, Path(Path(prefix).name + back))
+        table = made.table(Path(Path(prefix).name + back))
         print("to read it back: [load.modulation] " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in table.items()))
         if back == ".csv" and "update_rate_kHz" in job.tables["load"]["footprint"]:
             print("to read it back, remove load.footprint.update_rate_kHz, since each point is an update")
-    for note in made.notes:
+    for note in [*made.notes, *([] if given.no_effect or given.to == "stl" else effect_of(made))]:
         print(note)
-    for line in [] if given.no_effect else effect_of(job, made):
-        print(f"effect: {line}")
 
 
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="shearwake export", allow_abbrev=False)
     parser.add_argument("source")
-    parser.add_argument("--to", choices=[*TARGETS, "stl"])
+    parser.add_argument("--to", choices=TARGETS)
     parser.add_argument("--rate", type=float)
     parser.add_argument("--distance-mm", type=float)
     parser.add_argument("-S", action="append", default=[])
@@ -73,22 +49,13 @@ def main(arguments: list[str]) -> int:
         from ..laboratory.export_scan import main as export_scan
         return export_scan(arguments)
     if other:
-        print(f"{other[0].partition('=')[0]} applies only without --to", file=sys.stderr)
-        return USAGE
+        parser.error(f"{other[0].partition('=')[0]} applies only without --to")
     try:
         export(given, (given.out or Path(given.source).stem).removesuffix(f".{given.to}"))
-    except BadExport as error:
-        print(f"{given.source}: {error}", file=sys.stderr)
-        return USAGE
-    except ShearwakeError as error:
-        print(error, file=sys.stderr)
+    except (ShearwakeError, OSError, KeyError, ValueError, ModuleNotFoundError) as error:
+        place = "" if isinstance(error, ProgramError) else f"{getattr(error, 'filename', None) or given.source}: "
+        print(f"{place}{getattr(error, 'strerror', None) or error}", file=sys.stderr)
         return getattr(error, "exit_code", ENVIRONMENT)
-    except OSError as error:
-        print(f"{error.filename or given.source}: {error.strerror or error}", file=sys.stderr)
-        return ENVIRONMENT
-    except (KeyError, ValueError, ModuleNotFoundError) as error:
-        print(f"{given.source}: {error}", file=sys.stderr)
-        return ENVIRONMENT
     return 0
 
 

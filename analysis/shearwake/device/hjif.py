@@ -13,35 +13,50 @@ from typing import Any
 
 import numpy as np
 
-from . import BadFile
-
 Array = np.ndarray
-RATE_Hz, TIMESCALE, MOST_TIMESCALE, TRANSIENT_ms = 8000, 1000, 48000, 22.0
+RATE_Hz, MOST_TIMESCALE, TRANSIENT_ms = 8000, 48000, 22.0
 WAVES: dict[str, Callable[[Array], Array]] = {  # of the number of periods
     "Sine": lambda p: np.sin(2 * np.pi * p), "Square": lambda p: 1 - 2 * np.round(p - np.floor(p)),
     "Triangle": lambda p: 1 - 4 * np.abs(np.round(p - 0.25) - (p - 0.25)), "SawToothUp": lambda p: 2 * (p - np.floor(p + 0.5)),
     "SawToothDown": lambda p: 2 * (np.floor(p + 0.5) - p)}
-# Members that the reference reader requires.
-HEAD = {"version": str, "profile": str, "level": int, "date": str, "description": str, "timescale": int, "perceptions": list,
-        "avatars": list, "syncs": list}
-PERCEPTION = {"id": int, "avatar_id": int, "description": str, "perception_modality": str, "channels": list, "effect_library": list}
-CHANNEL = {"id": int, "description": str, "gain": float, "mixing_coefficient": float, "body_part_mask": int, "bands": list}
-BAND = {"band_type": str, "lower_frequency_limit": int, "upper_frequency_limit": int, "effects": list}
-EFFECT = {"effect_type": str, "position": int, "phase": float, "base_signal": str, "keyframes": list}
-CHANNEL_PLACE = "perceptions[0].channels[0]"
-TYPES = {str: "a text", int: "a whole number", float: "a number", list: "a list"}
+# Members that the reference reader requires, or reads if they are present (?): a type, one of several words, a list, or an object.
+# Ranges of numbers are those of this reader.
+WHOLE, NUMBER = (int, -1e9, 1e9), (float, -1e9, 1e9)
+KEYFRAME = {"relative_position?": (int, 0, 1e9), "amplitude_modulation?": (float, -1, 1), "frequency_modulation?": (float, 0, 1e6)}
+EFFECT = {"effect_type": {"Basis"}, "position": (int, 0, 1e9), "phase": NUMBER, "base_signal": set(WAVES), "keyframes": [KEYFRAME]}
+BAND = {"band_type": str, "curve_type?": str, "block_length?": (int, 1, 1e9), "lower_frequency_limit": WHOLE, "upper_frequency_limit": WHOLE,
+        "effects": [EFFECT]}
+CHANNEL = {"id": WHOLE, "description": str, "gain": NUMBER, "mixing_coefficient": NUMBER, "body_part_mask": WHOLE,
+           "frequency_sampling?": (int, 0, 1e6), "bands": [BAND]}
+PERCEPTION = {"id": WHOLE, "avatar_id": WHOLE, "description": str, "perception_modality": str, "channels": [CHANNEL], "effect_library": list}
+HEAD = {"version": str, "profile": str, "level": WHOLE, "date": str, "description": str, "timescale": (int, 1, MOST_TIMESCALE),
+        "perceptions": [PERCEPTION], "avatars": list, "syncs": list}
+TYPES = {str: "a text", int: "a whole number", float: "a number", list: "a list", dict: "an object"}
 
 
-def require(place: str, value: Any, members: dict[str, type]) -> Any:
-    """The object, if it has the members. Raises BadFile with its place."""
-    if not isinstance(value, dict):
-        raise BadFile(f"{place or 'the document'} must be an object")
-    for name, kind in members.items():
-        found = value.get(name)
-        fits = isinstance(found, (int, float) if kind is float else kind) and not isinstance(found, bool)
-        if not fits or (isinstance(found, (int, float)) and not abs(found) < 1e9):
-            raise BadFile(f"{f'{place}.' if place else ''}{name} must be {TYPES[kind]}{'' if name in value else ', but is missing'}")
-    return value
+class BadFile(Exception):
+    """What is wrong with a file, and where."""
+
+
+def check(place: str, value: Any, schema: Any) -> None:
+    """Raises BadFile with the place of the first member that is missing or wrong."""
+    low, high = schema[1:] if isinstance(schema, tuple) else (None, None)
+    kind = schema[0] if low is not None else str if isinstance(schema, set) else schema if isinstance(schema, type) else type(schema)
+    if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else kind):
+        raise BadFile(f"{place or 'the document'} must be {TYPES[kind]}")
+    if low is not None and not low <= value <= high:
+        raise BadFile(f"{place} must be {TYPES[kind]} from {low:g} to {high:g}, but is {value!r:.60}")
+    if isinstance(schema, set) and value not in schema:
+        raise BadFile(f"{place} must be {' or '.join(sorted(schema))}, but is {value[:60]!r}")
+    if isinstance(schema, list):
+        for n, entry in enumerate(value):
+            check(f"{place}[{n}]", entry, schema[0])
+    for name, member in schema.items() if isinstance(schema, dict) else ():
+        inside = f"{place}.{name}".strip(".?")
+        if name.rstrip("?") in value:
+            check(inside, value[name.rstrip("?")], member)
+        elif not name.endswith("?"):
+            raise BadFile(f"{inside} is missing")
 
 
 def members_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -50,91 +65,46 @@ def members_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return dict(pairs)
 
 
-def channel_of(document: Any) -> tuple[dict[str, Any], int]:
-    """The only channel of a document, and its ticks per second."""
-    head = require("", document, HEAD)
-    if not 0 < head["timescale"] <= MOST_TIMESCALE:
-        raise BadFile(f"timescale must be from 1 to {MOST_TIMESCALE}, but is {head['timescale']}")
-    channels = [channel for p, perception in enumerate(head["perceptions"])
-                for channel in require(f"perceptions[{p}]", perception, PERCEPTION)["channels"]]
-    if len(channels) != 1:
-        raise BadFile(f"perceptions have {len(channels)} channels; an envelope is a single one")
-    channel = require(CHANNEL_PLACE, channels[0], CHANNEL)
-    for b, band in enumerate(channel["bands"]):
-        for e, effect in enumerate(require(f"{CHANNEL_PLACE}.bands[{b}]", band, BAND)["effects"]):
-            check_effect(f"{CHANNEL_PLACE}.bands[{b}].effects[{e}]", effect)
-    return channel, head["timescale"]
+def effects_of(place: str, band: dict[str, Any], timescale: int) -> list[tuple[float, float, dict[str, Any], Array]]:
+    """First and last tick of the effects of a band, their members and keyframes, by first tick. A row per keyframe: its tick, by default
+    that after the keyframe before, its amplitude, and its frequency in Hz (NaN: none)."""
+    found = []
+    for e, effect in enumerate(band["effects"]):
+        rows: list[list[float]] = []
+        for k, frame in enumerate(effect["keyframes"]):
+            first = rows[-1][0] + 1 if rows else 0
+            rows.append([frame.get("relative_position", first), *(frame.get(f"{name}_modulation", np.nan) for name in ("amplitude", "frequency"))])
+            if rows[-1][0] < first:
+                raise BadFile(f"{place}.effects[{e}].keyframes[{k}].relative_position must be greater than that of the keyframe before")
+        last = rows[-1][0] if rows else 0.0
+        last = {"WaveletWave": band.get("block_length", 0), "Transient": last + TRANSIENT_ms * timescale / 1000}.get(band["band_type"], last)
+        found.append((effect["position"], effect["position"] + last, effect, np.array(rows, float).reshape(-1, 3)))
+    return sorted(found, key=lambda each: each[0])
 
 
-def check_effect(place: str, effect: Any) -> None:
-    if require(place, effect, EFFECT)["position"] < 0 or effect["base_signal"] not in WAVES or effect["effect_type"] != "Basis":
-        raise BadFile(f"{place}: position must not be negative, effect_type Basis, and base_signal one of {', '.join(WAVES)}")
-    last = -1
-    for k, frame in enumerate(effect["keyframes"]):
-        at = f"{place}.keyframes[{k}]"
-        require(at, frame, {})
-        for name in ("relative_position", "amplitude_modulation", "frequency_modulation"):
-            if name in frame:
-                require(at, frame, {name: int if name == "relative_position" else float})
-        position = frame.get("relative_position", last + 1)
-        if position <= last:
-            raise BadFile(f"{at}.relative_position must be greater than that of the keyframe before")
-        for name, low, high in (("amplitude_modulation", -1, 1), ("frequency_modulation", 0, 1e6)):
-            if not low <= frame.get(name, 0.0) <= high:
-                raise BadFile(f"{at}.{name} must be from {low} to {high:g}, but is {frame[name]}")
-        last = position
-
-
-def curve(effect: dict[str, Any], member: str) -> tuple[Array, Array]:
-    """Ticks and values of the keyframes that have the member."""
-    frames = [(frame.get("relative_position", k), frame[member]) for k, frame in enumerate(effect["keyframes"]) if member in frame]
-    return np.array([f[0] for f in frames], float), np.array([f[1] for f in frames], float)
-
-
-def vectorial(effect: dict[str, Any], ticks: Array, timescale: int) -> Array:
-    """Lines between the amplitudes, times a wave whose frequency changes along lines."""
-    at, amplitudes = curve(effect, "amplitude_modulation")
-    strength = np.interp(ticks, at, amplitudes) if len(at) else np.ones_like(ticks)
-    at, frequencies = curve(effect, "frequency_modulation")
-    fine: Array = np.unique(np.concatenate((np.zeros(1), at, ticks)))
-    Hz = np.interp(fine, at, frequencies) if len(at) else np.zeros_like(fine)
-    periods = np.concatenate(([0.0], np.cumsum(0.5 * (Hz[1:] + Hz[:-1]) * np.diff(fine)))) / timescale
-    shift = effect["phase"] / (2 * np.pi) if Hz.any() else 0.0
-    return strength * WAVES[effect["base_signal"]](np.interp(ticks, fine, periods) + shift)
-
-
-def evaluated(place: str, band: dict[str, Any], effect: dict[str, Any], ticks: Array, timescale: int) -> Array:
-    """One effect at these ticks after its position."""
-    kind = band["band_type"]
-    at, values = curve(effect, "amplitude_modulation")
-    if kind == "VectorialWave":
-        return vectorial(effect, ticks, timescale)
-    if kind == "WaveletWave":
-        require(place, band, {"block_length": int})
-        index = np.floor(ticks / max(band["block_length"], 1) * len(values)).astype(int)
-        return np.where((index >= 0) & (index < len(values)), values[np.clip(index, 0, len(values) - 1)], 0.0) if len(values) else 0 * ticks
+def evaluated(place: str, band: dict[str, Any], effect: dict[str, Any], frames: Array, ticks: Array, timescale: int) -> Array:
+    """One effect at these ticks after its first. Raises BadFile."""
+    kind, form = band["band_type"], band.get("curve_type", "Cubic")
+    (at, values), (at_of_Hz, frequencies) = (frames[~np.isnan(frames[:, n])][:, [0, n]].T for n in (1, 2))
+    if kind == "VectorialWave":  # lines between the amplitudes, times a wave whose frequency changes along lines
+        fine = np.unique(np.concatenate((np.zeros(1), at_of_Hz, ticks)))
+        Hz = np.interp(fine, at_of_Hz, frequencies) if len(at_of_Hz) else np.zeros_like(fine)
+        periods = np.concatenate(([0.0], np.cumsum(0.5 * (Hz[1:] + Hz[:-1]) * np.diff(fine)))) / timescale
+        shift = effect["phase"] / (2 * np.pi) if Hz.any() else 0.0
+        wave: Array = WAVES[effect["base_signal"]](np.interp(ticks, fine, periods) + shift)
+        return wave * np.interp(ticks, at, values) if len(at) else wave
+    if kind == "WaveletWave" and "block_length" in band:
+        return np.append(values, 0.0)[np.minimum(ticks / band["block_length"] * len(values), len(values)).astype(int)]
     if kind == "Transient":
         length = TRANSIENT_ms * timescale / 1000
         since = ticks[:, None] - at
         return np.sum(np.where((since >= 0) & (since <= length), np.sin(4 * np.pi * since / length) * values, 0.0), axis=1)
-    if kind == "Curve" and band.get("curve_type", "Cubic") in ("Linear", "Cubic") and len(at) > 1:
-        after = np.clip(np.searchsorted(at, ticks, "right"), 1, len(at) - 1)
-        share = np.clip((ticks - at[after - 1]) / (at[after] - at[after - 1]), 0.0, 1.0)
-        if band.get("curve_type", "Cubic") == "Cubic":
-            share = share ** 2 * (3 - 2 * share)
-        return values[after - 1] + (values[after] - values[after - 1]) * share
-    raise BadFile(f"{place}: a band {kind} with {len(at)} amplitudes{' and the curve ' + band['curve_type'] if 'curve_type' in band else ''} "
-                  "is not read; possible are VectorialWave, WaveletWave, Transient, and Curve with lines or cubics")
-
-
-def end_of(band: dict[str, Any], timescale: int) -> float:
-    """The tick at which a band ends."""
-    last = 0.0
-    for effect in band["effects"]:
-        own = max((frame.get("relative_position", k) for k, frame in enumerate(effect["keyframes"])), default=0)
-        own = {"WaveletWave": band.get("block_length", 0), "Transient": own + TRANSIENT_ms * timescale / 1000}.get(band["band_type"], own)
-        last = max(last, effect["position"] + own)
-    return last
+    if kind == "Curve" and form in ("Linear", "Cubic") and len(at) > 1:
+        number = np.interp(ticks, at, np.arange(len(at)))
+        share = number % 1
+        return np.interp(number + (share ** 2 * (3 - 2 * share) - share if form == "Cubic" else 0.0), np.arange(len(at)), values)
+    raise BadFile(f"{place}: a band {kind} with {len(at)} amplitudes and the curve {form} is not read; possible are VectorialWave, WaveletWave "
+                  "with block_length, Transient, and Curve with lines or cubics")
 
 
 def pressures(text: str, most: int) -> tuple[int, Array, list[str]]:
@@ -145,31 +115,31 @@ def pressures(text: str, most: int) -> tuple[int, Array, list[str]]:
         raise BadFile(f"line {error.lineno}, column {error.colno}: {error.msg}") from None
     except RecursionError:
         raise BadFile("is nested too deeply to be an effect") from None
-    except BadFile:
-        raise
     except ValueError:
         raise BadFile("has a whole number of thousands of digits") from None
-    channel, timescale = channel_of(document)
+    check("", document, HEAD)
+    channels = [(f"perceptions[{p}].channels[{c}]", channel) for p, perception in enumerate(document["perceptions"])
+                for c, channel in enumerate(perception["channels"])]
+    if len(channels) != 1:
+        raise BadFile(f"perceptions have {len(channels)} channels; an envelope is a single one")
+    (place, channel), timescale = channels[0], document["timescale"]
     rate = channel.get("frequency_sampling") or RATE_Hz
-    if type(rate) is not int or not 1 <= rate <= 1_000_000:
-        raise BadFile(f"{CHANNEL_PLACE}.frequency_sampling must be from 1 to 1000000")
-    count = int(max((end_of(band, timescale) for band in channel["bands"]), default=0.0) * rate / timescale + 1e-6)
+    bands = [(band, effects_of(f"{place}.bands[{b}]", band, timescale)) for b, band in enumerate(channel["bands"])]
+    count = int(max((end for _, effects in bands for _, end, *_ in effects), default=0.0) * rate / timescale + 1e-6)
     if not 2 <= count <= most:
         raise BadFile(f"lasts {count} samples of {rate} Hz, but an envelope has 2 to {most}")
-    signal = np.zeros(count)
-    for b, band in enumerate(channel["bands"]):
-        starts = sorted(band["effects"], key=lambda effect: effect["position"])
-        ticks = np.arange(count) * (timescale / rate)
-        for effect, following in zip(starts, [*(other["position"] for other in starts[1:]), np.inf]):
-            own = (ticks >= effect["position"]) & (ticks < following) & (ticks <= end_of({**band, "effects": [effect]}, timescale))
-            signal[own] += evaluated(f"{CHANNEL_PLACE}.bands[{b}]", band, effect, ticks[own] - effect["position"], timescale)
+    signal, ticks = np.zeros(count), np.arange(count) * (timescale / rate)
+    for b, (band, effects) in enumerate(bands):
+        for (first, last, effect, frames), following in zip(effects, [*(other[0] for other in effects[1:]), np.inf]):
+            own = (ticks >= first) & (ticks < following) & (ticks <= last)
+            signal[own] += evaluated(f"{place}.bands[{b}]", band, effect, frames, ticks[own] - first, timescale)
     signal *= channel["gain"]
     clipped = np.flatnonzero(np.abs(signal) > 1 + 1e-9)
     found = [f"clipping: {len(clipped)} samples are beyond full scale, the first at {clipped[0] / rate:.6g} s"] if len(clipped) else []
     return rate, (1 + np.clip(signal, -1, 1)) / 2, found
 
 
-def document_of(pressure: Array, rate_Hz: int, description: str) -> dict[str, Any]:
+def text_of(pressure: Array, rate_Hz: int) -> str:
     """A vectorial band whose amplitude is the signal: the base signal is the first half of a square wave, which is 1. Keyframes
     on the line between their neighbours are left out."""
     signal = 2 * np.append(pressure, pressure[-1]) - 1
@@ -183,7 +153,5 @@ def document_of(pressure: Array, rate_Hz: int, description: str) -> dict[str, An
                "frequency_sampling": rate_Hz, "sample_count": len(signal), "bands": [band]}
     perception = {"id": 0, "avatar_id": 0, "description": "focus of airborne ultrasound", "perception_modality": "Vibrotactile",
                   "reference_devices": [], "effect_library": [], "channels": [channel]}
-    made = {"version": "2023", "profile": "Main", "level": 1, "date": datetime.date.today().isoformat(), "description": description,
-            "timescale": rate_Hz, "avatars": [], "perceptions": [perception], "syncs": []}
-    channel_of(made)
-    return made
+    return json.dumps({"version": "2023", "profile": "Main", "level": 1, "date": datetime.date.today().isoformat(), "timescale": rate_Hz,
+                       "description": "envelope of a focus, by shearwake", "avatars": [], "perceptions": [perception], "syncs": []}) + "\n"

@@ -160,7 +160,7 @@ def converge(job: Job | str | os.PathLike[str], *, out: str | os.PathLike[str] |
     job = job if isinstance(job, Job) else Job(job)
     folder = Path(out) if out is not None else Path("out") / job.name
     chosen = ["--only", ",".join(only)] if only else ["--cases", str(cases)]
-    with job._file() as path:
+    with job.file() as path:
         run_and_watch(["converge", str(path), "--out", str(folder), *chosen, *options], ranks, launch, progress)
     return estimate_errors(folder)[0]
 
