@@ -89,6 +89,18 @@ class Devices(ProgramTest):
         wave = 0.5 * np.sin(2 * np.pi * 100 * np.arange(160) / 8000)
         np.testing.assert_allclose(gain, ((1 + wave) / 2) ** 2, atol=1e-9)
 
+    def test_transients_of_an_hjif_file_are_two_periods_of_a_sine(self):
+        """Of 22 ms each, as in the reference software."""
+        document = json.loads(json.dumps(HJIF))
+        band = document["perceptions"][0]["channels"][0]["bands"][0]
+        band["band_type"] = "Transient"
+        band["effects"][0]["keyframes"] = [{"relative_position": 0, "amplitude_modulation": 0.5}, {"relative_position": 40, "amplitude_modulation": 0.25}]
+        (self.folder / "a.hjif").write_text(json.dumps(document), encoding="utf-8")
+        self.write('kind = "file"\nfile = "a.hjif"', ms=70.0)
+        t_ms = np.arange(496) / 8  # until 62 ms
+        wave = (0.5 * np.sin(4 * np.pi * t_ms / 22) * (t_ms < 22) + 0.25 * np.sin(4 * np.pi * (t_ms - 40) / 22) * (t_ms >= 40))
+        np.testing.assert_allclose(self.load_at(8000)[2][:496], ((1 + wave) / 2) ** 2, atol=1e-9)
+
     def test_phases_of_an_array_are_played(self):
         """Phases that focus on a place, computed here: the load is there, frame by frame. The order is that of board_X.pat of OpenMPD: x
         from the smallest, and for each of them y from the largest."""

@@ -16,8 +16,6 @@ from ..errors import ProgramError, ShearwakeError
 from .load import Load, effect_of, single_case
 from .targets import BACK, TARGETS
 
-ENVIRONMENT = 6
-
 
 def export(given: argparse.Namespace, prefix: str) -> None:
     """Raises BadExport, ShearwakeError and OSError."""
@@ -55,7 +53,7 @@ def main(arguments: list[str]) -> int:
     except (ShearwakeError, OSError, KeyError, ValueError, ModuleNotFoundError) as error:
         place = "" if isinstance(error, ProgramError) else f"{getattr(error, 'filename', None) or given.source}: "
         print(f"{place}{getattr(error, 'strerror', None) or error}", file=sys.stderr)
-        return getattr(error, "exit_code", ENVIRONMENT)
+        return getattr(error, "exit_code", 6)  # the environment
     return 0
 
 

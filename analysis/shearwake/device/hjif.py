@@ -96,9 +96,11 @@ def evaluated(place: str, band: dict[str, Any], effect: dict[str, Any], frames: 
     if kind == "WaveletWave" and "block_length" in band:
         return np.append(values, 0.0)[np.minimum(ticks / band["block_length"] * len(values), len(values)).astype(int)]
     if kind == "Transient":
-        length = TRANSIENT_ms * timescale / 1000
-        since = ticks[:, None] - at
-        return np.sum(np.where((since >= 0) & (since <= length), np.sin(4 * np.pi * since / length) * values, 0.0), axis=1)
+        length, signal = TRANSIENT_ms * timescale / 1000, np.zeros_like(ticks)
+        for start, value in zip(at, values):
+            own = slice(*np.searchsorted(ticks, (start, start + length)))
+            signal[own] += value * np.sin(4 * np.pi * (ticks[own] - start) / length)
+        return signal
     if kind == "Curve" and form in ("Linear", "Cubic") and len(at) > 1:
         number = np.interp(ticks, at, np.arange(len(at)))
         share = number % 1
