@@ -82,6 +82,19 @@ class Devices(ProgramTest):
         expected = [((s + 32768) / 65535) ** 2 for s in (0, 16384, -32768, 32767)]
         np.testing.assert_allclose(gain[:8], expected * 2, atol=1e-9)  # rounding of the text between the programs
 
+    def test_an_envelope_of_40000_samples_is_played(self):
+        """A pressure |sin(pi f t)|, whose force is that of AM with the frequency f, for 5 s with 251 periods."""
+        pressure = np.abs(np.sin(np.pi * 50.2 * np.arange(40_000) / 8000))
+        (self.folder / "long.wav").write_bytes(wav_bytes([round(65_533 * p) - 32_767 for p in pressure]))
+        self.write('kind = "file"\nfile = "long.wav"', ms=5000.0)
+        gain = self.load_at(8000)[2]
+        np.testing.assert_allclose(gain, np.sin(np.pi * 50.2 * np.arange(40_001) / 8000) ** 2, atol=1e-4)  # 16 bits: 4e-5 of the force
+        peaks_um = []
+        for modulation in ('kind = "file"\nfile = "long.wav"', 'kind = "AM"\nam_frequency_Hz = 50.2'):
+            self.write(modulation, ms=30.0)
+            peaks_um.append(json.loads(self.shearwake("evaluate", "job.toml", "--json", "--out", "out").stdout)["values"]["peak_um"])
+        self.assertAlmostEqual(peaks_um[0] / peaks_um[1], 1.0, delta=1e-3)  # lines between samples: (2 pi 50.2 / 8000)^2 / 8 = 2e-4
+
     def test_an_hjif_file_is_an_envelope_of_the_pressure(self):
         (self.folder / "a.hjif").write_text(json.dumps(HJIF), encoding="utf-8")
         self.write('kind = "file"\nfile = "a.hjif"')

@@ -161,8 +161,8 @@ void walk_fields(Walk& walk, G& g) {
     walk_on(walk, g.on);
 }
 
-/// The largest number of samples of a gain: they are in the text of a case, which is an attribute
-/// of its file of at most 60 kB.
+/// The largest number of samples that a job states, and of those in the text of a case, which is an
+/// attribute of its file of at most 60 kB. More samples, of a file, are represented by their hash.
 inline constexpr std::size_t most_samples = 2000;
 
 /// Straight lines between `values` at t = 0, interval, 2 interval, ... The last value is held, or
@@ -183,6 +183,7 @@ void walk_fields(Walk& walk, G& g) {
     walk(g.values, {.key = "values",
                     .range = share_range,
                     .given = Given::required,
+                    .most_in_text = most_samples,
                     .meaning = "gain at t = 0, one interval, two intervals, ..., with straight "
                                "lines between",
                     .least_count = 2,
