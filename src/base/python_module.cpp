@@ -160,8 +160,7 @@ const PythonPackages study_packages = {"optimise needs",
                                        {"numpy", "h5py", "scipy", "tomli_w", "xxhash"},
                                        "python3-h5py python3-scipy python3-tomli-w "
                                        "python3-xxhash"};
-const PythonPackages device_packages = {
-    "files of devices need", {"json", "numpy"}, "python3-numpy"};
+const PythonPackages device_packages = {"device files need", {"json", "numpy"}, "python3-numpy"};
 
 void require_python(const PythonPackages& packages) {
     find_python(packages);

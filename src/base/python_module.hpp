@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <sys/types.h>
 #include <vector>
 
@@ -21,7 +20,7 @@ extern const PythonPackages table_packages, figure_packages, explorer_packages, 
     study_packages, device_packages;
 
 /// Begins the name of a file of load.modulation.kind = "file" in requests to the loader of texts.
-inline constexpr std::string_view played_file = "played:";
+inline const std::string played_file = "played:";
 
 /// Throws UsageError if no Python has the packages. Not collective.
 void require_python(const PythonPackages& packages);

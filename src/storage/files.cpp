@@ -130,9 +130,9 @@ std::string read_file(const fs::path& path, std::uintmax_t most_B) {
 
 std::string read_user_text(const fs::path& folder, const std::string& file) {
     if (!file.starts_with(played_file)) return read_file(folder / file, largest_user_text_B);
-    const fs::path path = folder / file.substr(played_file.size());
     std::string text; // the standard error, which is also that of messages
-    if (run_python_module("shearwake.device.read", {path.string()}, device_packages, &text) == 0)
+    if (run_python_module("shearwake.device.read", {folder / file.substr(played_file.size())},
+                          device_packages, &text) == 0)
         return text;
     throw UsageError(std::string(trimmed(text)), ExitCode::bad_job);
 }

@@ -222,6 +222,8 @@ def text_for_program(found: Signal) -> str:
     if found.kind == "phases":
         return "\n".join([f"# phases {found.phases_rad.shape[1]}", *(" ".join(map(repr, row)) for row in found.phases_rad.tolist())])
     points = found.points_mm if found.kind == "list" else np.zeros((len(found.levels), 2))
+    if not np.ptp(points, axis=0).any():
+        points[-1, 0] += 1e-6  # a path has a length, also if the focus stays at one place
     rows = np.column_stack((points, 1e3 * found.dwells_s, found.levels)).tolist()
     return "\n".join([*(f"# {line}" for line in (found.kind, *found.warnings)), "x_mm,y_mm,dwell_ms,level", *(",".join(map(repr, row)) for row in rows)])
 

@@ -52,14 +52,12 @@ void add_movie(CLI::App& app, Action& action) {
 }
 
 void add_export(CLI::App& app, Action& action) {
-    CLI::App& command = add_python_command(
-        app, action, "export",
-        "write the load of a job or case for a device, or the scan of a vibrometer",
-        {.module = "shearwake.device",
-         .rejection = "the case cannot be exported",
-         .failure = "the export failed"});
-    pass_option(command, "JOB|CASE", "case file (HDF5), or with --to a job file (TOML)")
-        ->required();
+    CLI::App& command = add_python_command(app, action, "export",
+                                           "write a load for a device, or the scan of a vibrometer",
+                                           {.module = "shearwake.device",
+                                            .rejection = "the case cannot be exported",
+                                            .failure = "the export failed"});
+    pass_option(command, "JOB|CASE", "case file (HDF5), or with --to a job (TOML)")->required();
     pass_option(command, "--to", "write the load for a device or in a format of devices")
         ->check(one_of({"csv", "autd3", "ultraleap", "hjif", "wav", "stl", "phases"}));
     pass_option(command, "--rate", "with --to: samples per second (default: the device's)", "HZ")

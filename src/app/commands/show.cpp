@@ -167,11 +167,10 @@ void print_text(const storage::CaseSummary& s) {
 
 /// Position, speed and gain of the focus, sampled from t = 0 on, in SI units.
 Json samples(const Load& load, double span_s, double rate_Hz) {
-    // Finer than the width of a printed line for up to 40 periods.
-    const double count = rate_Hz > 0.0 ? std::round(span_s * rate_Hz) : 4000.0;
+    if (rate_Hz == 0.0) rate_Hz = 4000.0 / span_s; // finer than a printed line for 40 periods
     std::vector<double> t, x, y, speed, strength;
-    for (double n = 0.0; n <= count; ++n) {
-        t.push_back(rate_Hz > 0.0 ? n / rate_Hz : span_s * n / count);
+    for (double n = 0.0; n <= std::round(span_s * rate_Hz); ++n) {
+        t.push_back(n / rate_Hz);
         x.push_back(focus_m(load, t.back()).x);
         y.push_back(focus_m(load, t.back()).y);
         speed.push_back(norm(velocity(load.modulation.trajectory, t.back())));
@@ -187,30 +186,26 @@ Json description(const Case& c, const ShowArguments& arguments) {
                  frequency_Hz = modulation_frequency_Hz(load.modulation).value_or(0.0),
                  period_s = frequency_Hz > 0.0 ? std::min(run_s, 1.0 / frequency_Hz) : run_s,
                  cycle_s = least_period(load, run_s).period_s; // of all parts
-    std::vector<double> foci_x, foci_y, phases;
-    for (const Vec2 focus : load.modulation.foci_m) {
-        foci_x.push_back(focus.x);
-        foci_y.push_back(focus.y);
-    }
     Json members = {{"kind", load.modulation.kind},
                     {"frequency_Hz", frequency_Hz},
-                    {"foci_x_m", foci_x},
-                    {"foci_y_m", foci_y},
+                    {"foci_x_m", Json::array()},
+                    {"foci_y_m", Json::array()},
                     {"cycle_s", cycle_s},
                     {"run", samples(load, run_s, arguments.rate_Hz)},
                     {"period", samples(load, period_s, arguments.rate_Hz)}};
+    for (const Vec2 focus : load.modulation.foci_m) {
+        members["foci_x_m"].push_back(focus.x);
+        members["foci_y_m"].push_back(focus.y);
+    }
     const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
     if (!array) return members;
     members["distance_m"] = array->distance_m;
     const ArrayField field(*array, 0.0);
     const double count = std::round((cycle_s > 0.0 ? cycle_s : run_s) * arguments.rate_Hz);
-    for (double n = 0.0; arguments.phases && n < count; ++n) {
-        const auto drives =
-            field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz)));
-        for (const std::size_t piston : board_order(*array))
-            phases.push_back(std::arg(drives[piston]));
-    }
-    members["phases_rad"] = phases; // frame by frame
+    for (double n = 0.0; arguments.phases && n < count; ++n)
+        for (const std::complex<double> drive :
+             field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz))))
+            members["phases_rad"].push_back(std::arg(drive)); // frame by frame
     return members;
 }
 
@@ -223,24 +218,12 @@ void draw_modulation(const ShowArguments& arguments, const Comm& world) {
         std::filesystem::path picture = arguments.picture;
         if (picture.empty()) picture = arguments.job.stem().string() + ".modulation.png";
         const std::filesystem::path data = picture.string() + fmt::format(".{}.json", ::getpid());
-        std::ofstream file(data);
-        file << members;
-        file.close();
-        if (!file)
-            throw UsageError("cannot write " + data.string() +
-                                 "; use --picture to choose another folder",
-                             ExitCode::environment);
-        int status = -1;
-        try {
-            status =
-                run_python_module("shearwake.report.modulation", {data.string(), picture.string()});
-        } catch (...) {
-            std::filesystem::remove(data);
-            throw;
-        }
-        std::filesystem::remove(data);
-        if (status != 0)
-            throw UsageError(fmt::format("drawing the picture failed (exit {})", status),
+        // Removed also after an exception.
+        const std::shared_ptr<void> end(nullptr, [&](void*) { std::remove(data.c_str()); });
+        std::ofstream(data) << members;
+        if (run_python_module("shearwake.report.modulation", {data, picture}) != 0)
+            throw UsageError("cannot write " + picture.string() +
+                                 "; use --picture to choose another folder or format",
                              ExitCode::environment);
         fmt::print("picture: {}\n", picture.string());
     });

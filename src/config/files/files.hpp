@@ -51,15 +51,15 @@ struct FileLoaders {
         std::make_shared<std::map<std::string, JobImage>>();
 };
 
-/// What `load` returns for the file that the key names. Nothing if the key is absent, or if the
-/// file cannot be read, which is then an error of the key.
+/// What `load` returns for the file that the key names, after a prefix. Nothing if the key is
+/// absent, or if the file cannot be read, which is then an error of the key.
 template <class Loader>
-auto load_named(Reader& reader, std::string_view key, const Loader& load)
+auto load_named(Reader& reader, std::string_view key, const Loader& load, std::string prefix = {})
     -> std::optional<decltype(load(std::string()))> {
     const auto name = reader.find_word(key);
     if (!name) return std::nullopt;
     try {
-        if (load) return load(*name);
+        if (load) return load(prefix + *name);
         reader.error(key, "names a file, but this job is read without access to files");
     } catch (const UsageError& problem) {
         reader.error(key, fmt::format("cannot be used: {}", problem.what()));

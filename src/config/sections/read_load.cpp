@@ -159,8 +159,6 @@ Trajectory read_trajectory(Reader& reader, std::string_view kind, const PathCont
             reader.missing("trajectory");
         else if (movers.empty())
             reader.error("trajectory", "must be a list of at least one table");
-    } else if (kind == "file") {
-        return trajectory; // read_played adds its parts
     } else if (kind == "AM" || kind == "LM") {
         parts.push_back(Hold{reader.point_or("position_mm", {})});
         if (kind == "LM") parts.push_back(read_lateral(reader));
@@ -224,8 +222,10 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
         return modulation;
     }
     modulation.kind = *kind;
-    modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
-    if (*kind == "file") read_played(reader, {medium, load_text}, footprint, modulation);
+    if (*kind == "file")
+        read_played(reader, {medium, load_text}, footprint, modulation);
+    else
+        modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
     modulation.foci_m = read_foci_m(reader);
     auto& gains = modulation.envelope.gains;
     if (contains_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));

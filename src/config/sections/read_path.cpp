@@ -178,40 +178,39 @@ static_assert([]<class... S>(std::type_identity<std::variant<S...>>) {
 }(std::type_identity<decltype(Curve::shape)>{}));
 
 /// A pass through the phases of an array per frame, after the number of its pistons.
-PointsFile read_frames(const std::string& text, ArrayFootprint& array) {
-    auto frames = std::make_shared<PhaseFrames>();
-    frames->content_hash = hex(stable_hash(text));
-    std::istringstream words(text);
-    std::string kind;
+PointsFile read_frames(const std::string& text, ArrayFootprint* array) {
+    if (!array || array->update_rate_Hz == 0.0)
+        return {.problem = "has phases per frame, which need footprint.shape = \"array\" with "
+                           "update_rate_kHz, the rate of the frames, and no foci_mm"};
+    std::istringstream words(text.substr(text.find_first_of("0123456789")));
     std::ptrdiff_t width = 0;
-    words >> kind >> kind >> width;
-    const std::ptrdiff_t pistons = array.columns * array.rows - std::ssize(array.missing);
+    words >> width;
+    const std::ptrdiff_t pistons = array->columns * array->rows - std::ssize(array->missing);
     if (width != pistons)
         return {.problem = fmt::format("has {} phases per frame, but the array has {} pistons",
                                        width, pistons)};
-    const std::vector<std::size_t> order = board_order(array);
-    std::size_t next = 0;
-    for (double phase_rad = 0.0; words >> phase_rad; next = (next + 1) % order.size()) {
-        if (next == 0) frames->drives.emplace_back(order.size());
-        frames->drives.back()[order[next]] = std::polar(1.0, phase_rad);
+    const auto frames = std::make_shared<PhaseFrames>();
+    frames->content_hash = hex(stable_hash(text));
+    for (double phase_rad = 0.0; words >> phase_rad;) {
+        if (frames->all.empty() || std::ssize(frames->all.back().drives) == pistons)
+            frames->all.push_back({{static_cast<double>(frames->all.size()), 0.0}, {}});
+        frames->all.back().drives.push_back(std::polar(1.0, phase_rad));
     }
-    for (std::size_t n = 0; n < frames->drives.size(); ++n) // until the places are known
-        frames->places_m.push_back({static_cast<double>(n), 0.0});
-    array.frames = frames;
-    ArrayFootprint wide = array; // as its pistons
-    wide.reach_m = 0.5 * array.pitch_m * static_cast<double>(std::max(array.columns, array.rows));
+    array->frames = frames;
+    ArrayFootprint wide = *array; // as its pistons
+    wide.reach_m = 0.5 * wide.pitch_m * static_cast<double>(std::max(wide.columns, wide.rows));
     const ArrayField field(wide, 0.0);
     PointsFile file;
-    for (const Vec2& number : frames->places_m) {
-        const Patch patch = field.pattern(array.center_m, {&number, 1});
+    for (PhaseFrame& frame : frames->all) { // selected by its number until its place is known
+        const Patch patch = field.pattern(wide.center_m, {&frame.place_m, 1});
         const auto most = std::ranges::max_element(patch.values) - patch.values.begin();
         const Vec2 steps = {static_cast<double>(most / patch.side),
                             static_cast<double>(most % patch.side)};
         // 1 pm distinguishes frames with one place.
-        file.points_m.push_back(patch.origin_m + patch.spacing_m * steps + 1e-12 * number);
+        frame.place_m = patch.origin_m + patch.spacing_m * steps + 1e-12 * frame.place_m;
+        file.points_m.push_back(frame.place_m);
     }
-    frames->places_m = file.points_m;
-    file.rests_s.assign(file.points_m.size(), 1.0 / std::exchange(array.update_rate_Hz, 0.0));
+    file.rests_s.assign(file.points_m.size(), 1.0 / std::exchange(array->update_rate_Hz, 0.0));
     return file;
 }
 
@@ -219,42 +218,27 @@ PointsFile read_frames(const std::string& text, ArrayFootprint& array) {
 
 void read_played(Reader& reader, const PathContext& context, Footprint& footprint,
                  Modulation& modulation) {
-    const auto word =
-        reader.find_choice("at_end", words_of(field_of<Modulation>("at_end"))).value_or("repeat");
-    const AtEnd at_end = word == "off" ? AtEnd::off : word == "hold" ? AtEnd::hold : AtEnd::repeat;
+    const std::string end = read_optional_word(reader, field_of<Modulation>("at_end"));
+    const AtEnd at_end = end == "off" ? AtEnd::off : end == "hold" ? AtEnd::hold : AtEnd::repeat;
     const Vec2 place_m = reader.point_or("position_mm", {});
     if (!reader.has("file")) reader.missing("file");
-    const TextLoader load = [&](const std::string& file) {
-        return context.load_text(std::string(played_file) + file);
-    };
-    const auto text = load_named(reader, "file", context.load_text ? load : nullptr);
+    const auto text = load_named(reader, "file", context.load_text, played_file);
     if (!text) return;
     std::istringstream lines(*text);
     std::string kind;
     std::getline(lines, kind);
     for (std::string line; std::getline(lines, line) && line.starts_with("# ");)
         reader.diagnostics().warning(reader.place("file"), reader.full("file") + line.substr(1));
-    auto* array = std::get_if<ArrayFootprint>(&footprint);
-    PointsFile file;
-    if (!kind.starts_with("# phases"))
-        file = read_points(*text, Columns::rests);
-    else if (!array || array->update_rate_Hz == 0.0 || reader.has("foci_mm"))
-        file.problem =
-            "has phases of pistons per frame, which need footprint.shape = \"array\" with "
-            "update_rate_kHz, the rate of the frames, and no foci_mm";
-    else
-        file = read_frames(*text, *array);
+    auto* array = reader.has("foci_mm") ? nullptr : std::get_if<ArrayFootprint>(&footprint);
+    PointsFile file = kind.starts_with("# phases") ? read_frames(*text, array)
+                                                   : read_points(*text, Columns::rests);
     if (!file.problem.empty()) return reader.error("file", file.problem);
     if (kind == "# envelope") {
         if (at_end == AtEnd::off) file.levels.push_back(0.0);
         modulation.envelope.gains.push_back(
             SampledGain{file.levels, file.rests_s.front(), at_end == AtEnd::repeat});
-        modulation.trajectory.parts.push_back(Hold{place_m});
-        return;
+        return modulation.trajectory.parts.push_back(Hold{place_m});
     }
-    // A path has a length, also if the focus stays at one place.
-    if (std::ranges::count(file.points_m, file.points_m.front()) == std::ssize(file.points_m))
-        file.points_m.back().x += 1e-9;
     Context c{reader, context, LeastLength::some, {}};
     Travel travel{.path = path_with_rests(c, file, Ends::open), .at_end = at_end};
     travel.motion = c.rests.value_or(Rests{});

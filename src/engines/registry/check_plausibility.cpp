@@ -260,8 +260,7 @@ void check_vibrometer(const Case& c, Notes& notes) {
 void check_length(const Case& c, const char* key, double length_m, double share, const char* what,
                   Notes& notes) {
     const double width_m = fwhm_m(c.scene.load.footprint);
-    constexpr double at_one_place_m = 2e-9; // a list of points, see read_played()
-    if (length_m > at_one_place_m && length_m < share * width_m)
+    if (length_m > 2e-9 && length_m < share * width_m) // less: a list of points at one place
         notes.add(Severity::warning, key,
                   "{} is {:.3g} mm, but the focus is {:.3g} mm wide (FWHM): it is practically at "
                   "rest; lengths are in mm",

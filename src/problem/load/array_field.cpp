@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace shearwake {
 namespace {
@@ -22,13 +21,13 @@ double wave_number_rad_m(const ArrayFootprint& array) {
     return two_pi * array.frequency_Hz / array.sound_speed_m_s;
 }
 
-/// Calls f(column, row) for each existing piston.
+/// Calls f(column, row) for each existing piston, in the order of the files of OpenMPD's boards: by
+/// x, and for each x from the largest y.
 template <class F>
 void for_pistons(const ArrayFootprint& array, F f) {
-    for (std::ptrdiff_t row = 0; row < array.rows; ++row)
-        for (std::ptrdiff_t column = 0; column < array.columns; ++column)
-            if (!std::binary_search(array.missing.begin(), array.missing.end(),
-                                    column + row * array.columns))
+    for (std::ptrdiff_t column = 0; column < array.columns; ++column)
+        for (std::ptrdiff_t row = array.rows - 1; row >= 0; --row)
+            if (!std::ranges::binary_search(array.missing, column + row * array.columns))
                 f(column, row);
 }
 
@@ -41,11 +40,11 @@ Vec2 place_m(const ArrayFootprint& array, std::ptrdiff_t column, std::ptrdiff_t 
 
 /// |p| directly below the centre when all pistons are in phase there [1/m].
 double amplitude_below(const ArrayFootprint& array) {
-    double sum = 0.0;
-    for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
-        const Complex p = piston_pressure(array, norm(place_m(array, column, row)));
-        sum += std::abs(p); // independent of the sign of D, which the drive compensates
-    });
+    double sum = 0.0; // ids of cases with pressure_Pa_m depend on the order of its terms
+    for (std::ptrdiff_t n = 0; n < array.columns * array.rows; ++n)
+        if (!std::ranges::binary_search(array.missing, n)) // the drive compensates the sign of D
+            sum += std::abs(
+                piston_pressure(array, norm(place_m(array, n % array.columns, n / array.columns))));
     return sum;
 }
 
@@ -119,25 +118,10 @@ const double* ArrayField::table_row(const std::vector<double>& table, std::ptrdi
     return table.data() + std::abs(offset) * (2 * half_ + 1) + half_;
 }
 
-std::vector<std::size_t> board_order(const ArrayFootprint& array) {
-    std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> places;
-    for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
-        places.emplace_back(column, -row);
-    });
-    std::vector<std::size_t> order(places.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t n) { return places[n]; });
-    return order;
-}
-
 /// Drives that focus on all foci, with the total power of a single focus.
 std::vector<Complex> ArrayField::drives(std::span<const Vec2> foci_m) const {
-    if (array_.frames) {
-        const auto distance_m = [&](Vec2 place) { return norm(place - foci_m.front()); };
-        const auto& places_m = array_.frames->places_m;
-        return array_.frames->drives[static_cast<std::size_t>(
-            std::ranges::min_element(places_m, {}, distance_m) - places_m.begin())];
-    }
+    const auto distance_m = [&](const PhaseFrame& f) { return norm(f.place_m - foci_m.front()); };
+    if (array_.frames) return std::ranges::min_element(array_.frames->all, {}, distance_m)->drives;
     Transfers transfers;
     for (const Vec2& focus : foci_m)
         for_pistons(array_, [&](std::ptrdiff_t column, std::ptrdiff_t row) {

@@ -15,10 +15,6 @@ namespace shearwake {
 /// below it [1/m].
 std::complex<double> piston_pressure(const ArrayFootprint& array, double offset_m);
 
-/// The numbers of the pistons, among drives(), in the order of the files of OpenMPD's boards: by x,
-/// and for each x from the largest y.
-std::vector<std::size_t> board_order(const ArrayFootprint& array);
-
 /// |p|^2 on the skin below an array, divided by its value at a focus directly below the centre.
 ///
 /// All pistons and samples are on one lattice, whose spacing divides the pitch, so that a single
@@ -37,7 +33,7 @@ public:
     /// The pattern, faded out around `middle_m`, of an array that focuses on all `foci_m`
     /// simultaneously with the power of one focus.
     Patch pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const;
-    /// The drives of the pistons.
+    /// The drives of the pistons, by x, and for each x from the largest y.
     std::vector<std::complex<double>> drives(std::span<const Vec2> foci_m) const;
 
 private:

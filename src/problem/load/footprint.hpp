@@ -26,11 +26,14 @@ struct GaussianFootprint {
     bool operator==(const GaussianFootprint&) const = default;
 };
 
-/// Phases of the pistons of an array over time, all at full amplitude. The place where a frame has
-/// its largest pressure is the focus of the load meanwhile, and selects the frame.
+/// Phases of the pistons of an array for some time, all at full amplitude. The place of its largest
+/// pressure, different for each frame, is the focus of the load meanwhile, and selects the frame.
+struct PhaseFrame {
+    Vec2 place_m;
+    std::vector<std::complex<double>> drives;
+};
 struct PhaseFrames {
-    std::vector<Vec2> places_m; // no two of them are equal
-    std::vector<std::vector<std::complex<double>>> drives;
+    std::vector<PhaseFrame> all;
     std::string content_hash;
 };
 

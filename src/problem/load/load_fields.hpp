@@ -204,9 +204,8 @@ void walk_fields(Walk& walk, M& modulation) {
     walk.key({.key = "file",
               .type = "file",
               .fallback = "required",
-              .meaning = "of kind file: what a device plays, relative to the job file: a list of "
-                         "points with times (CSV), an envelope (CSV, .wav, .hjif), or the phases "
-                         "of an array per frame (CSV); see [job-file.md](job-file.md)"});
+              .meaning = "of kind file: what a device plays (points, an envelope, or phases of an "
+                         "array), relative to the job file; see [job-file.md](job-file.md)"});
     walk.key({.key = "at_end",
               .type = "word:repeat|hold|off",
               .fallback = "`\"repeat\"`",
