@@ -9,8 +9,8 @@ import numpy
 import pytest
 
 import test_failures
-from program import (PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal,
-                     plan_ids, seal, table, without_reference)
+from program import PATIENCE_s, SWEEP, ProgramTest, case_files, journal, plan_ids, seal, table, without_reference
+from table_comparison import assert_same_table, exact_as
 
 # Two cases of 400 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
 STEPPED = without_reference(

@@ -11,8 +11,9 @@ from unittest import mock
 import h5py
 import pytest
 
-from program import (PATIENCE_s, PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, environment, plan, plan_ids,
-                     started, table, without_reference)
+from program import (PATIENCE_s, PROGRAM, SWEEP, ProgramTest, case_files, environment, plan, plan_ids, started, table,
+                     without_reference)
+from table_comparison import assert_same_table
 
 X = 'x = "load.modulation.am_frequency_Hz"'
 OVERFLOWING = without_reference((SWEEP, '"load.peak_Pa" = [100.0, 1e200]'), (X, 'x = "load.peak_Pa"'))

@@ -5,7 +5,8 @@ import signal
 import h5py
 import pytest
 
-from program import (LONG, PATIENCE_s, ProgramTest, alive, assert_same_table, case_files, descendants, journal, started, table)
+from program import LONG, PATIENCE_s, ProgramTest, alive, case_files, descendants, journal, started, table
+from table_comparison import assert_same_table
 
 
 class Resume(ProgramTest):

@@ -16,8 +16,9 @@ import h5py
 import numpy
 import xarray
 
-from program import (JOB, PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, changed, command, environment,
-                     exact_as, is_literal_ipr, journal, plan, plan_ids, started, table, without_reference)
+from program import (JOB, PATIENCE_s, SWEEP, ProgramTest, case_files, changed, command, environment, journal, plan, plan_ids,
+                     started, table, without_reference)
+from table_comparison import assert_same_table, exact_as, is_literal_ipr
 
 PROVENANCE = ["title", "case_id", "case", "job", "program", "git_id", "compiler", "build_type",
               "mpi_version", "fftw_version", "hdf5_version", "host", "ranks", "wall_s", "started",
