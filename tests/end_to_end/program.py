@@ -273,6 +273,12 @@ class ProgramTest(Interrupting):
         self.wait_for_stop(process, count)
         return process
 
+    def output_of(self, process, expect):
+        """The output of a started command at its end with this exit code."""
+        output = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, expect, output)
+        return output
+
     def _end(self, process):
         self.kill(process)
         process.stdout.close()

@@ -122,8 +122,7 @@ class Adaptive(ProgramTest):
         self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
         runs = [self.start("run", "job.toml", "--out", "together") for _ in range(2)]
         for run in runs:
-            output = run.communicate()[0]
-            self.assertEqual(run.returncode, 0, output)
+            self.output_of(run, 0)
         self.assertEqual(len(started(self.folder / "together")), len(set(started(self.folder / "together"))))
         self.assertEqual(self.tables_of(self.folder / "together"), self.tables_of(self.folder / "whole"))
 

@@ -9,7 +9,7 @@ import numpy
 import pytest
 
 import test_failures
-from program import PATIENCE_s, SWEEP, ProgramTest, case_files, journal, plan_ids, seal, table, without_reference
+from program import SWEEP, ProgramTest, case_files, journal, plan_ids, seal, table, without_reference
 from table_comparison import assert_same_table, exact_as
 
 # Two cases of 400 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
@@ -128,8 +128,7 @@ class Checkpoint(SavedCase):
         for kind in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
             process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20, faults=checkpoint(2))
             self.signal_and_continue(process, kind)
-            output = process.communicate(timeout=PATIENCE_s)[0]
-            self.assertEqual(process.returncode, 75, output)
+            output = self.output_of(process, 75)
             self.contains(output, "stopped early", "the next run resumes from checkpoints: case ", "next: shearwake run job.toml")
             self.assertEqual(case_files(self.out), [])
             self.assertEqual(journal(self.out)[-2]["event"], "checkpointed")
@@ -150,8 +149,7 @@ class Checkpoint(SavedCase):
         # mpirun forwards SIGUSR1 and, unlike for SIGINT and SIGTERM, does not kill the ranks afterwards.
         process = self.start_and_stop(*SAVING, 1, ranks=2, count=2, faults=checkpoint(2))
         self.signal_and_continue(process, signal.SIGUSR1)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
+        self.output_of(process, 75)
         self.assertEqual(case_files(self.out), [])
         self.contains(self.shearwake("status", self.out).output, "0 running", "0 failed", "2 remaining")
         self.resume(ranks=2)
@@ -168,9 +166,8 @@ class Checkpoint(SavedCase):
         process = self.start(*SAVING, 1)
         self.wait_for(lambda: len(self.events("started")) == 2, "the second case")
         process.send_signal(signal.SIGTERM)
-        output = process.communicate(timeout=PATIENCE_s)[0]
         # Without a checkpoint a stop waits for the end of the case, which is the last one.
-        self.assertEqual(process.returncode, 0, output)
+        output = self.output_of(process, 0)
         self.contains(output, "continues without a checkpoint: it requires", "MB left", "1 computed now")
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(self.states(), [])

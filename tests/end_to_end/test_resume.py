@@ -54,8 +54,7 @@ class Resume(ProgramTest):
                 there = len(case_files(self.out))
                 process = self.start_and_stop("run", "job.toml")
                 self.signal_and_continue(process, kind)
-                output = process.communicate(timeout=PATIENCE_s)[0]
-                self.assertEqual(process.returncode, 75, output)
+                output = self.output_of(process, 75)
                 self.contains(output, "stopped early", "next: shearwake run job.toml")
                 self.assertEqual(len(case_files(self.out)), there + 2)
                 self.assertEqual(len(case_files(self.out)), len(set(started(self.out))))
@@ -68,9 +67,7 @@ class Resume(ProgramTest):
     def test_a_stopped_run_prints_the_command_that_resumes_it(self):
         process = self.start_and_stop("run", "job.toml", "--out", "else where", "-S", "load.peak_Pa=20")
         self.signal_and_continue(process, signal.SIGTERM)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
-        self.contains(output, "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
+        self.contains(self.output_of(process, 75), "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
 
     @pytest.mark.extended
     def test_a_second_signal_ends_a_run_immediately(self):

@@ -14,8 +14,7 @@ import numpy
 import pytest
 
 from faults import FaultTest, both_engines, command, journal, table_bytes
-from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, faulty_environment, plan_ids, seal, started, table, \
-    without_reference
+from program import JOB, LONG, SWEEP, case_files, changed, faulty_environment, plan_ids, seal, started, table, without_reference
 
 MANY = LONG.replace("1000, 12]", "1000, 30]")
 
@@ -27,8 +26,7 @@ class Stops(FaultTest):
         process = self.start_and_stop("run", "job.toml", ranks=2)
         (self.out / "STOP").touch()
         self.signal_and_continue(process)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
+        output = self.output_of(process, 75)
         self.contains(output, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
         self.assertLess(there, 12)
@@ -88,9 +86,7 @@ class LargeCase(FaultTest):
         self.wait_for(lambda: (self.out / "plan.json").exists() and started(self.out), "the case")
         time.sleep(after_s)
         process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
-        self.contains(output, "0 computed now", "stopped early")
+        self.contains(self.output_of(process, 75), "0 computed now", "stopped early")
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.assert_nothing_left(self.out)
 
@@ -179,9 +175,7 @@ class Failing(FaultTest):
             "PATH": "/cases/", "EIO_AT": 3, "ERRNO": errno.ENOSPC, "STOP_AT": 20})
         self.assertEqual(len(list((self.out / "failed").glob("*.txt"))), 1)
         self.signal_and_continue(process, signal.SIGTERM)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
-        self.contains(output, "No space left", "1 failed", "stopped early", "next: shearwake run")
+        self.contains(self.output_of(process, 75), "No space left", "1 failed", "stopped early", "next: shearwake run")
 
     @pytest.mark.long
     def test_a_failure_of_one_rank_fails_one_case_and_the_run_continues(self):
@@ -272,8 +266,7 @@ class Failing(FaultTest):
         process = self.start_and_stop("run", "job.toml", ranks=2)
         shutil.move(self.out, self.folder / "elsewhere")
         self.signal_and_continue(process)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 6, output)
+        output = self.output_of(process, 6)
         self.contains(output, "the output folder", "was removed during the run")
         self.assertNotIn("internal error", output)
         self.assertFalse((self.out / "cases").exists())
@@ -294,8 +287,7 @@ class Failing(FaultTest):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
                 (self.out / "cases").mkdir(exist_ok=True)
                 self.signal_and_continue(process)
-                output = process.communicate(timeout=PATIENCE_s)[0]
-                self.assertEqual(process.returncode, 6, output)
+                output = self.output_of(process, 6)
                 self.contains(output, "during the run", "rerun the command")
                 self.assertNotIn("12 computed now", output)
                 self.shearwake("run", "job.toml")
@@ -334,8 +326,7 @@ class Folders(FaultTest):
         process = self.start_and_stop("run", "job.toml", "--checkpoint-steps", 20,
                                       faults={"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 2})
         self.signal_and_continue(process, signal.SIGTERM)
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, 75, output)
+        self.output_of(process, 75)
         self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
         self.shearwake("reduce", self.out)
         for path in (self.out, *self.out.rglob("*")):

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from faults import FaultTest, both_engines, table_bytes
-from program import LONG, PATIENCE_s, SECOND_CASE, case_files, journal, started
+from program import LONG, SECOND_CASE, case_files, journal, started
 
 WORDS = ("run", "job.toml", "--ranks-per-case", 1, "--checkpoint-steps", 200)
 SECOND_CHECKPOINT = {"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 2}
@@ -22,9 +22,7 @@ class EqualCommands(FaultTest):
 
     def counts(self, process, code=0):
         """What a command prints at its end: cases, computed, complete before, failed, and computed by others."""
-        output = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertEqual(process.returncode, code, output)
-        return [int(text or 0) for text in ENDED.search(output).groups()]
+        return [int(text or 0) for text in ENDED.search(self.output_of(process, code)).groups()]
 
     def assert_shared(self, processes, cases, reference, most_twice=0):
         ended = [self.counts(process) for process in processes]
