@@ -4,9 +4,7 @@ import re
 from pathlib import Path
 
 from blocks import DOCS
-from program import ROOT, ProgramTest, changed, read_csv
-
-AFFERENTS = ('[sweep]\n', '[afferents]\nwhere = "palm"\n\n[sweep]\n')
+from program import ROOT, ProgramTest, read_csv, small_job
 
 
 def rows(markdown):
@@ -27,7 +25,7 @@ class Reference(ProgramTest):
         return {name.strip("`"): unit for name, unit, _ in rows(self.shearwake("columns").stdout)[1:]}
 
     def test_every_column_of_a_table_is_listed_with_its_unit(self):
-        job = self.write_job(changed(AFFERENTS, ("[measure]\n", "[measure]\nsensation = true\ndepths_mm = [0.0, 1.5]\n")))
+        job = self.write_job(small_job({"afferents.where": "palm", "measure.sensation": True, "measure.depths_mm": [0.0, 1.5]}))
         self.reduced(self.out, job=job)
         header = read_csv(self.out / "tables" / "small.csv")[0]
         page = (DOCS / "reference" / "table-columns.md").read_text(encoding="utf-8")

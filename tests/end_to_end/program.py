@@ -17,6 +17,7 @@ from pathlib import Path
 
 from shearwake import Job, program as launcher
 from shearwake.checksum import with_line
+from shearwake.keys import put
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
@@ -83,10 +84,56 @@ reference = { kind = "STM" }
 """
 
 SWEEP = '"load.modulation.am_frequency_Hz" = [400, 500, 1000]'
+AM = "load.modulation.am_frequency_Hz"
+SPECTRAL, PSTD = {"solver.engine": "spectral"}, {"solver.engine": "pstd"}
+ONE_CASE = {"sweep": None, "table": None}
+NO_FRAMES = {"record.frames": None}
+NO_REFERENCE = {"table.reference": None}
+OPEN = {"domain.edges": "open"}
+PERIODIC = {"time.duration_ms": None, "time.regime": "periodic", "measure": {}}
+HALF_SPACE = {"medium.base": "half-space", "medium.layer[1].thickness_mm": None}
+
+
+def changed_job(base, *changes):
+    """The TOML of a job, given by its path or its text, with changed keys. None removes a key."""
+    def present(value):
+        if isinstance(value, dict):
+            return {key: present(part) for key, part in value.items() if part is not None}
+        return list(map(present, value)) if isinstance(value, list) else value
+
+    tables = Job(base).tables
+    for change in changes:
+        for key, value in change.items():
+            put(tables, key, value)
+    return Job(present(tables)).text
+
+
+def small_job(*changes):
+    """The TOML of the small job with changed keys: small_job({"time.duration_ms": 1.2, "record": None})."""
+    return changed_job(JOB, *changes)
+
+
+def without_reference(*changes):
+    return small_job(NO_REFERENCE, *changes)
+
+
+def swept(*values, key=AM):
+    """The change to a sweep over some values of a key."""
+    return {"sweep": {key: list(values)}}
+
+
+def csv_path(file):
+    """The change to a path that is read from a file."""
+    return {"load.modulation.path": {"shape": "csv", "file": file}}
+
+
+def peaks(*values_Pa):
+    """The change to a sweep over the peak pressure without reference cases."""
+    return {**swept(*values_Pa, key="load.peak_Pa"), "table": {"x": "load.peak_Pa"}}
 
 
 def changed(*changes, text=JOB):
-    """The small job with each (old, new) replaced."""
+    """The text of the small job with each (old, new) replaced, for tests of texts."""
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)
@@ -102,18 +149,31 @@ def gaussian(fwhm_mm):
     return {"shape": "gaussian", "fwhm_mm": fwhm_mm}
 
 
-def without_reference(*changes):
-    return changed(('reference = { kind = "STM" }\n', ""), *changes)
+def read_by(time_ms, settled_ms=1.0):
+    """The change to a case that ends at its time of reading."""
+    return {"time.duration_ms": time_ms, "measure": {"at_ms": time_ms, "settled_after_ms": settled_ms}}
 
+
+# The text of the small job with a misspelt key.
+MISSPELT = changed(("peak_Pa", "peek_Pa"))
 
 # Without traces and frames, a report draws few figures.
-UNRECORDED = changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""))
+UNRECORDED = small_job({"record": {}})
 
-# Many cases of a fraction of a second each, for tests that interrupt a run.
-LONG = without_reference(
-    (SWEEP, '"load.modulation.am_frequency_Hz" = { linspace = [300, 1000, 12] }'),
-    ("extent_mm = [64.0, 48.0]", "extent_mm = [144.0, 128.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-    ("frames = true", "snapshots_ms = [4.0]"))
+
+def long_job(cases=12):
+    """Many cases of a fraction of a second each, for tests that interrupt a run."""
+    return without_reference({"sweep": {AM: {"linspace": [300, 1000, cases]}}, "domain": {"extent_mm": [144.0, 128.0], "spacing_mm": 0.5},
+                              "record.frames": None, "record.snapshots_ms": [4.0]})
+
+
+LONG = long_job()
+
+
+def large_job(interval_us):
+    """A long case of engine layered, which saves no checkpoints."""
+    return without_reference(NO_FRAMES, swept(500), {
+        "domain": {"extent_mm": [640.0, 640.0], "spacing_mm": 0.5}, "time.output_interval_us": interval_us})
 
 
 def environment():

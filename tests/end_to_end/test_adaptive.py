@@ -3,22 +3,21 @@
 import bisect
 import contextlib
 import json
+import math
 import os
 import random
 import signal
 
 import pytest
 
-from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, read_csv, started, table
+from program import (AM, OPEN, ROOT, ProgramTest, case_files, changed_job, plan, plan_ids, read_csv, small_job, started, table,
+                     without_reference)
 
-SPEED, WAVES, FREQUENCY = "load.modulation.speed_m_s", "medium.layer[1].c_s_m_s", "load.modulation.am_frequency_Hz"
-PLAIN = (("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
-         ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),  # otherwise waves return, and readings are not valid
-         ('x = "load.modulation.am_frequency_Hz"\n', f"x = '{SPEED}'\n"))
-OVER_WAVES = (f"x = '{SPEED}'", f"x = '{WAVES}'")
+SPEED, WAVES = "load.modulation.speed_m_s", "medium.layer[1].c_s_m_s"
+PLAIN = {"record": None, **OPEN}  # otherwise waves return, and readings are not valid
 # The shear waves have 5 m/s: the curve bends where the focus overtakes them. All cases share one transfer function.
-REFINE = f"'{SPEED}' = {{ refine = [3, 7], column = \"eta_period_1\", tolerance = 0.002 }}"
-CURVE = changed(*PLAIN, (SWEEP, REFINE), ('reference = { kind = "STM" }\n', ""))
+REFINE = {"refine": [3, 7], "column": "eta_period_1", "tolerance": 0.002}
+CURVE = small_job(PLAIN, {"table": {"x": SPEED}, "sweep": {SPEED: REFINE}})
 
 
 def adaptive(out):
@@ -57,8 +56,7 @@ class Adaptive(ProgramTest):
         self.assertEqual(len(adaptive(self.out)), len(points) - 1)
 
         fine = f"sweep.\"{SPEED}\"={{ linspace = [3, 7, {3 * len(points)}] }}"
-        self.shearwake("run", "job.toml", "-S", fine, "--out", "fine", "--quiet", ranks=2)
-        self.shearwake("reduce", "fine")
+        self.reduced("fine", "-S", fine, "--quiet", ranks=2)
         grid = curve(self.folder / "fine")
         self.assertEqual(len(grid), 3 * len(points))
         for x, y in grid:
@@ -97,11 +95,12 @@ class Adaptive(ProgramTest):
 
     def test_status_resumes_between_rounds(self):
         self.write_job(CURVE)
-        self.shearwake("run", "job.toml", "--quiet", "--only", self.first_id())
+        first_ids = self.first_ids()
+        self.shearwake("run", "job.toml", "--quiet", "--only", first_ids[0])
         self.shearwake("run", "job.toml", "--quiet")
         expected = plan_ids(self.out)
         removed = self.folder / "other"
-        self.shearwake("run", "job.toml", "--quiet", "--out", removed, "--only", ",".join(self.first_ids()))
+        self.shearwake("run", "job.toml", "--quiet", "--out", removed, "--only", ",".join(first_ids))
         output = self.shearwake("status", removed).output
         self.contains(output, "9 done", "adaptive axes:", "to add", "next: shearwake run")
         command = next(line for line in output.splitlines() if line.startswith("next: shearwake ")).split()[2:]
@@ -112,9 +111,6 @@ class Adaptive(ProgramTest):
         document = json.loads(self.shearwake("plan", "job.toml", "--json").stdout)
         self.assertEqual([axis["goal"] for axis in document["adaptive"]], ["refine"])
         return [case["id"] for case in document["cases"]]
-
-    def first_id(self):
-        return self.first_ids()[0]
 
     @pytest.mark.long
     def test_equal_commands_work_together(self):
@@ -128,10 +124,9 @@ class Adaptive(ProgramTest):
 
     @pytest.mark.long
     def test_extrema_are_searched_in_two_dimensions(self):
-        search = ("{{ find = \"maximum\", in = [{}], column = \"eta_period_1\", tolerance = {}, initial = 5 }}")
-        self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {search.format('3, 12', 0.6)}\n"
-                                               f"'{SPEED}' = {search.format('4, 7', 0.5)}"),
-                               ('reference = { kind = "STM" }\n', "")))
+        search = {"find": "maximum", "column": "eta_period_1", "initial": 5}
+        self.write_job(small_job(PLAIN, {"table": {"x": WAVES}, "sweep": {
+            WAVES: {**search, "in": [3, 12], "tolerance": 0.6}, SPEED: {**search, "in": [4, 7], "tolerance": 0.5}}}))
         self.contains(self.shearwake("plan", "job.toml").output, "25 cases", "about 9 for one curve", "about 7 for one curve")
         output = self.shearwake("run", "job.toml", ranks=2).output
         self.contains(output, f"{WAVES}: maximum of eta_period_1 at", f"{SPEED}: maximum of eta_period_1 at")
@@ -147,27 +142,27 @@ class Adaptive(ProgramTest):
 
     @pytest.mark.long
     def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
-        self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
-                                               f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))
+        crossing = {"find": "crossing", "in": [3, 12], "column": "eta_period_1", "tolerance": 0.05}
+        self.write_job(small_job(PLAIN, {"table.x": WAVES, "sweep": {WAVES: crossing, AM: [500, 1000]}}))
         output = self.shearwake("run", "job.toml", ranks=2).output
         self.shearwake("reduce", self.out)
         rows = adaptive(self.out)
         ratios = {f: [(float(row[WAVES]), float(row["eta_period_over_reference_1"]) - 1.0) for row in table(self.out)
-                      if row["reference"] != "yes" and float(row[FREQUENCY]) == f] for f in (500, 1000)}
+                      if row["reference"] != "yes" and float(row[AM]) == f] for f in (500, 1000)}
         for frequency, points in ratios.items():
             points.sort()
             changes = [(a[0], b[0]) for a, b in zip(points, points[1:]) if (a[1] < 0) != (b[1] < 0)]
-            found = [row for row in rows if row["settings"] == f"{FREQUENCY} = {frequency}"]
+            found = [row for row in rows if row["settings"] == f"{AM} = {frequency}"]
             self.assertEqual([(float(r["from"]), float(r["to"])) for r in found], changes)
             if not changes:
-                self.contains(output, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
+                self.contains(output, f"no crossing of eta_period_1, {AM} = {frequency}")
             for low, high in changes:
                 self.assertLessEqual(high - low, 0.05 + 1e-9)
         self.assertTrue(rows, "the curves never cross the reference")
         self.shearwake("report", self.out)
 
     def test_limits_are_reported(self):
-        self.write_job(changed(("tolerance = 0.002", "tolerance = 1e-9, most = 12"), text=CURVE))
+        self.write_job(changed_job(CURVE, {"sweep": {SPEED: {**REFINE, "tolerance": 1e-9, "most": 12}}}))
         limit = "intervals exceed the tolerance because of the limits most = 12"
         done = json.loads(self.shearwake("run", "job.toml", "--json").stdout)  # one document for all rounds
         self.assertEqual((done["cases"], done["computed"], done["already_complete"]), (12, 12, 0))
@@ -180,28 +175,22 @@ class Adaptive(ProgramTest):
 
     @pytest.mark.extended
     def test_errors_are_reported_before_any_case_is_computed(self):
-        for old, new, message in (
-                ("[3, 7]", "[7, 3]", "must be two ascending numbers"),
-                ("[3, 7]", "[3]", "must be two ascending numbers"),
-                ('"eta_period_1"', '"eta_perod_1"', 'did you mean "eta_period_1"?'),
-                ("0.002", "0", "above 0"),
-                ("0.002", "nan", "tolerance"),
-                ("tolerance = 0.002", "tolerance = 0.002, most = 2.5", "most"),
-                ("tolerance = 0.002", "tolerance = 0.002, level = 3", "level"),
-                ("refine = [3, 7]", 'find = "maximun", in = [3, 7]', "maximum"),
-                ("refine = [3, 7]", 'find = "maximum"', "in"),
-                ("refine = [3, 7]", 'find = "crossing", in = [3, 7]', "requires a level to cross, or a reference"),
-                ("refine = [3, 7]", 'find = "minimum", in = [3, 1e5]', "a millionth of the interval")):
-            self.write_job(changed((old, new), text=CURVE))
+        for axis, message in (
+                ({"refine": [7, 3]}, "must be two ascending numbers"), ({"refine": [3]}, "must be two ascending numbers"),
+                ({"column": "eta_perod_1"}, 'did you mean "eta_period_1"?'),
+                ({"tolerance": 0}, "above 0"), ({"tolerance": math.nan}, "tolerance"), ({"most": 2.5}, "most"), ({"level": 3}, "level"),
+                ({"refine": None, "find": "maximun", "in": [3, 7]}, "maximum"), ({"refine": None, "find": "maximum"}, "in"),
+                ({"refine": None, "find": "crossing", "in": [3, 7]}, "requires a level to cross, or a reference"),
+                ({"refine": None, "find": "minimum", "in": [3, 1e5]}, "a millionth of the interval")):
+            self.write_job(changed_job(CURVE, {"sweep": {SPEED: {**REFINE, **axis}}}))
             self.contains(self.shearwake("check", "job.toml", expect=3).output, message)
-        self.write_job(changed((REFINE, "zip = [ { " + REFINE + f", \"{FREQUENCY}\" = [400, 500] }} ]"), text=CURVE))
+        self.write_job(changed_job(CURVE, {"sweep": {"zip": [{SPEED: REFINE, AM: [400, 500]}]}}))
         self.contains(self.shearwake("check", "job.toml", expect=3).output, "is adaptive")
         self.assertFalse(self.out.exists())
 
     @pytest.mark.extended
     def test_sliding_windows_have_no_jumps_along_the_frequency(self):
-        axis = f"'{FREQUENCY}' = {{ refine = [400, 1000], column = \"eta_period_1\", tolerance = 0.005 }}"
-        self.write_job(changed(*PLAIN[:2], (SWEEP, axis), ('reference = { kind = "STM" }\n', "")))
+        self.write_job(without_reference(PLAIN, {"sweep": {AM: {**REFINE, "refine": [400, 1000], "tolerance": 0.005}}}))
         self.contains(self.shearwake("run", "job.toml").output, "intervals exceed the tolerance because of the limits")
         output = self.shearwake("run", "job.toml", "-S", "measure.window='sliding'", "--out", "sliding").output
         self.assertNotIn("exceed the tolerance", output)

@@ -8,18 +8,11 @@ import xarray
 
 from program import ProgramTest, without_reference
 
-STRONG = ("peak_Pa = 100.0", "peak_Pa = 5000.0")
-PINS = """
-[afferents]
-where = "palm"
-classes = ["RA", "PC"]
-noise = true
-pin_line = { from_mm = [-12.0, 0.0], to_mm = [12.0, 0.0], count = 7 }
-[sweep]"""
 
-
-def with_afferents(*changes):
-    return without_reference(STRONG, ("\n[sweep]", PINS), *changes)
+def with_afferents(changes=(), **keys):
+    """The small job with keys of [afferents] and other changes."""
+    return without_reference({"load.peak_Pa": 5000.0, "afferents": {
+        "where": "palm", "classes": ["RA", "PC"], "pin_line": {"from_mm": [-12.0, 0.0], "to_mm": [12.0, 0.0], "count": 7}, **keys}}, dict(changes))
 
 
 class Afferents(ProgramTest):
@@ -27,7 +20,7 @@ class Afferents(ProgramTest):
         return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
 
     def test_xarray_reads_the_spikes_and_the_table_has_their_columns(self):
-        self.write_job(with_afferents())
+        self.write_job(with_afferents(noise=True))
         self.reduced(self.out)
         path = next(iter(self.cases("out/small").values()))
         data = xarray.open_dataset(path, group="afferents")
@@ -40,7 +33,7 @@ class Afferents(ProgramTest):
             self.assertIn(f"RA_{column}", header)
 
     def test_respond_reproduces_the_spikes_of_a_case_from_its_pins(self):
-        self.write_job(with_afferents(("noise = true", "noise = false")))
+        self.write_job(with_afferents(noise=False))
         self.shearwake("run", "job.toml")
         path = next(iter(self.cases("out/small").values()))
         self.shearwake("respond", path, "--group", "pins", "--options", "job.toml", "--out", "a.h5")
@@ -51,7 +44,7 @@ class Afferents(ProgramTest):
     def test_fibres_respond_to_the_stress_of_each_engine(self):
         counts = {}
         for engine in ("layered", "spectral"):
-            self.write_job(with_afferents(('noise = true', 'input = "stress"'), ('engine = "layered"', f'engine = "{engine}"')))
+            self.write_job(with_afferents({"solver.engine": engine}, input="stress"))
             self.shearwake("run", "job.toml", "--out", engine, ranks=2)
             counts[engine] = []
             for path in self.cases(engine).values():
@@ -62,23 +55,22 @@ class Afferents(ProgramTest):
         np.testing.assert_allclose(sorted(counts["spectral"]), sorted(counts["layered"]), rtol=0.01)
 
     def test_receptors_must_lie_above_the_rigid_base(self):
-        self.write_job(with_afferents(('noise = true', 'input = "stress"'), ("thickness_mm = 20.0", "thickness_mm = 1.8")))
+        self.write_job(with_afferents({"medium.layer[1].thickness_mm": 1.8}, input="stress"))
         output = self.shearwake("check", "job.toml", expect=3).output
         self.contains(output, "afferents.input is \"stress\"", "receptors at a depth of 2 mm", "the rigid base at 1.8 mm")
 
     def test_receptors_beyond_the_domain_are_counted(self):
-        self.write_job(with_afferents(('noise = true', 'input = "stress"')))
+        self.write_job(with_afferents(input="stress"))
         self.contains(self.shearwake("check", "job.toml").output, "warning", "of 3553 receptors are outside the domain")
 
     def test_errors_are_reported_before_the_run(self):
-        for old, new, words in [
-                ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be between 1e-09 and 10000"),
-                ("noise = true", "patch_mm = [400, 0]", "all 7 pins are outside of the skin"),
-                ("noise = true", 'input = "carrier"\ncarrier = { amplitude_um = 50, '
-                 'sampling_kHz = 80 }', "2 samples per cycle of 40 kHz")]:
-            self.write_job(with_afferents((old, new)))
+        for keys, words in (
+                ({"pin_radius_mm": -1}, "afferents.pin_radius_mm must be between 1e-09 and 10000"),
+                ({"patch_mm": [400, 0]}, "all 7 pins are outside of the skin"),
+                ({"input": "carrier", "carrier": {"amplitude_um": 50, "sampling_kHz": 80}}, "2 samples per cycle of 40 kHz")):
+            self.write_job(with_afferents(**keys))
             self.contains(self.shearwake("check", "job.toml", ranks=2, expect=3).output, "error", words)
-        self.write_job(with_afferents(("noise = true", "pin_radius_mm = 3")))
+        self.write_job(with_afferents(pin_radius_mm=3))
         self.contains(self.shearwake("check", "job.toml").output, "warning", "2 mm, half of their smallest distance, is used instead")
 
 

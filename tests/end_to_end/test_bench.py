@@ -7,9 +7,11 @@ from unittest import mock
 
 import pytest
 
-from program import SWEEP, ProgramTest, without_reference
+from program import AM, ProgramTest, read_by, swept, without_reference
 
-BRIEF = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"), ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
+
+def brief_job(*engines):
+    return without_reference(read_by(0.4, settled_ms=0.0), {"sweep": {AM: [400], "solver.engine": list(engines)}})
 
 
 class Bench(ProgramTest):
@@ -53,8 +55,7 @@ class Bench(ProgramTest):
                 self.contains(self.shearwake("bench", "spectral", "--grid", grid, expect=2).output, "--grid")
 
     def test_a_run_records_one_rate_per_engine_with_which_plan_estimates_its_time(self):
-        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n'
-                                                  '"solver.engine" = ["layered", "pstd", "spectral"]'), *BRIEF))
+        self.write_job(brief_job("layered", "pstd", "spectral"))
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
             before = self.shearwake("plan", "job.toml")
@@ -101,24 +102,20 @@ class Bench(ProgramTest):
     def test_fftw_plans_are_measured_once_regardless_of_earlier_engines(self):
         cache = self.folder / "cache"
 
-        def write(engines):
-            self.write_job(without_reference(
-                (SWEEP, f'"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = {engines}'), *BRIEF))
-
         def plans():
             return {file.name: file.read_bytes() for file in cache.glob("fftw-*-staggered-*")}
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            write('["pstd"]')
+            self.write_job(brief_job("pstd"))
             self.shearwake("run", "job.toml", "--quiet", "--out", "pstd")
             first = plans()
             self.assertTrue(first)
             # The layered case uses the MPI part of FFTW, which takes part in the search for plans from then on.
-            write('["layered", "pstd"]')
+            self.write_job(brief_job("layered", "pstd"))
             self.shearwake("run", "job.toml", "--quiet", "--out", "both")
         self.assertEqual({name: text for name, text in plans().items() if name in first}, first)
 
     @pytest.mark.extended
     def test_a_plan_has_no_more_teams_than_cases(self):
-        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
+        self.write_job(without_reference(swept(400)))
         output = self.shearwake("plan", "job.toml", "-n", 4096).output
         self.assertRegex(output, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")

@@ -9,26 +9,16 @@ import numpy
 import pytest
 
 import test_failures
-from program import SWEEP, ProgramTest, case_files, journal, plan_ids, seal, table, without_reference
+from program import (SPECTRAL, ProgramTest, case_files, changed_job, journal, plan_ids, read_by, seal, swept, table,
+                     without_reference)
 from table_comparison import assert_same_table, exact_as
 
 # Two cases of 400 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
-STEPPED = without_reference(
-    (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'),
-    ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 5.0 }'),
-    ("duration_ms = 4.0", "duration_ms = 2.0"), ("frames = true", "frames = true\nvolumes_ms = [0.1, 1.5]"),
-    ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
+STEPPED = without_reference(SPECTRAL, swept(1250, 2500), read_by(1.0, settled_ms=0.2), {
+    "time.duration_ms": 2.0, "solver.spectral.time_step_us": 5.0, "record.volumes_ms": [0.1, 1.5]})
 # The same job with a body that requires iterations, so that strains are part of the checkpoint.
-WITH_BODY = STEPPED.replace("[load]\n", """[[medium.body]]
-shape = "ellipsoid"
-center_mm = [2.0, 1.0]
-depth_mm = 5.0
-semi_axes_mm = [6.0, 4.0, 3.0]
-c_s_m_s = 20.0
-viscosity_Pa_s = 1.5
-
-[load]
-""", 1).replace("time_step_us = 5.0", "time_step_us = 20.0")
+WITH_BODY = changed_job(STEPPED, {"solver.spectral.time_step_us": 20.0, "medium.body": [
+    {"shape": "ellipsoid", "center_mm": [2.0, 1.0], "depth_mm": 5.0, "semi_axes_mm": [6.0, 4.0, 3.0], "c_s_m_s": 20.0, "viscosity_Pa_s": 1.5}]})
 SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
 
 
@@ -237,7 +227,7 @@ class Checkpoint(SavedCase):
 
     @pytest.mark.extended
     def test_engine_layered_writes_no_checkpoints(self):
-        self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"') .replace("volumes_ms = [0.1, 1.5]", ""))
+        self.write_job(changed_job(STEPPED, {"solver.engine": "layered", "record.volumes_ms": None}))
         self.shearwake(*SAVING, 1)
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(len(plan_ids(self.out)), 2)
@@ -265,10 +255,9 @@ class CheckpointWithABody(SavedCase):
 
 
 class CheckpointWithLevels(SavedCase):
-    JOB = (STEPPED.replace("time_step_us = 5.0", "time_step_us = 20.0").replace("duration_ms = 2.0", "duration_ms = 10.0")
-           .replace("\nat_ms = 1.0", "\nat_ms = 9.6\nsensation = true")
-           .replace("to_mm = [14.0, 0.0]", 'to_mm = [14.0, 0.0], at_end = "back-and-forth"')
-           .replace("speed_m_s = 7.0", "speed_m_s = 20.0"))  # two or four passes per period of the load
+    # Two or four passes per period of the load.
+    JOB = changed_job(STEPPED, {"solver.spectral.time_step_us": 20.0, "time.duration_ms": 10.0, "measure.at_ms": 9.6, "measure.sensation": True,
+                                "load.modulation.path.at_end": "back-and-forth", "load.modulation.speed_m_s": 20.0})
 
     @pytest.mark.long
     def test_levels_of_sensation_are_resumed_on_another_number_of_ranks(self):

@@ -5,9 +5,9 @@ import json
 import h5py
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, command, plan_ids, without_reference
+from program import NO_FRAMES, ProgramTest, case_files, command, plan_ids, small_job, swept, without_reference
 
-JOB = without_reference(("frames = true", "snapshots_ms = [2.0, 4.0]"), (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000")))
+JOB = without_reference(NO_FRAMES, {"record.snapshots_ms": [2.0, 4.0]}, swept(500, 1000))
 
 
 class Compare(ProgramTest):
@@ -151,8 +151,7 @@ class Compare(ProgramTest):
 
     @pytest.mark.extended
     def test_sweeps_without_common_cases_differ(self):
-        self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),
-                       name="b.toml")
+        self.write_job(small_job(swept(50, 60, key="load.peak_Pa"), {"table": None}), name="b.toml")
         self.shearwake("run", "b.toml", "--out", "other", "--quiet")
         self.contains(self.shearwake("compare", self.out, "other", expect=1).output, "missing case: load.peak_Pa=50",
                       "extra case: load.modulation.am_frequency_Hz=500", "missing column: load.peak_Pa", "0 cases")

@@ -5,27 +5,22 @@ import json
 
 import pytest
 
-from program import ROOT, SWEEP, ProgramTest, case_files, changed, read_csv, started, without_reference
+from program import (HALF_SPACE, NO_FRAMES, NO_REFERENCE, ONE_CASE, OPEN, PERIODIC, ROOT, SPECTRAL, ProgramTest, case_files,
+                     changed_job, read_csv, small_job, started, swept, without_reference)
 
 from shearwake.studies import converge
 
 # Coarse in space and small in extent, so that all errors are large enough to be measured.
-COARSE = without_reference(
-    ("spacing_mm = 1.5", "spacing_mm = 2.0"), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"),
-    ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000")))
-SPECTRAL = ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 100.0 }')
+SMALL = {"domain.extent_mm": [56.0, 40.0]}
+WITH_REFERENCE = small_job(SMALL, {"domain.spacing_mm": 2.0}, NO_FRAMES, swept(500, 1000))
+COARSE = changed_job(WITH_REFERENCE, NO_REFERENCE)
+LONG_STEPS = without_reference(SPECTRAL, {"solver.spectral.time_step_us": 100.0}, NO_FRAMES, swept(400))
 # Small jobs whose spacing of 1.5 mm is a third of the FWHM.
-ONE = without_reference((f"\n[sweep]\n{SWEEP}\n", ""), ("frames = true", ""), ('[table]\nx = "load.modulation.am_frequency_Hz"\n', ""))
-CIRCLE = changed(
-    ("duration_ms = 4.0", 'regime = "periodic"'), ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),
-    ('shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]', 'shape = "circle", radius_mm = 6.0'),
-    ('kind = "AM-STM"', 'kind = "STM"'), ("am_frequency_Hz = 500.0\n", ""), ("speed_m_s = 7.0", "draw_frequency_Hz = 100.0"),
-    ("extent_mm = [64.0, 48.0]", "extent_mm = [80.0, 80.0]"), ("at_ms = 4.0\nsettled_after_ms = 1.0\n", ""), text=ONE)
-HALF_SPACE = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""),
-                     ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),
-                     ("extent_mm = [64.0, 48.0]", "extent_mm = [72.0, 48.0]"), text=ONE)
-AROUND_PATH = changed(("settled_after_ms = 1.0", 'settled_after_ms = 1.0\nregion_mm = "path"'),
-                      ("extent_mm = [64.0, 48.0]", "extent_mm = [96.0, 72.0]"), text=ONE)
+ONE = small_job(ONE_CASE, NO_FRAMES)
+CIRCLE = changed_job(ONE, PERIODIC, OPEN, {"domain.extent_mm": [80.0, 80.0], "load.modulation": {
+    "kind": "STM", "path": {"shape": "circle", "radius_mm": 6.0}, "draw_frequency_Hz": 100.0}})
+ENDLESS = changed_job(ONE, HALF_SPACE, OPEN, {"domain.extent_mm": [72.0, 48.0]})
+AROUND_PATH = changed_job(ONE, {"measure.region_mm": "path", "domain.extent_mm": [96.0, 72.0]})
 BRACKETED = ("eta_period_1", "eta_at_1", "focal_rms_um", "participation_period_mm2", "ipr_abs_period_mm2", "sharpness_1")
 COLUMNS = ("eta_period_1", "focal_rms_um", "eta_at_1")
 
@@ -35,10 +30,7 @@ def rows(folder, name="small"):
 
 
 # Of the earlier implementation in C++.
-FROZEN = {"coarse": (COARSE, "1"), "half": (HALF_SPACE, "1"),
-          "spectral": (without_reference(SPECTRAL, ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "400"))), "1"),
-          "reference": (changed(("spacing_mm = 1.5", "spacing_mm = 2.0"), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"),
-                                ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000"))), "2")}
+FROZEN = {"coarse": (COARSE, "1"), "half": (ENDLESS, "1"), "spectral": (LONG_STEPS, "1"), "reference": (WITH_REFERENCE, "2")}
 
 
 class Converge(ProgramTest):
@@ -83,11 +75,8 @@ class Converge(ProgramTest):
         [case] = self.studied()
         self.assertTrue(case["complete"])
         self.assertEqual([r["name"] for r in case["refinements"]], ["spacing", "time", "domain"])
-        self.shearwake("run", "job.toml", "--out", "fine", "-S", "domain.spacing_mm=0.5",
-                       "-S", "domain.extent_mm=[168.0, 120.0]", "-S", "time.output_interval_us=25",
-                       "-S", 'sweep."load.modulation.am_frequency_Hz"=[500]')
-        self.shearwake("reduce", "fine")
-        [finest] = rows(self.folder / "fine")
+        [finest] = self.reduced("fine", "-S", "domain.spacing_mm=0.5", "-S", "domain.extent_mm=[168.0, 120.0]",
+                                "-S", "time.output_interval_us=25", "-S", 'sweep."load.modulation.am_frequency_Hz"=[500]')
         for column in COLUMNS:
             with self.subTest(column=column):
                 entry = case["columns"][column]
@@ -109,8 +98,7 @@ class Converge(ProgramTest):
         fine["all"] = tuple(option for options in fine.values() for option in options)
         found = {}
         for name, options in fine.items():
-            self.reduced(name, *options)
-            [found[name]] = rows(self.folder / name)
+            [found[name]] = self.reduced(name, *options)
         for column in BRACKETED:
             with self.subTest(column=column):
                 entry = case["columns"][column]
@@ -131,7 +119,7 @@ class Converge(ProgramTest):
     @pytest.mark.extended
     def test_errors_bracket_the_true_ones_of_a_half_space(self):
         # The region of the base consists of the cells of its samples.
-        case = self.check_brackets(HALF_SPACE, "[144.0, 96.0]", "-S", "measure.region_mm=[72.0, 48.0]",
+        case = self.check_brackets(ENDLESS, "[144.0, 96.0]", "-S", "measure.region_mm=[72.0, 48.0]",
                                    "-S", "measure.region_center_mm=[-0.75, -0.75]")
         self.assertLess(abs(case["columns"]["ipr_abs_period_mm2"]["changes"]["domain"]), 1e-5 * 600.0)
 
@@ -141,18 +129,13 @@ class Converge(ProgramTest):
 
     @pytest.mark.long
     def test_errors_of_engine_spectral_bracket_the_difference_from_layered(self):
-        rigid = changed(('engine = "layered"', 'engine = "spectral"'), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"), text=ONE)
-        half_space = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=rigid)
-        for base, job in (("rigid", rigid), ("half-space", half_space)):
-            self.write_job(job)
+        for base, changes in (("rigid", {}), ("half-space", HALF_SPACE)):
+            self.write_job(changed_job(ONE, SPECTRAL, SMALL, changes))
             self.shearwake("converge", "job.toml", "--cases", "1", "--quiet", "--out", base)
             text = (self.folder / base / "converge" / "converge.json").read_text(encoding="utf-8")
             [case] = json.loads(text)["cases"]
-            fine = f"fine-{base}"
-            self.shearwake("run", "job.toml", "--out", fine, "--quiet", "-S", 'solver.engine="layered"', "-S", "domain.spacing_mm=0.75",
-                           "-S", "time.output_interval_us=25", "-S", "domain.extent_mm=[112.0, 80.0]")
-            self.shearwake("reduce", fine)
-            [finest] = rows(self.folder / fine)
+            [finest] = self.reduced(f"fine-{base}", "--quiet", "-S", 'solver.engine="layered"', "-S", "domain.spacing_mm=0.75",
+                                    "-S", "time.output_interval_us=25", "-S", "domain.extent_mm=[112.0, 80.0]")
             for column in BRACKETED:
                 with self.subTest(base=base, column=column):
                     entry = case["columns"][column]
@@ -164,16 +147,13 @@ class Converge(ProgramTest):
 
     @pytest.mark.extended
     def test_richardson_predicts_the_error_of_the_time_step(self):
-        self.write_job(without_reference(SPECTRAL, ("frames = true", ""), (SWEEP, SWEEP.replace("400, 500, 1000", "400"))))
+        self.write_job(LONG_STEPS)
         self.shearwake("converge", "job.toml", "--quiet")
         [case] = self.studied()
         time = case["refinements"][1]
         self.assertEqual((time["name"], time["order"], time["ratio"]), ("time", 2.0, 2.0))
         # The same frames with a sixteenth of the step: its error is below 1 % of that of the base.
-        self.shearwake("run", "job.toml", "--out", "fine", "-S", "solver.spectral.time_step_us=6.25",
-                       "-S", "time.output_interval_us=50")
-        self.shearwake("reduce", "fine")
-        [finest] = rows(self.folder / "fine")
+        [finest] = self.reduced("fine", "-S", "solver.spectral.time_step_us=6.25", "-S", "time.output_interval_us=50")
         for column in ("focal_rms_um", "eta_at_1"):
             with self.subTest(column=column):
                 entry = case["columns"][column]

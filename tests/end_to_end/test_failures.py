@@ -11,14 +11,12 @@ from unittest import mock
 import h5py
 import pytest
 
-from program import (PATIENCE_s, PROGRAM, SWEEP, ProgramTest, case_files, environment, plan, plan_ids, started, table,
-                     without_reference)
+from program import (NO_FRAMES, PATIENCE_s, PROGRAM, ProgramTest, case_files, changed_job, environment, peaks, plan, plan_ids,
+                     small_job, started, swept, table, without_reference)
 from table_comparison import assert_same_table
 
-X = 'x = "load.modulation.am_frequency_Hz"'
-OVERFLOWING = without_reference((SWEEP, '"load.peak_Pa" = [100.0, 1e200]'), (X, 'x = "load.peak_Pa"'))
-ABSURD = without_reference((SWEEP, '"domain.spacing_mm" = [1.5, 0.005]'), (X, 'x = "domain.spacing_mm"'),
-                           ("extent_mm = [64.0, 48.0]", "extent_mm = [60.0, 60.0]"), ("frames = true", ""))
+OVERFLOWING = small_job(peaks(100.0, 1e200))
+ABSURD = small_job(swept(1.5, 0.005, key="domain.spacing_mm"), {"table": {"x": "domain.spacing_mm"}, "domain.extent_mm": [60.0, 60.0]}, NO_FRAMES)
 NOBODY = 65534
 
 
@@ -46,9 +44,8 @@ class JoinedWorlds(ProgramTest):
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["job.toml", "other"])
 
     def test_remedy_of_the_message_starts_separate_runs(self):
-        self.write_job()
-        for name, change in (("a", "job.toml"), ("b", "other.toml")):
-            (self.folder / change).write_text((self.folder / "job.toml").read_text().replace('name = "', f'name = "{name}'))
+        for name in ("job", "other"):
+            self.write_job(small_job({"job.name": name}), f"{name}.toml")
         split = "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then j=job; else j=other; fi; exec {} check $j.toml"
         code, output = self.joined("-n", "2", "sh", "-c", split.format(PROGRAM))
         self.assertEqual(code, 2, output)
@@ -81,7 +78,7 @@ class JoinedWorlds(ProgramTest):
 
     @pytest.mark.long
     def test_a_blocked_rank_ends_after_a_stop_signal(self):
-        self.write_job(ABSURD.replace("0.005", "0.25"))
+        self.write_job(changed_job(ABSURD, swept(1.5, 0.25, key="domain.spacing_mm")))
         with subprocess.Popen(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml", "--ranks-per-case", "2"], cwd=self.folder,
                               env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8") as run:
             self.wait_for(lambda: started(self.out), "the first case")
@@ -127,7 +124,7 @@ class FailingCase(ProgramTest):
 
     @pytest.mark.extended
     def test_fail_fast_stops_at_the_first_failure(self):
-        self.write_job(OVERFLOWING.replace("[100.0, 1e200]", "[1e200, 1e201, 100.0]"))
+        self.write_job(small_job(peaks(1e200, 1e201, 100.0)))
         output = self.shearwake("run", "job.toml", "--fail-fast", expect=4).output
         self.assertEqual(len(started(self.out)), 1, output)
         self.contains(output, "2 cases were not started: shearwake run job.toml computes them")

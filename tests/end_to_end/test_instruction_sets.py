@@ -8,19 +8,7 @@ from unittest import mock
 
 import pytest
 
-from program import PROGRAM, SWEEP, ProgramTest, journal, without_reference
-
-# A stiff body, which requires iterations; receptors; and the engine layered.
-BODY = ('base = "rigid"\n', '''base = "rigid"
-
-[[medium.body]]
-name = "lump"
-shape = "ellipsoid"
-center_mm = [0.0, 3.0, 8.0]
-semi_axes_mm = [8.0, 6.0, 4.0]
-c_s_m_s = 20.0
-''')
-ENGINES = (SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = ["layered", "spectral"]')
+from program import AM, PROGRAM, PSTD, SPECTRAL, ProgramTest, journal, read_by, swept, without_reference
 
 
 class InstructionSets(ProgramTest):
@@ -46,20 +34,17 @@ class InstructionSets(ProgramTest):
 
     @pytest.mark.extended
     def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
-        self.compare(without_reference(ENGINES, ("[record]", "[afferents]\n\n[record]")))
+        self.compare(without_reference({"sweep": {AM: [400], "solver.engine": ["layered", "spectral"]}, "afferents": {}}))
 
     @pytest.mark.long
     def test_tables_with_iterations_do_not_depend_on_the_instruction_set(self):
-        self.compare(without_reference(BODY, (SWEEP, '"load.modulation.am_frequency_Hz" = [400]'),
-                                       ('engine = "layered"', 'engine = "spectral"')))
+        stiff = {"name": "lump", "shape": "ellipsoid", "center_mm": [0.0, 3.0, 8.0], "semi_axes_mm": [8.0, 6.0, 4.0], "c_s_m_s": 20.0}
+        self.compare(without_reference(SPECTRAL, swept(400), {"medium.body": [stiff]}))
 
     @pytest.mark.long
     def test_pstd_gives_one_table_with_every_set(self):
-        self.compare(without_reference(
-            (SWEEP, '"load.modulation.am_frequency_Hz" = [1250]'), ('engine = "layered"', 'engine = "pstd"'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"),
-            ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
-            ("duration_ms = 4.0", "duration_ms = 1.0"), ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2")))
+        self.compare(without_reference(PSTD, swept(1250), read_by(1.0, settled_ms=0.2), {
+            "domain.extent_mm": [36.0, 24.0], "load.modulation.path.from_mm": [-8.0, 0.0]}))
 
     @pytest.mark.extended
     def test_an_unknown_instruction_set_is_an_error_that_lists_the_allowed_ones(self):

@@ -5,26 +5,26 @@ import json
 import jsonschema
 import pytest
 
-from program import JOB, ROOT, UNRECORDED, ProgramTest, case_files, changed, plan_ids
+from program import JOB, MISSPELT, ROOT, UNRECORDED, ProgramTest, case_files, peaks, plan_ids, small_job
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
 
 
 class Json(ProgramTest):
-    def document(self, command, *arguments, expect=0, ranks=1):
-        done = self.shearwake(command, *arguments, "--json", expect=expect, ranks=ranks)
+    def run_with(self, definition, *words, **options):
+        """A run of a command, and its document, which matches a definition of the schema."""
+        done = self.shearwake(*words, "--json", **options)
         document = json.loads(done.stdout)
-        definition = {**SCHEMA, "oneOf": [{"$ref": f"#/$defs/{command}"}]}  # for clear messages
-        jsonschema.Draft202012Validator(definition).validate(document)
-        jsonschema.Draft202012Validator(SCHEMA).validate(document)
-        return document
+        for schema in ({**SCHEMA, "oneOf": [{"$ref": f"#/$defs/{definition}"}]}, SCHEMA):  # the first one for clear messages
+            jsonschema.Draft202012Validator(schema).validate(document)
+        return done, document
+
+    def document(self, command, *arguments, **options):
+        return self.run_with(command, command, *arguments, **options)[1]
 
     def errors(self, command, *arguments, expect):
         """The messages of the document that a failing command prints; they also go to the standard error."""
-        done = self.shearwake(command, *arguments, "--json", expect=expect)
-        document = json.loads(done.stdout)
-        jsonschema.Draft202012Validator({**SCHEMA, "oneOf": [{"$ref": "#/$defs/errors"}]}).validate(document)
-        jsonschema.Draft202012Validator(SCHEMA).validate(document)
+        done, document = self.run_with("errors", command, *arguments, expect=expect)
         self.assertEqual(document["command"], command)
         messages = [error["message"] for error in document["errors"]]
         for message in messages:
@@ -32,7 +32,7 @@ class Json(ProgramTest):
         return messages
 
     def test_failing_commands_print_their_errors(self):
-        self.write_job(changed(("peak_Pa = 100.0", "peek_Pa = 100.0")))
+        self.write_job(MISSPELT)
         for command in ("plan", "run", "evaluate"):
             with self.subTest(command):
                 self.contains("\n".join(self.errors(command, "job.toml", expect=3)), "did you mean peak_Pa?")
@@ -74,14 +74,13 @@ class Json(ProgramTest):
         self.write_job()
         sound = self.document("check", "job.toml", ranks=2)
         self.assertEqual((sound["cases"], sound["errors"]), (4, 0))
-        self.write_job(changed(("peak_Pa = 100.0", "peek_Pa = 100.0")))
+        self.write_job(MISSPELT)
         bad = self.document("check", "job.toml", expect=3)
         self.assertEqual((bad["cases"], bad["errors"]), (None, 1))
         error, = [d for d in bad["diagnostics"] if d["severity"] == "error"]
         self.assertEqual((error["file"], error["line"]), ("job.toml", JOB[:JOB.index("peak_Pa")].count("\n") + 1))
         self.contains(error["message"], "did you mean peak_Pa?")
-        self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [1600.0, 1600.0]"),
-                               ("spacing_mm = 1.5", "spacing_mm = 0.05")))
+        self.write_job(small_job({"domain": {"extent_mm": [1600.0, 1600.0], "spacing_mm": 0.05}}))
         large = self.document("check", "job.toml", expect=3)
         self.contains(large["diagnostics"][-1]["message"], "MB per rank, and a rank may use")
         refused = self.document("plan", "job.toml", expect=3)
@@ -115,7 +114,7 @@ class Json(ProgramTest):
         self.assertIn("_at_", measures[-1])
         self.shearwake("reduce", self.out)
         self.assertTrue(self.document("compare", self.out, self.out)["equal"])
-        self.write_job(changed(("peak_Pa = 100.0", "peak_Pa = 101.0")))
+        self.write_job(small_job({"load.peak_Pa": 101.0}))
         self.shearwake("run", "job.toml", "--out", "more", "--quiet")
         compared = self.document("compare", "more", self.out, expect=1)
         self.assertIn("peak_um", [column["column"] for column in compared["moved"]])
@@ -127,9 +126,7 @@ class Json(ProgramTest):
         self.assertEqual(self.document("status", self.out)["damaged_cases"][0]["id"], shown["id"])
 
     def test_failed_cases_are_listed_with_their_reasons(self):
-        self.write_job(changed(('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"load.peak_Pa" = [100.0, 1e200]'),
-                               ('x = "load.modulation.am_frequency_Hz"\n', 'x = "load.peak_Pa"\n'),
-                               ('reference = { kind = "STM" }\n', "")))
+        self.write_job(small_job(peaks(100.0, 1e200)))
         self.shearwake("run", "job.toml", expect=4)
         failed, = self.document("status", self.out)["failed_cases"]
         self.assertEqual(failed["settings"], {"load.peak_Pa": 1e200})

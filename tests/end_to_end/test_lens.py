@@ -8,37 +8,22 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from program import SWEEP, ProgramTest, without_reference
+from program import ONE_CASE, ProgramTest, small_job
 
 # A lens of 60 mm above skin that is pressed 200 times per second.
-JOB = without_reference(
-    ('footprint = { shape = "gaussian", fwhm_mm = 4.5 }\n', ""),
-    ("peak_Pa = 100.0", "peak_Pa = 50.0"),
-    ('kind = "AM-STM"\npath = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }\nspeed_m_s = 7.0\n',
-     'kind = "AM"\n'),
-    ("am_frequency_Hz = 500.0", "am_frequency_Hz = 200.0"),
-    (f"\n[sweep]\n{SWEEP}\n\n[table]\nx = \"load.modulation.am_frequency_Hz\"\n", ""),
-    ("[domain]", """\
-[load.footprint]
-shape = "lens"
-aperture_mm = 60.0
-distance_mm = 60.0
-reach_mm = 40.0
-pixel_mm = 2.0
-iterations = 20
-material_c_m_s = 1500.0
-material_density_kg_m3 = 1200.0
-TARGET
+def lens_job(target):
+    footprint = {"shape": "lens", "aperture_mm": 60.0, "distance_mm": 60.0, "reach_mm": 40.0, "pixel_mm": 2.0, "iterations": 20,
+                 "material_c_m_s": 1500.0, "material_density_kg_m3": 1200.0, **target}
+    return small_job(ONE_CASE, {
+        "load": {"peak_Pa": 50.0, "footprint": footprint, "modulation": {"kind": "AM", "am_frequency_Hz": 200.0}},
+        "domain": {"extent_mm": [96.0, 96.0], "spacing_mm": 2.0}, "time": {"duration_ms": 5.0, "output_interval_us": 250.0},
+        "measure": {"settled_after_ms": 2.0}, "record": {"frames": True}})
 
-[domain]"""),
-    ("extent_mm = [64.0, 48.0]", "extent_mm = [96.0, 96.0]"), ("spacing_mm = 1.5", "spacing_mm = 2.0"),
-    ("duration_ms = 4.0", "duration_ms = 5.0"), ("interval_us = 100.0", "interval_us = 250.0"),
-    ("at_ms = 4.0\nsettled_after_ms = 1.0", "settled_after_ms = 2.0"),
-    ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\n", ""))
+
 FOCI_mm = ((-12.0, 6.0), (12.0, -3.0))
-FOCI = "target_foci_mm = [[-12, 6], [12, -3]]"
-TRIANGLE = "target_polygon_mm = [[-12, -12], [12, -12], [-12, 12]]"
-PICTURE = 'target_png = "triangle.png"\ntarget_width_mm = 36'
+FOCI = {"target_foci_mm": [[-12, 6], [12, -3]]}
+TRIANGLE = {"target_polygon_mm": [[-12, -12], [12, -12], [-12, 12]]}
+PICTURE = {"target_png": "triangle.png", "target_width_mm": 36}
 
 
 def columns(path):
@@ -59,7 +44,7 @@ def triangles(path):
 class LensTest(ProgramTest):
     def lens(self, target):
         """The text of the program and the folder of the files."""
-        job = self.write_job(JOB.replace("TARGET", target))
+        job = self.write_job(lens_job(target))
         out = self.folder / "lens"
         return self.shearwake("lens", job, "--out", out).stdout, out
 
@@ -141,7 +126,7 @@ class Files(LensTest):
         Image.new("L", (40, 40), 200).save(data, "png")
         good = data.getvalue()
         path = self.folder / "triangle.png"
-        job = self.write_job(JOB.replace("TARGET", PICTURE))
+        job = self.write_job(lens_job(PICTURE))
         huge = good.replace((40).to_bytes(4, "big"), (10 ** 9).to_bytes(4, "big"), 1)
         for content in (b"", b"no picture", good[:30], good[:-30], huge, good[:40] + b"\xff" * 20 + good[60:]):
             path.write_bytes(content)
@@ -155,7 +140,7 @@ class Skin(LensTest):
     def test_the_pressure_of_a_lens_drives_the_skin_in_its_pattern(self):
         import h5py
 
-        job = self.write_job(JOB.replace("TARGET", FOCI))
+        job = self.write_job(lens_job(FOCI))
         out = self.folder / "out"
         self.shearwake("run", job, "--out", out)
         with h5py.File(next((out / "cases").glob("*.h5")), "r") as file:

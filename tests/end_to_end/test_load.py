@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Paths of the focus that are read from files."""
 
-from program import ProgramTest, changed, without_reference
+from program import ProgramTest, csv_path, small_job, without_reference
 
-CSV = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }',
-       'path = { shape = "csv", file = "paths/hook.csv" }')
+CSV = csv_path("paths/hook.csv")
 
 
 class Loads(ProgramTest):
@@ -14,9 +13,9 @@ class Loads(ProgramTest):
 
     def test_files_of_points_are_relative_to_the_job(self):
         self.write_points("x_mm,y_mm\n-14,0\n0,0\n0,8\n", folder="elsewhere")
-        self.write_job(changed(CSV), name="elsewhere/job.toml")
+        self.write_job(small_job(CSV), name="elsewhere/job.toml")
         self.shearwake("check", "elsewhere/job.toml", ranks=2)
-        self.write_job(changed(CSV))
+        self.write_job(small_job(CSV))
         output = self.shearwake("check", "job.toml", ranks=2, expect=3).output
         self.contains(output, "error: load.modulation.path.file cannot be used", "paths/hook.csv")
 

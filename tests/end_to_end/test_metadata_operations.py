@@ -6,7 +6,7 @@ import subprocess
 import unittest
 
 import program
-from program import SWEEP, ProgramTest, case_files, without_reference
+from program import NO_FRAMES, ProgramTest, case_files, swept, without_reference
 
 # All calls of strace's class %file, such as openat, stat, unlink, rename and statfs.
 MOST_PER_CASE = 30
@@ -15,8 +15,7 @@ MOST_PER_CASE = 30
 @unittest.skipUnless(shutil.which("strace"), "strace is not installed")
 class MetadataOperations(ProgramTest):
     def operations(self, cases):
-        frequencies = ", ".join(str(100 + 10 * n) for n in range(cases))
-        self.write_job(without_reference((SWEEP, f'"load.modulation.am_frequency_Hz" = [{frequencies}]'), ("frames = true\n", "")))
+        self.write_job(without_reference(swept(*(100 + 10 * n for n in range(cases))), NO_FRAMES))
         out, trace = self.folder / f"out of {cases}", self.folder / "trace"
         done = subprocess.run(["strace", "-f", "-o", trace, "-e", "trace=%file", program.PROGRAM, "run", "job.toml", "--out", out],
                               capture_output=True, text=True, cwd=self.folder, env=program.environment())

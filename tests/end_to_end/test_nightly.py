@@ -13,13 +13,15 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from program import LONG, PROGRAM, ROOT, SECOND_CASE, SWEEP, ProgramTest, changed, environment, faulty_environment, without_reference
+from program import (LONG, MISSPELT, NO_FRAMES, PROGRAM, ROOT, SECOND_CASE, ProgramTest, changed_job, environment,
+                     faulty_environment, peaks, small_job, swept, without_reference)
 
 from shearwake.errors import NotAnOutputFolder
 from shearwake.nightly import __main__ as nightly, night, table
 from shearwake.nightly.history import UNFINISHED, History
 
-TINY = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [400, 500]'), ("frames = true", ""))
+TINY = small_job(swept(400, 500), NO_FRAMES)
+STRONGER = changed_job(TINY, {"load.peak_Pa": 101.0})
 KILLED_WITHIN = """\
 import os
 from shearwake.nightly.history import History
@@ -132,7 +134,7 @@ class Nightly(ProgramTest):
         self.assertIn("all tables equal their baselines", self.page())
 
         before = (self.folder / "baselines" / "tiny.csv").read_bytes()
-        self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
+        self.write_job(STRONGER, "tiny.toml")
         self.contains(self.night(expect=5), "tiny: differs from the baseline", "peak_um", "+1 %")
         self.assertEqual(self.verdicts(), ["no baseline", "equal", "equal", "differs"])
         page = self.page()
@@ -153,7 +155,7 @@ class Nightly(ProgramTest):
     @pytest.mark.extended
     def test_tolerances_next_to_the_baseline_are_used(self):
         self.first_baseline()
-        self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
+        self.write_job(STRONGER, "tiny.toml")
         (self.folder / "baselines" / "tiny.tolerances.toml").write_text('[tolerance]\n"*" = 0.02\n', encoding="utf-8")
         self.night()
 
@@ -207,7 +209,7 @@ class Nightly(ProgramTest):
 
     @pytest.mark.extended
     def test_pipes_in_place_of_its_files_do_not_block_a_night(self):
-        self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
+        self.write_job(MISSPELT, "bad.toml")
         for name in ("history.sqlite", "index.html.part", "junit.xml.part", "nightly.log", "lock"):
             with self.subTest(name=name):
                 self.nights.mkdir()
@@ -219,7 +221,7 @@ class Nightly(ProgramTest):
 
     def test_a_failed_job_is_reported_and_the_others_continue(self):
         self.first_baseline()
-        self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
+        self.write_job(MISSPELT, "bad.toml")
         output = self.night("bad.toml", "nothing", "--ranks", "2", expect=3)
         self.contains(output, "tiny: equal", "bad: failed", "did you mean peak_Pa", "nothing: failed", "cannot read")
         self.assertNotIn("mpirun", output)
@@ -262,9 +264,7 @@ class Nightly(ProgramTest):
     @pytest.mark.extended
     def test_ten_nights(self):
         """Equal, changed, slower, failed, missing case, new case, invalid job, study elsewhere, repaired, equal."""
-        sweep = (SWEEP, '"load.peak_Pa" = [100.0, 200.0]')
-        job = changed(sweep, ("frames = true", ""), ('reference = { kind = "STM" }\n', ""), ('x = "load.modulation.am_frequency_Hz"', 'x = "load.peak_Pa"'))
-        cases = "[100.0, 200.0]"
+        job = small_job(peaks(100.0, 200.0), NO_FRAMES)
         slow = self.folder / "slow"
         slow.write_text(f'#!/bin/sh\nif [ "$1" = run ]; then sleep 10; fi\nexec {PROGRAM} "$@"\n', encoding="utf-8")
         slow.chmod(0o755)
@@ -280,20 +280,20 @@ class Nightly(ProgramTest):
         night(6, job, "tiny.toml")
         self.script("update-baseline", "tiny.toml", "--yes")
         self.assertEqual(night(0, job)[:2], ("all tables equal their baselines", set()))
-        headline, kinds, output = night(5, job.replace("density_kg_m3 = 1000.0", "density_kg_m3 = 1010.0"))
+        headline, kinds, output = night(5, changed_job(job, {"medium.layer[1].density_kg_m3": 1010.0}))
         self.assertEqual(kinds, {"failure"})
         self.contains(headline, "tiny differs from the baseline: -")
         self.contains(output, "parameters of the job have changed", "no commit since the last equal night")
         headline, kinds, _ = night(5, job, "--fail-slower", "100", program=slow)
         self.assertEqual(kinds, {"failure"})
         self.contains(headline, "tiny is slower: +", "instead of")
-        headline, kinds, output = night(4, job.replace(cases, "[100.0, 200.0, 1e200]"))
+        headline, kinds, output = night(4, changed_job(job, peaks(100.0, 200.0, 1e200)))
         self.assertEqual(kinds, {"error"})
         self.contains(headline, "tiny failed: 1 of 3 cases failed, load.peak_Pa=1e+200: ", "not finite")
         self.assertIn("not finite", self.junit()[1]["load.peak_Pa=1e+200"][1])
-        headline, kinds, _ = night(5, job.replace(cases, "[100.0]"))
+        headline, kinds, _ = night(5, changed_job(job, peaks(100.0)))
         self.assertEqual((headline, kinds), ("tiny differs from the baseline: 1 missing case: load.peak_Pa=200", {"failure"}))
-        headline, kinds, _ = night(5, job.replace(cases, "[100.0, 200.0, 300.0]"))
+        headline, kinds, _ = night(5, changed_job(job, peaks(100.0, 200.0, 300.0)))
         self.assertEqual((headline, kinds), ("tiny differs from the baseline: 1 extra case: load.peak_Pa=300", {"failure"}))
         headline, kinds, _ = night(3, job.replace("peak_Pa = 100.0", "peek_Pa = 100.0"))
         self.assertEqual(kinds, {"error"})
@@ -313,7 +313,7 @@ class Nightly(ProgramTest):
     @pytest.mark.long
     def test_a_failed_case_is_rejected_as_baseline(self):
         self.first_baseline()
-        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")
+        self.write_job(without_reference(swept(400)), "tiny.toml")
         self.contains(self.night(expect=5), "missing case")
         table = self.nights / "runs" / "tiny" / "tables" / "small.csv"
         table.write_text(table.read_text(encoding="utf-8").replace("complete", "failed"), encoding="utf-8")

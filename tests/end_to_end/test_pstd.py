@@ -5,12 +5,11 @@ import h5py
 import numpy
 import pytest
 
-from program import SWEEP, ProgramTest, case_files, without_reference
+from program import PSTD, SWEEP, ProgramTest, case_files, changed, read_by, swept, without_reference
 from test_checkpoint import SavedCase
 
-PSTD = ('engine = "layered"', 'engine = "pstd"')
-SAVED = without_reference(
-    (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'), PSTD,
+SAVED = changed(
+    (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'), ('reference = { kind = "STM" }\n', ""), ('engine = "layered"', 'engine = "pstd"'),
     ("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"),
     ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
     ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[0.0, 0.0]]"),
@@ -20,10 +19,8 @@ SAVED = without_reference(
 
 class Pstd(ProgramTest):
     def test_a_prescribed_displacement_is_reached(self):
-        moved = PSTD[0], PSTD[1] + '\npstd = { load = "displacement", displacement_um = 4.0, top = "continued" }'
-        self.write_job(without_reference(moved, (SWEEP, SWEEP.replace("400, 500, ", "")),
-                                         ("duration_ms = 4.0", "duration_ms = 1.5"), ("at_ms = 4.0", "at_ms = 1.5"),
-                                         ("settled_after_ms = 1.0", "settled_after_ms = 0.2")))
+        moved = {"solver.pstd": {"load": "displacement", "displacement_um": 4.0, "top": "continued"}}
+        self.write_job(without_reference(PSTD, moved, swept(1000), read_by(1.5, settled_ms=0.2)))
         self.shearwake("run", "job.toml")
         with h5py.File(case_files(self.out)[0]) as file:
             surface_m = file["surface/u_z"][()]

@@ -3,14 +3,10 @@
 import h5py
 import numpy as np
 
-from program import SWEEP, ProgramTest, case_files, read_csv, without_reference
+from program import NO_FRAMES, ONE_CASE, OPEN, PERIODIC, ProgramTest, case_files, read_csv, small_job
 
-REGION = ("settled_after_ms = 1.0", "settled_after_ms = 1.0\nregion_mm = [29.3, 20.3]\nregion_center_mm = [4.0, -3.0]")
-ONE_CASE = (f"\n[sweep]\n{SWEEP}\n", "")
-STEADY = [("duration_ms = 4.0", 'regime = "periodic"'), ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),
-          ("to_mm = [14.0, 0.0]", 'to_mm = [14.0, 0.0], at_end = "back-and-forth"'), ("speed_m_s = 7.0", "speed_m_s = 5.6"),
-          ("at_ms = 4.0\nsettled_after_ms = 1.0\n", "")]
-ENGINES = {"layered": "", "spectral": "", "pstd": "\n[solver.pstd]\nc_p_over_c_s = 3.0\n"}
+REGION = {"measure.region_mm": [29.3, 20.3], "measure.region_center_mm": [4.0, -3.0]}
+ENGINES = {"layered": {}, "spectral": {}, "pstd": {"solver.pstd.c_p_over_c_s": 3.0}}
 
 
 def participation(u, weights):
@@ -30,11 +26,8 @@ class RegionTest(ProgramTest):
 
     def test_every_engine_measures_within_the_stated_region(self):
         for engine, keys in ENGINES.items():
-            self.write_job(without_reference(REGION, ONE_CASE, ('[table]\nx = "load.modulation.am_frequency_Hz"\n', ""),
-                                             ('engine = "layered"\n', f'engine = "{engine}"\n{keys}'),
-                                             ('name = "small"', f'name = "{engine}"')))
-            self.shearwake("run", "job.toml")
-            self.shearwake("reduce", f"out/{engine}")
+            self.write_job(small_job(REGION, ONE_CASE, {"job.name": engine, "solver.engine": engine}, keys))
+            self.reduced(f"out/{engine}")
             row = self.table(engine)
             with h5py.File(case_files(self.folder / "out" / engine)[0]) as file:
                 x, y = 1e3 * file["surface/x"][()], 1e3 * file["surface/y"][()]
@@ -50,7 +43,8 @@ class RegionTest(ProgramTest):
                     self.assertAlmostEqual(float(row[f"region_{column}_mm"]), edge, places=9)
 
     def test_the_steady_state_is_measured_around_the_path_and_states_its_energies(self):
-        self.write_job(without_reference(*STEADY, ONE_CASE, ("frames = true\n", ""), ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))
+        self.write_job(small_job(PERIODIC, OPEN, ONE_CASE, NO_FRAMES,
+                                 {"load.modulation.path.at_end": "back-and-forth", "load.modulation.speed_m_s": 5.6}))
         self.reduced(self.out)
         row = self.table()
         self.assertGreater(float(row["region_mm2"]), 0.0)

@@ -4,7 +4,7 @@ import json
 
 import jsonschema
 
-from program import ROOT, ProgramTest, case_files, changed, plan_ids, started, table
+from program import ROOT, ProgramTest, case_files, plan_ids, small_job, started, swept, table
 
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
@@ -93,7 +93,7 @@ class Selection(ProgramTest):
         self.shearwake("run", "job.toml", "--quiet")
         cases = self.folder / "out/small/cases"
         before = {path.name: path.stat().st_mtime_ns for path in cases.glob("*.h5")}
-        self.write_job(changed(("[400, 500, 1000]", "[400, 500, 600]")))
+        self.write_job(small_job(swept(400, 500, 600)))
         self.contains(self.shearwake("run", "job.toml", expect=2).output, "another plan", "--extend")
         output = self.shearwake("run", "job.toml", "--extend").output
         self.contains(output, "1 case file in out/small/cases is not in this job and remains unused")
@@ -104,5 +104,5 @@ class Selection(ProgramTest):
         rows = (self.folder / "out/small/tables/small.csv").read_text(encoding="utf-8").splitlines()
         self.assertEqual(len(rows), 5)  # a head, three cases and the reference
         self.assertTrue(all("complete" in row for row in rows[1:]))
-        self.write_job(changed(('name = "small"', 'name = "other"')))
+        self.write_job(small_job({"job.name": "other"}))
         self.contains(self.shearwake("run", "job.toml", "--extend", "--out", "out/small", expect=2).output, "another plan")

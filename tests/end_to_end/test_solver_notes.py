@@ -4,20 +4,12 @@
 import pytest
 import xarray
 
-from program import SWEEP, ProgramTest, case_files, changed, without_reference
+from program import OPEN, PSTD, SPECTRAL, ProgramTest, case_files, read_by, small_job, swept, without_reference
 
-SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
-ELASTIC = ('engine = "layered"', 'engine = "spectral"\nspectral = { rigid_above = 1e9 }')
-SHORT = (("duration_ms = 4.0", "duration_ms = 1.2"), ("at_ms = 4.0", "at_ms = 1.2"), (SWEEP, SWEEP.replace("400, ", "")))
-BONE = ("[load]", """[[medium.body]]
-preset = "cortical-bone"
-shape = "cylinder"
-axis = "x"
-radius_mm = 2.0
-depth_mm = 9.0
-center_mm = [0.0, 0.0]
-
-[load]""")
+ELASTIC = {**SPECTRAL, "solver.spectral.rigid_above": 1e9}
+SHORT = {**read_by(1.2), **swept(500, 1000)}
+BONE = {"medium.body": [{"preset": "cortical-bone", "shape": "cylinder", "axis": "x", "radius_mm": 2.0, "depth_mm": 9.0,
+                         "center_mm": [0.0, 0.0]}]}
 
 
 class SolverNotes(ProgramTest):
@@ -27,7 +19,7 @@ class SolverNotes(ProgramTest):
 
     @pytest.mark.long
     def test_notes_of_a_bone_state_its_capped_stiffness_and_iterations(self):
-        self.write_job(without_reference(ELASTIC, BONE, *SHORT))
+        self.write_job(without_reference(ELASTIC, BONE, SHORT))
         output = self.shearwake("plan", "job.toml").output
         capped = "medium.body[1]: shear stiffness 1.99e+05 times that of the surrounding layer is capped at 1000 " \
                  "times (contrast_cap): it reflects 0."
@@ -53,7 +45,7 @@ class SolverNotes(ProgramTest):
                          f"at most {found['solver_most_iterations']} per step", *notes)
 
     def test_a_bone_is_rigid_by_default_and_the_notes_state_why(self):
-        self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
+        self.write_job(without_reference(SPECTRAL, BONE, SHORT))
         note = "medium.body[1] is rigid because it is 1.99e+05 times stiffer than its surroundings (rigid_above = 400) " \
                "and moves with its mass: one additional background solve per step, no cap on its stiffness"
         planned = self.shearwake("plan", "job.toml").output
@@ -65,25 +57,21 @@ class SolverNotes(ProgramTest):
             found = self.attributes(path)
             self.assertIn(note, found["solver_notes"])
             self.assertEqual(found["solver_iterations"], 0)
-        marked = (BONE[0], BONE[1].replace("radius_mm", "rigid = true\nradius_mm"))
-        self.write_job(without_reference(SPECTRAL, marked, *SHORT), name="marked.toml")
+        self.write_job(without_reference(SPECTRAL, BONE, {"medium.body[1].rigid": True}, SHORT), name="marked.toml")
         self.shearwake("run", "marked.toml", "--out", "marked")
         energies = [sorted(self.attributes(path)["solver_energy_J"] for path in paths)
                     for paths in (automatic, case_files(self.folder / "marked"))]
         self.assertEqual(*energies)
 
     def test_plan_prints_the_decisions_that_the_case_file_states(self):
-        one = (("duration_ms = 4.0", "duration_ms = 1.2"), ("at_ms = 4.0", "at_ms = 1.2"), (SWEEP, SWEEP.replace("400, 500, ", "")))
-        body = BONE[0], BONE[1].replace("radius_mm", "rigid = false\nradius_mm")
-        soft = (BONE[0], body[1].replace('preset = "cortical-bone"', "c_s_m_s = 9.0\ndensity_kg_m3 = 1100.0"))
+        soft = {**BONE["medium.body"][0], "preset": None, "c_s_m_s": 9.0, "density_kg_m3": 1100.0, "rigid": False}
         for name, words, changes in (
-                ("open", ("infinite plane on", "does not move along y"),
-                 [("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"')]),
+                ("open", ("infinite plane on", "does not move along y"), OPEN),
                 ("soft", ("conjugate gradients", "the density varies", "acts every"),
-                 [SPECTRAL, soft, ("spacing_mm = 1.5", "spacing_mm = 1.5\nsponge_mm = 12.0")]),
-                ("pstd", ("points in double precision", "steps of"), [('engine = "layered"', 'engine = "pstd"')])):
+                 {**SPECTRAL, "medium.body": [soft], "domain.sponge_mm": 12.0}),
+                ("pstd", ("points in double precision", "steps of"), PSTD)):
             with self.subTest(name):
-                self.write_job(without_reference(*changes, *one), name=f"{name}.toml")
+                self.write_job(without_reference(changes, SHORT, swept(1000)), name=f"{name}.toml")
                 planned = self.shearwake("plan", f"{name}.toml").output
                 self.contains(planned, *words)
                 self.shearwake("run", f"{name}.toml", "--out", name)
@@ -93,8 +81,7 @@ class SolverNotes(ProgramTest):
                 self.contains(planned, *decided)
 
     def test_notes_of_layers_state_only_the_time_step(self):
-        steps = ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 50.0 }')
-        self.write_job(without_reference(steps, *SHORT))
+        self.write_job(without_reference(SPECTRAL, {"solver.spectral.time_step_us": 50.0}, SHORT))
         output = self.shearwake("run", "job.toml", "--verbose").output
         self.assertEqual(output.count("time step"), 1, output)  # a message is printed only once
         self.assertNotIn("iterations", output)
@@ -108,7 +95,7 @@ class SolverNotes(ProgramTest):
             self.assertLess(found["solver_energy_J"], found["solver_work_J"])  # it is viscous
 
     def test_engine_layered_states_its_time_step_and_warns_of_a_long_one(self):
-        self.write_job(changed(*SHORT))
+        self.write_job(small_job(SHORT))
         self.assertNotIn("over depth", self.shearwake("plan", "job.toml").output)
         self.shearwake("run", "job.toml")
         for path in case_files(self.out):
@@ -122,7 +109,7 @@ class SolverNotes(ProgramTest):
             self.assertIn("does not resolve the load", self.shearwake("show", path).output)
 
     def test_steps_chosen_for_short_edges_cause_no_warning(self):
-        self.write_job(changed(*SHORT))
+        self.write_job(small_job(SHORT))
         for edge_us in (50, 70, 100):
             output = self.shearwake("run", "job.toml", "-S", "load.modulation.am_wave=square", "-S", f"load.modulation.am_edge_us={edge_us}",
                                   "--out", f"{edge_us}", "--verbose").output

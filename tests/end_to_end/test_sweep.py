@@ -16,8 +16,8 @@ import h5py
 import numpy
 import xarray
 
-from program import (JOB, PATIENCE_s, SWEEP, ProgramTest, case_files, changed, command, environment, journal, plan, plan_ids,
-                     started, table, without_reference)
+from program import (AM, JOB, NO_FRAMES, PATIENCE_s, PSTD, SPECTRAL, ProgramTest, case_files, command, environment, journal, plan,
+                     plan_ids, small_job, started, swept, table, without_reference)
 from table_comparison import assert_same_table, exact_as, is_literal_ipr
 
 PROVENANCE = ["title", "case_id", "case", "job", "program", "git_id", "compiler", "build_type",
@@ -149,7 +149,7 @@ class Sweep(ProgramTest):
             self.assertEqual(json.loads(text["settings"]), cases[path.stem]["settings"])
 
     def test_long_plans_are_summarised(self):
-        self.write_job(changed(("[400, 500, 1000]", "{ linspace = [300, 1000, 40] }")))
+        self.write_job(small_job({"sweep": {AM: {"linspace": [300, 1000, 40]}}}))
         self.shearwake("run", "job.toml", "-S", 'sweep."load.modulation.am_frequency_Hz"=[400]', "--out", "rate", "--quiet")
         short = self.shearwake("plan", "job.toml", "-n", 2).output
         listed = re.findall(r"(?m)^([0-9a-f]{16}) ", short)
@@ -183,9 +183,7 @@ class Sweep(ProgramTest):
     def test_progress_within_a_case_is_reported(self):
         # Far more steps than are computed before the run is stopped. The log and the record that `status` reads have the
         # same content, which is recorded first after two and ten seconds.
-        self.write_job(without_reference(
-            (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "pstd"'),
-            ("duration_ms = 4.0", "duration_ms = 4000.0"), ("frames = true", "")))
+        self.write_job(without_reference(PSTD, swept(500), NO_FRAMES, {"time.duration_ms": 4000.0}))
         log = self.folder / "log.jsonl"
 
         def partial(folder, name):
@@ -202,10 +200,8 @@ class Sweep(ProgramTest):
 
     def test_status_states_progress_and_remaining_time_of_the_first_case(self):
         # A layered case of about a minute, which is killed after some seconds.
-        self.write_job(without_reference(
-            (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ("duration_ms = 4.0", "duration_ms = 40.0"),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [384.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-            ("frames = true", "")))
+        domain = {"extent_mm": [384.0, 320.0], "spacing_mm": 0.5}
+        self.write_job(without_reference(swept(500), NO_FRAMES, {"time.duration_ms": 40.0, "domain": domain}))
         run = self.start("run", "job.toml", "--force")
 
         def status():
@@ -223,12 +219,9 @@ class Sweep(ProgramTest):
         self.assertEqual((killed["partial"], killed["seconds_left"], killed["state"]), (0.0, None, "stopped"))
 
     def test_plan_distinguishes_swept_keys_that_end_in_the_same_word(self):
-        body = ('[[medium.body]]\nshape = "ellipsoid"\nsemi_axes_mm = [5.0, 5.0, 3.0]\ncenter_mm = [0.0, 0.0, 10.0]\n'
-                'c_s_m_s = 6.0\n\n[load]\n')
-        self.write_job(without_reference(
-            ("[load]\n", body), ('engine = "layered"', 'engine = "spectral"'),
-            (SWEEP, '"medium.body[1].c_s_m_s" = [6, 7]\n"medium.layer[1].c_s_m_s" = [4, 5]\n"load.peak_Pa" = [10, 20]'),
-            ('x = "load.modulation.am_frequency_Hz"\n', "")))
+        body = {"shape": "ellipsoid", "semi_axes_mm": [5.0, 5.0, 3.0], "center_mm": [0.0, 0.0, 10.0], "c_s_m_s": 6.0}
+        self.write_job(small_job(SPECTRAL, {"table": None, "medium.body": [body], "sweep": {
+            "medium.body[1].c_s_m_s": [6, 7], "medium.layer[1].c_s_m_s": [4, 5], "load.peak_Pa": [10, 20]}}))
         self.contains(self.shearwake("plan", "job.toml").output,
                       "shear-wave speed, body 1 = 6 m/s; shear-wave speed, layer 1 = 4 m/s; peak pressure = 10 Pa")
 

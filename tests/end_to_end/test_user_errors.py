@@ -6,7 +6,7 @@ import random
 import pytest
 
 from limits import accepted_or_refused
-from program import JOB, PROGRAM, SWEEP, ProgramTest, changed
+from program import AM, PROGRAM, ProgramTest, changed, small_job, swept
 
 COMMANDS = ["check", "plan", "run", "status", "reduce", "report", "show", "bench"]
 
@@ -32,14 +32,11 @@ class JobMistakes(ProgramTest):
         self.assertRegex(output, r"job\.toml:\d+:\d+: ")
 
     def test_a_frequency_of_zero_is_explained(self):
-        text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [0, 400]'))
-        self.assert_rejected(text, "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
+        self.assert_rejected(small_job(swept(0, 400)), "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
 
         for kind in ("AM", "DTP"):  # STM cannot replace them
-            output = self.assert_rejected(changed(('kind = "AM-STM"', f'kind = "{kind}"'), (SWEEP, '"load.peak_Pa" = [1, 2]'),
-                                                ('x = "load.modulation.am_frequency_Hz"\n', ""),
-                                                ("am_frequency_Hz = 500.0", "am_frequency_Hz = 0")),
-                                        "for a constant amplitude, set am_depth = 0")
+            constant = small_job(swept(1, 2, key="load.peak_Pa"), {"load.modulation.kind": kind, "table.x": None, AM: 0})
+            output = self.assert_rejected(constant, "for a constant amplitude, set am_depth = 0")
             self.assertNotIn("STM\" instead", output)
 
     def test_decimal_commas_are_recognised(self):
@@ -94,7 +91,7 @@ class CommandLine(ProgramTest):
         self.assertEqual(self.shearwake("--version", ranks=2).stdout.count("HDF5"), 1)
 
     def test_mistyped_names_are_suggested(self):
-        self.write_job(JOB)
+        self.write_job()
         for words, meant in ((["chek", "job.toml"], "check"), (["Plan", "job.toml"], "plan"),
                              (["help", "stauts"], "status"), (["plan", "job.toml", "--rank", "2"], "--ranks"),
                              (["run", "job.toml", "--QUIET"], "--quiet"), (["run", "job.toml", "--wall-time=9"], "--walltime"),
@@ -117,7 +114,7 @@ class CommandLine(ProgramTest):
                           f"shearwake-{name} if the program is installed")
 
     def test_a_job_in_place_of_results_is_explained(self):
-        self.write_job(JOB)
+        self.write_job()
         for words in (["status"], ["verify"], ["reduce"], ["report"], ["compare", "job.toml"]):
             with self.subTest(words):
                 self.contains(self.shearwake(*words, "job.toml", expect=2).output, "job.toml is a job file", "out/small")
@@ -125,12 +122,12 @@ class CommandLine(ProgramTest):
 
     def test_the_answer_of_a_job_must_be_a_column(self):
         for answer, expected in (("felt_path_dB", 0), ("felt_path", 3)):
-            self.write_job(JOB.replace('name = "small"', f'name = "small"\nquestion = "Which is felt best?"\nanswer = "{answer}"'))
+            self.write_job(small_job({"job.question": "Which is felt best?", "job.answer": answer}))
             output = self.shearwake("check", "job.toml", expect=expected).output
         self.contains(output, 'job.answer: tables have no column "felt_path"; did you mean "felt_path_dB"?')
 
     def test_unknown_commands_and_options_are_reported(self):
-        self.write_job(JOB)
+        self.write_job()
         for words in ([], ["fly"], ["run"], ["run", "job.toml", "--fast"], ["run", "job.toml", "other"],
                       ["plan", "job.toml", "-n", "none"], ["plan", "job.toml", "-n", "0"],
                       ["run", "job.toml", "--ranks-per-case", "-1"], ["bench", "magic"]):

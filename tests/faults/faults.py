@@ -8,18 +8,14 @@ import signal
 import subprocess
 import time
 
-from program import (PATIENCE_s, SWEEP, ProgramTest, alive, command, descendants, environment, faulty_environment, journal,
-                     plan, without_reference)
+from program import (AM, PATIENCE_s, ProgramTest, alive, command, descendants, environment, faulty_environment, journal,
+                     plan, read_by, without_reference)
 
 
 def both_engines(frequencies):
     """A sweep over frequencies and engines; the cases of engine spectral iterate and write checkpoints."""
-    return without_reference(
-        (SWEEP, f'"load.modulation.am_frequency_Hz" = {[300 + 35 * i for i in range(frequencies)]}\n'
-                '"solver.engine" = ["layered", "spectral"]'),
-        ("duration_ms = 4.0", "duration_ms = 2.0"), ("at_ms = 4.0", "at_ms = 2.0"),
-        ("settled_after_ms = 1.0", "settled_after_ms = 0.0"),
-        ('engine = "layered"', 'engine = "layered"\nspectral = { time_step_us = 2.5 }'))
+    axes = {AM: [300 + 35 * i for i in range(frequencies)], "solver.engine": ["layered", "spectral"]}
+    return without_reference(read_by(2.0, settled_ms=0.0), {"solver.spectral.time_step_us": 2.5, "sweep": axes})
 
 
 def table_bytes(out):

@@ -14,9 +14,8 @@ import numpy
 import pytest
 
 from faults import FaultTest, both_engines, command, journal, table_bytes
-from program import JOB, LONG, SWEEP, case_files, changed, faulty_environment, plan_ids, seal, started, table, without_reference
-
-MANY = LONG.replace("1000, 12]", "1000, 30]")
+from program import (AM, JOB, LONG, NO_FRAMES, SPECTRAL, case_files, changed_job, faulty_environment, large_job, plan_ids, seal,
+                     small_job, started, table, without_reference)
 
 
 class Stops(FaultTest):
@@ -39,7 +38,7 @@ class Stops(FaultTest):
 
     @pytest.mark.extended
     def test_a_run_beside_a_stop_file_starts_no_case(self):
-        self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
+        self.write_job(without_reference(SPECTRAL))
         self.out.mkdir(parents=True)
         (self.out / "STOP").touch()
         output = self.shearwake("run", "job.toml", expect=75, ranks=2).output
@@ -75,10 +74,7 @@ class LargeCase(FaultTest):
 
     def setUp(self):
         super().setUp()
-        self.write_job(without_reference(
-            ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-            ("output_interval_us = 100.0", "output_interval_us = 5.0")))
+        self.write_job(large_job(5.0))
 
     def assert_stops(self, ranks, after_s):
         shutil.rmtree(self.out, ignore_errors=True)
@@ -123,8 +119,7 @@ class Failing(FaultTest):
         return int(count.read_text())
 
     def assert_goes_on(self, reference, *words, ranks=1):
-        self.shearwake("run", "job.toml", *words, ranks=ranks)
-        self.shearwake("reduce", self.out)
+        self.reduced(self.out, *words, ranks=ranks)
         self.assertEqual(table_bytes(self.out), reference)
         self.assert_nothing_left(self.out)
 
@@ -204,7 +199,7 @@ class Failing(FaultTest):
 
     @pytest.mark.long
     def test_refused_memory_at_any_allocation_ends_one_case_without_deadlock(self):
-        text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
+        text = small_job({"afferents": {}}, NO_FRAMES)
         met = 0
         self.use_own_cache()
         for job, ranks, together in ((JOB, 1, 1), (JOB, 2, 2), (text, 2, 2), (text, 2, 1)):
@@ -229,9 +224,7 @@ class Failing(FaultTest):
         self.assertGreaterEqual(met, 12, "few cases have met it")
 
     def test_a_diverging_field_is_reported_with_step_time_and_remedies(self):
-        self.write_job(both_engines(1).replace('"solver.engine" = ["layered", "spectral"]',
-                                               '"load.peak_Pa" = [1e200, 100.0]')
-                       .replace('engine = "layered"', 'engine = "spectral"', 1))
+        self.write_job(changed_job(both_engines(1), SPECTRAL, {"sweep": {AM: [300], "load.peak_Pa": [1e200, 100.0]}}))
         output = self.shearwake("run", "job.toml", expect=4).output
         self.contains(output, "1 computed now", "1 failed")
         self.assertNotIn("is tried again", output)
@@ -327,7 +320,6 @@ class Folders(FaultTest):
                                       faults={"PATH": "/checkpoints/*.h5", "CALL": "rename", "STOP_AT": 2})
         self.signal_and_continue(process, signal.SIGTERM)
         self.output_of(process, 75)
-        self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
-        self.shearwake("reduce", self.out)
+        self.reduced(self.out, "--log-json", self.out / "progress.jsonl")
         for path in (self.out, *self.out.rglob("*")):
             self.assertEqual(path.stat().st_mode & 0o077, 0, path)

@@ -9,7 +9,7 @@ import h5py
 import pytest
 
 from limits import times
-from program import JOB, ProgramTest, case_files, plan, table
+from program import ProgramTest, case_files, plan, small_job, table
 
 from shearwake.checksum import LINE_LENGTH, sealed, with_line
 from shearwake.report import load
@@ -225,7 +225,7 @@ class TextFiles(ProgramTest):
     @pytest.mark.extended
     def test_a_damaged_plan_of_another_job_is_not_replaced(self):
         (self.out / "plan.json").write_bytes((self.out / "plan.json").read_bytes()[:1000])
-        self.write_job(JOB.replace("peak_Pa = 100.0", "peak_Pa = 200.0"))
+        self.write_job(small_job({"load.peak_Pa": 200.0}))
         self.contains(self.shearwake("run", "job.toml", expect=6).output, "is damaged", "does not belong to a case of this job")
 
     @pytest.mark.extended

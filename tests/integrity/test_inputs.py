@@ -11,28 +11,16 @@ import numpy
 import pytest
 
 from limits import accepted_or_refused
-from program import ROOT, ProgramTest, case_files, changed, command, seal, without_reference
+from program import ONE_CASE, PSTD, ROOT, SPECTRAL, ProgramTest, case_files, changed, command, csv_path, seal, small_job, without_reference
 
-SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
-LINE = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }', 'path = { shape = "csv", file = "input.csv" }')
-MAP = ('base = "rigid"\n', 'base = "rigid"\nmap = "input.h5"\n')
-PSTD = ('engine = "layered"', 'engine = "pstd"')
-ABSURD = {
-    "thickness_mm = 1e308, pstd": [("thickness_mm = 20.0", "thickness_mm = 1e308"), PSTD],
-    "thickness_mm = 1e5, spectral": [("thickness_mm = 20.0", "thickness_mm = 1e5"), SPECTRAL],
-    "thickness_mm = 1e4, c_s = 1e-3, spectral": [
-        ("thickness_mm = 20.0", "thickness_mm = 1e4"), ("c_s_m_s = 5.0", "c_s_m_s = 1e-3"), SPECTRAL],
-    "c_s_m_s = 1e-30, spectral": [("c_s_m_s = 5.0", "c_s_m_s = 1e-30"), SPECTRAL],
-    "density_kg_m3 = 1e308, spectral": [("density_kg_m3 = 1000.0", "density_kg_m3 = 1e308"), SPECTRAL],
-    "viscosity_Pa_s = 1e15, pstd": [("viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1e15"), PSTD],
-    "extent_mm = 1e9": [("extent_mm = [64.0, 48.0]", "extent_mm = [1e9, 1e9]")],
-    "extent_mm = 1e4, spacing_mm = 1e-5": [("extent_mm = [64.0, 48.0]", "extent_mm = [1e4, 1e4]"),
-                                           ("spacing_mm = 1.5", "spacing_mm = 1e-5")],
-    "duration_ms = 1e300": [("duration_ms = 4.0", "duration_ms = 1e300")],
-    "duration_ms = 1e7, output_interval_us = 1e-6": [
-        ("duration_ms = 4.0", "duration_ms = 1e7"), ("output_interval_us = 100.0", "output_interval_us = 1e-6")],
-    "fwhm_mm = 1e-300": [("fwhm_mm = 4.5", "fwhm_mm = 1e-300")],
-}
+MAP = {**SPECTRAL, "medium.map": "input.h5"}
+LAYER = "medium.layer[1]"
+ABSURD = (
+    {f"{LAYER}.thickness_mm": 1e308, **PSTD}, {f"{LAYER}.thickness_mm": 1e5, **SPECTRAL},
+    {f"{LAYER}.thickness_mm": 1e4, f"{LAYER}.c_s_m_s": 1e-3, **SPECTRAL}, {f"{LAYER}.c_s_m_s": 1e-30, **SPECTRAL},
+    {f"{LAYER}.density_kg_m3": 1e308, **SPECTRAL}, {f"{LAYER}.viscosity_Pa_s": 1e15, **PSTD},
+    {"domain.extent_mm": [1e9, 1e9]}, {"domain": {"extent_mm": [1e4, 1e4], "spacing_mm": 1e-5}},
+    {"time.duration_ms": 1e300}, {"time": {"duration_ms": 1e7, "output_interval_us": 1e-6}}, {"load.footprint.fwhm_mm": 1e-300})
 
 
 class Sizes(ProgramTest):
@@ -41,20 +29,18 @@ class Sizes(ProgramTest):
         return accepted_or_refused(self, command(verb, "job.toml", *more), codes, verb)[0]
 
     def test_absurd_quantities_are_refused_at_once(self):
-        for name, changes in ABSURD.items():
-            self.write_job(without_reference(*changes))
+        for changes in ABSURD:
+            self.write_job(without_reference(changes))
             for verb in ("check", "plan", "run"):
-                with self.subTest(name=name, verb=verb):
+                with self.subTest(changes=changes, verb=verb):
                     self.ended(verb, (3,))
 
     def test_cases_beyond_memory_or_disk_are_refused_unless_they_run_elsewhere(self):
         for name, changes, reason in (
-                ("memory", [("extent_mm = [64.0, 48.0]", "extent_mm = [1600.0, 1600.0]"),
-                            ("spacing_mm = 1.5", "spacing_mm = 0.05")], r"needs \d+ MB per rank, and a rank may use"),
-                ("disk", [("extent_mm = [64.0, 48.0]", "extent_mm = [768.0, 768.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-                          ("output_interval_us = 100.0", "output_interval_us = 0.1")],
+                ("memory", {"domain": {"extent_mm": [1600.0, 1600.0], "spacing_mm": 0.05}}, r"needs \d+ MB per rank, and a rank may use"),
+                ("disk", {"domain": {"extent_mm": [768.0, 768.0], "spacing_mm": 0.5}, "time.output_interval_us": 0.1},
                  r"need \d+ MB, and the disk with .* has \d+ MB left")):
-            self.write_job(without_reference(*changes))
+            self.write_job(without_reference(changes))
             for verb in ("check", "plan"):
                 with self.subTest(name=name, verb=verb):
                     self.assertRegex(self.ended(verb, (3,)), reason)
@@ -65,8 +51,7 @@ class Sizes(ProgramTest):
             self.assertFalse(self.out.exists())
 
     def test_what_case_files_cannot_hold_is_refused_before_it_is_computed(self):
-        rows = ",".join("[0,0]" for _ in range(300000))
-        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", f"traces_mm = [{rows}]")))
+        self.write_job(changed(("[[0.0, 0.0], [3.2, 1.1]]", f"[{300000 * '[0,0],'}]")))  # in few bytes
         for verb in ("check", "plan", "run"):
             self.contains(self.ended(verb, (3,)), "traces")
 
@@ -75,9 +60,7 @@ class Files(ProgramTest):
     def test_devices_and_pipes_are_not_read(self):
         os.mkfifo(self.folder / "pipe.csv")
         for file in ("/dev/zero", "pipe.csv"):
-            self.write_job(changed(
-                ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }',
-                 f'path = {{ shape = "csv", file = "{file}" }}')))
+            self.write_job(small_job(csv_path(file)))
             done = self.shearwake("check", "job.toml", expect=None)
             self.assertIn(done.returncode, (3, 6), done.output)
             self.contains(done.output, "not a regular file")
@@ -101,15 +84,15 @@ class Files(ProgramTest):
 
     def test_links_of_maps_and_motions_are_named_and_not_followed(self):
         os.mkfifo(self.folder / "pipe.h5")  # opening it would block
-        self.write_job(changed(SPECTRAL, MAP))
+        self.write_job(small_job(MAP))
         for name, link, code, words in (("input.h5", "c_s_m_s", 3, ("check", "job.toml")), ("motion.h5", "traces", 2, ("respond", "motion.h5"))):
             with h5py.File(self.folder / name, "w") as file:
                 file[link] = h5py.ExternalLink("pipe.h5", "/")
             self.contains(self.shearwake(*words, expect=code).output, name, f'the link "{link}" leads to another file')
 
     def test_files_that_cannot_be_read_are_errors_of_the_job(self):
-        for name, changes in (("input.csv", [LINE]), ("input.csv", [('[sweep]', '[sweep]\nlist = "input.csv"')]), ("input.h5", [SPECTRAL, MAP])):
-            self.write_job(changed(*changes))
+        for name, changes in (("input.csv", csv_path("input.csv")), ("input.csv", {"sweep.list": "input.csv"}), ("input.h5", MAP)):
+            self.write_job(small_job(changes))
             path = self.folder / name
             for kind, make in (("missing", lambda path: None), ("folder", Path.mkdir), ("pipe", os.mkfifo),
                                ("loop", lambda path: path.symlink_to(path)), ("other contents", lambda path: path.write_bytes(b"\x89PNG"))):
@@ -135,8 +118,7 @@ class Files(ProgramTest):
 
     def test_case_files_that_point_to_other_files_are_not_read(self):
         """With the checksum that everybody can compute."""
-        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[0.0, 0.0]]"), text=without_reference(
-            ('[sweep]\n"load.modulation.am_frequency_Hz" = [400, 500, 1000]\n', ""), ('x = "load.modulation.am_frequency_Hz"\n', ""))))
+        self.write_job(small_job(ONE_CASE, {"record.traces_mm": [[0.0, 0.0]]}))
         self.shearwake("run", "job.toml")
         good = case_files(self.out)[0]
         case = self.folder / good.name
@@ -189,12 +171,12 @@ class Files(ProgramTest):
 
 class Texts(ProgramTest):
     def test_control_characters_in_titles_and_names_are_refused(self):
-        for text in ("a\\u001b[2Jb", "a\\nb", "a\\u0000b", "a\\u009bb", "a\\u202eb"):
-            self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f'title = "{text}"')))
+        for text in ("a\x1b[2Jb", "a\nb", "a\0b", "a\x9bb", "a\u202eb"):
+            self.write_job(small_job({"job.title": text}))
             done = self.shearwake("check", "job.toml", expect=3)
             self.contains(done.output, "control character")
             self.assertNotIn("\x1b", done.output)
-        self.write_job(changed(('name = "small"', 'name = "-rf"')))
+        self.write_job(small_job({"job.name": "-rf"}))
         self.shearwake("check", "job.toml", expect=3)
 
     def test_control_characters_in_tables_are_not_printed(self):
@@ -207,8 +189,7 @@ class Texts(ProgramTest):
     @pytest.mark.long
     def test_formulas_in_titles_are_drawn_as_they_are(self):
         title = r"$\frac{$ <b>&amp; | =1+1 `x`"
-        self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f"title = '{title}'"),
-                               ('name = "tissue"', r"name = '$\frac{$'")))
+        self.write_job(small_job({"job.title": title, "medium.layer[1].name": r"$\frac{$"}))
         self.reduced(self.out)
         output = self.shearwake("report", self.out).output
         self.assertNotIn("Traceback", output)

@@ -9,7 +9,7 @@ import pytest
 
 from limits import times
 from faults import both_engines, table_bytes
-from program import PATIENCE_s, ProgramTest, case_files, command, faulty_environment, journal
+from program import AM, PATIENCE_s, ProgramTest, case_files, changed_job, command, faulty_environment, journal
 
 # Phases, identified by a write, flush or rename of a file: part of its path, the call (None: any), and the largest number
 # of the call at which to kill. Lines of the journal accompany the whole run, from its start to its end.
@@ -75,7 +75,7 @@ class EveryPhase(ProgramTest):
 class PartialFiles(ProgramTest):
     """The unfinished case file that belongs to a checkpoint."""
 
-    JOB = both_engines(1).replace('["layered", "spectral"]', '["spectral"]')
+    JOB = changed_job(both_engines(1), {"sweep": {AM: [300], "solver.engine": ["spectral"]}})
 
     def interrupted(self):
         """The folder of a run that was killed after some checkpoints, with the unfinished file."""

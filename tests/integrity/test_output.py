@@ -12,7 +12,7 @@ import pytest
 
 from limits import times
 from kwave import reference, save, structures_of
-from program import PATIENCE_s, ROOT, UNRECORDED, ProgramTest, changed, command, environment, table
+from program import MISSPELT, PATIENCE_s, ROOT, UNRECORDED, ProgramTest, command, environment, small_job, table
 
 NOISE = ("Traceback", "MPI_ABORT", "MPI_Abort", "internal error", "terminate called")
 
@@ -51,7 +51,7 @@ class Output(ProgramTest):
 
     @pytest.mark.extended
     def test_errors_have_colours_on_a_terminal_unless_they_are_unwanted(self):
-        self.write_job(changed(("peak_Pa", "peek_Pa")))
+        self.write_job(MISSPELT)
         for settings, expected in (({}, "\x1b[1;31merror:\x1b[0m load.peek_Pa"), ({"NO_COLOR": "1"}, ": error: load.peek_Pa")):
             mine, program = pty.openpty()
             subprocess.run(command("check", "job.toml"), cwd=self.folder, env={**environment(), **settings}, stderr=program,
@@ -62,7 +62,7 @@ class Output(ProgramTest):
 
     @pytest.mark.extended
     def test_warnings_of_a_valid_job_and_errors_without_a_place_have_colours_on_a_terminal(self):
-        self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 2.0")))
+        self.write_job(small_job({"domain.spacing_mm": 2.0}))
         for words, expected in ((("run", "job.toml"), "\x1b[1;33mwarning:\x1b[0m domain.spacing_mm"),
                                 (("plan", "job.toml"), "\x1b[1;33mwarning:\x1b[0m domain.spacing_mm"),
                                 (("run", "missing.toml"), "\x1b[1;31merror:\x1b[0m cannot read missing.toml")):

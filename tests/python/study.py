@@ -11,7 +11,7 @@ import shearwake
 
 matplotlib.use("Agg")
 os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM))
-AM, FWHM = "load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm"
+AM, FWHM = program.AM, "load.footprint.fwhm_mm"
 
 
 class InFolder(program.Interrupting):
@@ -28,4 +28,4 @@ class InFolder(program.Interrupting):
 
 def job(*changes):
     """The small job of the end-to-end tests: three frequencies and their reference, with all frames."""
-    return shearwake.Job(program.changed(*changes))
+    return shearwake.Job(program.small_job(*changes))

@@ -65,14 +65,14 @@ class Jobs(InFolder):
             self.assertFalse(made.text.startswith("\ufeff") and made._path is None)
 
     def test_warnings_are_returned(self):
-        warnings = job(("spacing_mm = 1.5", "spacing_mm = 2.0")).check()
+        warnings = job({"domain.spacing_mm": 2.0}).check()
         self.assertTrue(warnings)
         self.assertEqual({w.severity for w in warnings}, {"warning"})
         self.assertEqual({w.file for w in warnings}, {"<Job small>"})
 
     def test_a_run_reports_its_progress_and_is_resumed(self):
         seen = []
-        made = job(("name = \"small\"", "name = \"resumed\""))
+        made = job({"job.name": "resumed"})
         first = made.run(2, options=["--only", made.plan().cases.index[0]])
         self.assertEqual([case.is_complete for case in first.every_case], [True, False, False, False])
         whole = made.run(progress=seen.append)
@@ -114,10 +114,10 @@ class Jobs(InFolder):
     def test_a_folder_of_another_plan_is_a_usage_error(self):
         job().run(out="out/one")
         with self.assertRaisesRegex(shearwake.UsageError, "another plan"):
-            job(("peak_Pa = 100.0", "peak_Pa = 90.0")).run(out="out/one")
+            job({"load.peak_Pa": 90.0}).run(out="out/one")
 
     def test_reading_does_not_need_the_program(self):
-        job(("name = \"small\"", "name = \"reading\"")).run()
+        job({"job.name": "reading"}).run()
         text = ("import shearwake; s = shearwake.open('out/reading'); print(float(s.dataset('peak_um').peak_um.max()))\n"
                 "try: shearwake.Job('schema = 1\\n').check()\nexcept shearwake.ProgramNotFound as e: print(e)")
         shutil.copytree(Path(shearwake.__file__).parent, "elsewhere/lib/python/shearwake")

@@ -5,15 +5,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from study import InFolder, program, shearwake
-
-PEAK = "load.peak_Pa"
+from study import InFolder, job, program, shearwake
 
 
 class Endings(InFolder):
     def test_failed_cases_are_an_exception_that_contains_the_sweep(self):
-        made = shearwake.Job(program.without_reference((program.SWEEP, f'"{PEAK}" = [100.0, 1e200]'),
-                                                       ('x = "load.modulation.am_frequency_Hz"', f'x = "{PEAK}"'), ('"small"', '"failing"')))
+        made = job(program.peaks(100.0, 1e200), {"job.name": "failing"})
         with self.assertRaises(shearwake.CasesFailed) as caught:
             made.run()
         self.assertEqual(caught.exception.exit_code, 4)
@@ -24,7 +21,7 @@ class Endings(InFolder):
         self.assertGreater(good.value("peak_um"), 0.0)
 
     def test_a_stopped_run_is_an_exception_and_is_resumed(self):
-        made = shearwake.Job(program.changed(('"small"', '"stopped"')))
+        made = job({"job.name": "stopped"})
         made.run(options=["--only", made.plan().cases.index[0]])
         Path("out/stopped/STOP").touch()
         with self.assertRaises(shearwake.Stopped) as caught:
@@ -35,7 +32,7 @@ class Endings(InFolder):
         self.assertTrue(all(case.is_complete for case in made.run().every_case))
 
     def test_a_run_stops_in_an_orderly_way_when_its_caller_is_interrupted_or_killed_and_is_resumed(self):
-        Path("long.toml").write_text(program.LONG.replace('"small"', '"long"'))
+        Path("long.toml").write_text(program.changed_job(program.LONG, {"job.name": "long"}))
         for number, folder in ((signal.SIGINT, "interrupted"), (signal.SIGKILL, "killed")):
             with self.subTest(folder):
                 text = f"import shearwake; shearwake.Job('long.toml').run(out={folder!r}, progress=print)"

@@ -142,9 +142,8 @@ class Reading(InFolder):
             sweep.cases[1].surface
 
     def test_cases_of_different_grids_are_united(self):
-        sweep = job(("name = \"small\"", "name = \"grids\""), (program.SWEEP, '"domain.spacing_mm" = [1.0, 2.0]'),
-                    ("settled_after_ms = 1.0", "settled_after_ms = 1.0\ndepths_mm = [0.0, 3.0]"),
-                    ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.spacing_mm"')).run()
+        sweep = job(program.swept(1.0, 2.0, key="domain.spacing_mm"), {
+            "job.name": "grids", "measure.depths_mm": [0.0, 3.0], "table.x": "domain.spacing_mm"}).run()
         with self.assertWarnsRegex(shearwake.GridsDiffer, "surface/x|/x"):
             surface = sweep.dataset("surface")["surface"]
         fine, coarse = (surface.sel(spacing_mm=s).isel(surface_time=-1, depth=0) for s in (1.0, 2.0))
@@ -155,9 +154,8 @@ class Reading(InFolder):
 
     def test_readings_that_are_not_valid_are_marked_and_warned_of(self):
         # Waves of 5 m/s return to the focus from the edges of the smaller domain, not from those of the larger one.
-        text = job(("name = \"small\"", "name = \"judged\""), ("title = ", "# title = "), ("extent_mm = [64.0, 48.0]", "extent_mm = [64.0, 120.0]"),
-                   (program.SWEEP, '"domain.extent_mm" = [[36.0, 24.0], [120.0, 120.0]]'),
-                   ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.extent_mm"'))
+        text = job(program.swept([36.0, 24.0], [120.0, 120.0], key="domain.extent_mm"), {
+            "job": {"name": "judged"}, "domain.extent_mm": [64.0, 120.0], "table.x": "domain.extent_mm"})
         with pytest.warns(shearwake.NotValid, match="of judged are not valid: "):
             sweep = text.run()
         expected = {"36": False, "120": True}
@@ -209,7 +207,7 @@ class Reading(InFolder):
         self.assertEqual((table["valid"].tolist(), table["valid_ratios"].tolist()), ([True] * 3, [False] * 3))
 
     def test_the_dimensions_of_several_keys_and_of_keys_that_vary_together(self):
-        sweep = job(("name = \"small\"", "name = \"two\"")).sweep(
+        sweep = job({"job.name": "two"}).sweep(
             {AM: [400.0, 500.0]}, zip=[{FWHM: [4.5, 6.0], "load.peak_Pa": [100.0, 50.0]}],
             exclude=[{AM: 500.0, FWHM: 6.0}]).run()
         data = sweep.dataset("peak_um", "eta")

@@ -5,9 +5,8 @@ import re
 import subprocess
 
 import program
-from study import InFolder, shearwake
+from study import InFolder, job
 
-AFFERENTS = ('[sweep]\n', '[afferents]\nwhere = "grid"\nextent_mm = [20.0, 20.0]\npitch_mm = 10.0\n\n[sweep]\n')
 # Files that name classes without listing them, in examples in docstrings.
 NAMED = {"analysis/shearwake/case.py"}
 
@@ -26,8 +25,7 @@ class ReceptorClasses(InFolder):
                     self.assertRegex(properties[colour], "^#[0-9A-F]{6}$")
 
     def test_case_files_state_the_colours_of_all_classes(self):
-        job = shearwake.Job(program.changed(AFFERENTS))
-        case = job.run(out="out").cases[0]
+        case = job({"afferents": {"where": "grid", "extent_mm": [20.0, 20.0], "pitch_mm": 10.0}}).run(out="out").cases[0]
         expected = {name: properties["colour"] for name, properties in table().items()}
         self.assertEqual(case.receptor_colours(), expected)
         self.assertLessEqual(set(case.receptor_classes()), set(expected))

@@ -7,16 +7,13 @@ import subprocess
 import numpy as np
 import pytest
 
-import program
 from shearwake.keys import UNITS
 from study import InFolder, job
 
 NOISE, EXTENT = "afferents.noise", "domain.extent_mm"
-CHANGES = [("peak_Pa = 100.0", "peak_Pa = 5000.0"),
-           ("[measure]", "[measure]\nsensation = true"),
-           ("\n[sweep]", '\n[afferents]\nwhere = "palm"\nclasses = ["PC"]\nnoise = true\npins_mm = [[0.0, 0.0]]\n\n[sweep]'),
-           (program.SWEEP, f'"{NOISE}" = [true, false]\n"{EXTENT}" = [[64.0, 48.0], [96.0, 48.0]]'),
-           ('x = "load.modulation.am_frequency_Hz"', f'x = "{NOISE}"')]
+CHANGES = {"load.peak_Pa": 5000.0, "measure.sensation": True, "table.x": NOISE,
+           "afferents": {"where": "palm", "classes": ["PC"], "noise": True, "pins_mm": [[0.0, 0.0]]},
+           "sweep": {NOISE: [True, False], EXTENT: [[64.0, 48.0], [96.0, 48.0]]}}
 NOT_OF_UDUNITS = {"dB"}  # decibels, which it reads as "0.1 lg(re 1)" only, and pint as "dB" only
 
 
@@ -24,7 +21,7 @@ class Datasets(InFolder):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.sweep = job(*CHANGES).run()
+        cls.sweep = job(CHANGES).run()
 
     def test_swept_booleans_and_lists_keep_their_type(self):
         data = self.sweep.dataset("peak_um")

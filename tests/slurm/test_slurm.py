@@ -14,8 +14,8 @@ from unittest import mock
 
 import pytest
 
-from program import (JOB, LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, case_files, changed, environment, is_pending, journal,
-                     plan, started, without_reference)
+from program import (AM, JOB, PATIENCE_s, PROGRAM, ROOT, case_files, environment, is_pending, journal, large_job, long_job, peaks,
+                     plan, small_job, started, without_reference)
 
 HERE = Path(__file__).resolve().parent
 MISSING = [name for name in ("sbatch", "srun", "slurmctld", "slurmd", "munged", "squeue", "scontrol")
@@ -62,7 +62,7 @@ class Slurm(unittest.TestCase):
         if began.returncode != 0:
             raise unittest.SkipTest(f"Slurm does not start here: {began.stdout.decode()[-300:]}")
         cls.job = cls.folder / "job.toml"
-        cls.job.write_text(LONG.replace("1000, 12]", "1000, 24]"), encoding="utf-8")
+        cls.job.write_text(long_job(24), encoding="utf-8")
         whole = cls.folder / "whole"
         # As on a laptop.
         cls.command(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml", "--out", whole, "--ranks-per-case", "1"])
@@ -189,7 +189,7 @@ class Slurm(unittest.TestCase):
 
     @pytest.mark.long
     def test_the_submitted_job_runs_although_its_files_are_changed_or_removed(self):
-        out, job = self.folder / "unchanged", self.write("edited.toml", LONG.replace("1000, 12]", "1000, 24]"))
+        out, job = self.folder / "unchanged", self.write("edited.toml", long_job(24))
         computes, table = self.submit(out, "--", "--hold", job=job)
         self.write(job, JOB)
         self.command(["scontrol", "release", computes])
@@ -198,11 +198,7 @@ class Slurm(unittest.TestCase):
 
     @pytest.mark.long
     def test_starts_without_progress_end_after_two(self):
-        """A long case of engine layered, which saves no checkpoints."""
-        job = self.write("endless.toml", without_reference(
-            ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-            ("output_interval_us = 100.0", "output_interval_us = 1.0")))
+        job = self.write("endless.toml", large_job(1.0))
         out = self.folder / "endless"
         with mock.patch.dict(self.env, {"SHEARWAKE_CACHE": str(self.folder / "new")}):  # no recorded rate
             computes, table = self.submit(out, job=job)
@@ -216,8 +212,7 @@ class Slurm(unittest.TestCase):
 
     @pytest.mark.long
     def test_a_failed_case_stands_first_on_the_page_and_fails_the_report(self):
-        job = self.write("failing.toml", changed((SWEEP, '"load.peak_Pa" = [100, 200, 1e200]'),
-                                                 ('x = "load.modulation.am_frequency_Hz"\nreference = { kind = "STM" }', 'x = "load.peak_Pa"')))
+        job = self.write("failing.toml", small_job(peaks(100, 200, 1e200)))
         out = self.folder / "failing"
         _, table = self.submit(out, job=job, report="")
         self.wait_for(lambda: self.state(table) == ["FAILED"], "the report")
@@ -257,13 +252,8 @@ class Slurm(unittest.TestCase):
 
     @pytest.mark.long
     def test_each_task_of_an_adaptive_array_computes_all_rounds_in_one_start(self):
-        adaptive = """[sweep."load.modulation.am_frequency_Hz"]
-find = "maximum"
-in = [300, 1000]
-column = "eta_at_1"
-tolerance = 50.0
-"""
-        job = self.write("adaptive.toml", without_reference((f"[sweep]\n{SWEEP}\n", adaptive)))
+        axis = {"find": "maximum", "in": [300, 1000], "column": "eta_at_1", "tolerance": 50.0}
+        job = self.write("adaptive.toml", without_reference({"sweep": {AM: axis}}))
         out = self.folder / "adaptive"
         tasks, table = self.submit(out, "--array", 2, job=job)
         self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table")

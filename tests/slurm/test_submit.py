@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from unittest import mock
 
-from program import PROGRAM, ROOT, ProgramTest, changed, started
+from program import PROGRAM, ROOT, ProgramTest, csv_path, large_job, small_job, started
 
 # Commands of a site that prints more than the id of the job, and whose queue contains the jobs in a file.
 SITE = {"sbatch": """echo "$@" >>calls
@@ -91,7 +91,7 @@ class Submit(ProgramTest):
         self.contains(output, "sbatch is not on the PATH", "--dry-run")
 
     def test_memory_is_requested_for_the_ranks_of_the_job_whatever_this_machine_has(self):
-        large = self.write_job(changed(("spacing_mm = 1.5", "spacing_mm = 0.004")), "large.toml")
+        large = self.write_job(small_job({"domain.spacing_mm": 0.004}), "large.toml")
         self.shearwake("plan", large, expect=3)
         for ranks in (2, 16):
             self.submit("--ranks", str(ranks), job=large)
@@ -107,9 +107,8 @@ class Submit(ProgramTest):
         for folder in (self.folder / "points", elsewhere):
             folder.mkdir()
             (folder / "line.csv").write_text(points, encoding="utf-8")
-        line = 'shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]'
         for named in ("../points/line.csv", str(elsewhere / "line.csv")):
-            job = self.write_job(changed((line, f'shape = "csv", file = "{named}"')), "jobs/up.toml")
+            job = self.write_job(small_job(csv_path(named)), "jobs/up.toml")
             ids = [c["id"] for c in json.loads(self.shearwake("plan", job, "--json").stdout)["cases"]]
             self.submit(job=job)
             copy = re.search(r" run (\S+) --out", self.script("single.sh").splitlines()[-1])[1]
@@ -125,8 +124,7 @@ class Submit(ProgramTest):
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
             self.write_job()
             self.shearwake("run", "job.toml", "--quiet")
-            large = self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
-                                           ("output_interval_us = 100.0", "output_interval_us = 1.0"), ("frames = true\n", "")), "large.toml")
+            large = self.write_job(large_job(1.0), "large.toml")
             self.contains(self.submit("--time", "1", "--warning", "5", job=large), "core hours", "warning: a case that saves no checkpoints takes",
                           "exit code 3")
             self.assertNotIn("warning: a case", self.submit("--time", "10-0", job=large))
