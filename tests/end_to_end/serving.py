@@ -11,36 +11,18 @@ from pathlib import Path
 
 import numpy
 
-from program import PATIENCE_s, command, environment
+from program import ONE_CASE, PATIENCE_s, changed_job, command, environment, small_job
 
-ONE = """\
-schema = 1
-[job]
-name = "one"
-[medium]
-preset = "thesis-tissue"
-[load]
-peak_Pa = {peak}
-footprint = {{ shape = "gaussian", fwhm_mm = 4.5 }}
-[load.modulation]
-kind = "AM-STM"
-path = {{ shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }}
-speed_m_s = 7.0
-am_frequency_Hz = 500.0
-[domain]
-extent_mm = [{width}, 48.0]
-spacing_mm = 1.5
-[time]
-duration_ms = 4.0
-output_interval_us = 100.0
-[record]
-frames = true
-"""
+ONE = small_job(ONE_CASE, {"job": {"name": "one"}, "medium": {"preset": "thesis-tissue"}, "solver": None, "measure": None, "record": {"frames": True}})
 
 
-def one(peak=100.0, width=64.0, more=""):
+def one(*changes, peak=100.0):
     """A job of one case, computed in some hundredths of a second."""
-    return ONE.format(peak=peak, width=width) + more
+    return changed_job(ONE, {"load.peak_Pa": peak}, *changes)
+
+
+def extent(*mm):
+    return {"domain.extent_mm": list(mm)}
 
 
 class Server:

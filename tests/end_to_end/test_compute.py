@@ -7,7 +7,7 @@ from program import ProgramTest
 from serving import Server, one
 from shearwake import Engine
 
-JOB = one(more='[afferents]\nwhere = "grid"\nextent_mm = [16.0, 8.0]\npitch_mm = 8.0\n')
+JOB = one({"afferents": {"where": "grid", "extent_mm": [16.0, 8.0], "pitch_mm": 8.0}})
 
 
 class Compute(ProgramTest):

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`shearwake serve` gives the results of `run`, cancels, and survives hostile requests."""
 import json
+import math
 import threading
 
 import h5py
 import numpy
 import pytest
 
-from program import ProgramTest, case_files
-from serving import Server, one
+from program import SPECTRAL, ProgramTest, case_files
+from serving import Server, extent, one
 
-RECEPTORS = '[afferents]\nwhere = "grid"\nextent_mm = [16.0, 8.0]\npitch_mm = 8.0\nclasses = ["RA"]\n'
-LARGE = one().replace("48.0]", "1200.0]").replace("64.0,", "1200.0,")  # 640 000 points
+LARGE = one(extent(1200.0, 1200.0))  # 640 000 points
+STEERED = {"load.footprint": {"shape": "array", "preset": "array-16x16", "distance_mm": 200.0}}
 
 
 def columns(message):
@@ -49,7 +50,7 @@ class Serve(ProgramTest):
             numpy.testing.assert_allclose(arrays["afferents/spike_time"], spikes, rtol=1e-9)
 
     def test_a_result_equals_the_case_that_run_computes(self):
-        job = one(more=RECEPTORS)
+        job = one({"afferents": {"where": "grid", "extent_mm": [16.0, 8.0], "pitch_mm": 8.0, "classes": ["RA"]}})
         with Server() as server:
             self.assertEqual((server.hello["type"], server.hello["protocol"], server.hello["ranks"]), ("hello", 1, 1))
             server.compute(one(peak=70.0))  # leaves transfer functions and buffers
@@ -60,14 +61,14 @@ class Serve(ProgramTest):
         job = one(peak=50.0)
         with Server(ranks=2) as server:
             self.assertEqual(server.hello["ranks"], 2)
-            server.compute(one(width=96.0))
+            server.compute(one(extent(96.0, 48.0)))
             self.assert_equal_to_run(*server.compute(job), job)
             self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")
             self.assertEqual(server.end(), 0)
 
     @pytest.mark.extended
     def test_the_scan_of_a_tilted_vibrometer_contains_all_components(self):
-        job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0], [3.0, 1.5], [6.0, -6.0]]\ntilt_deg = 30.0\nazimuth_deg = 40.0\n")
+        job = one({"vibrometer": {"points_mm": [[-6.0, 3.0], [3.0, 1.5], [6.0, -6.0]], "tilt_deg": 30.0, "azimuth_deg": 40.0}})
         with Server() as server:
             message, arrays = server.compute(job)
         self.assertEqual(message["case"], self.stored(job)[3])
@@ -95,13 +96,14 @@ class Serve(ProgramTest):
     def test_the_sweep_of_a_job_is_ignored(self):
         with Server() as server:
             plain, _ = server.compute(one())
-            swept, _ = server.compute(one(more='[sweep]\n"load.peak_Pa" = { linspace = [1, 100, 10000] }\n'))
+            swept, _ = server.compute(one({"sweep": {"load.peak_Pa": {"linspace": [1, 100, 10000]}}}))
             self.assertEqual(swept["case"], plain["case"])
 
     def test_overrides_and_a_choice_of_arrays_belong_to_a_request(self):
-        job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0]]\n")
+        scan = {"vibrometer.points_mm": [[-6.0, 3.0]]}
+        job = one(scan)
         with Server() as server:
-            expected, _ = server.compute(job.replace("peak_Pa = 100.0", "peak_Pa = 70.0"))
+            expected, _ = server.compute(one(scan, peak=70.0))
             found, arrays = server.receive_until(server.send(job, overrides=[["load.peak_Pa", "70"]], arrays=["vibrometer/velocity"]))
             self.assertEqual((found["case"], columns(found)), (expected["case"], columns(expected)))
             self.assertEqual([(name, array.shape) for name, array in arrays.items()], [("vibrometer/velocity", (1, 41))])
@@ -109,21 +111,16 @@ class Serve(ProgramTest):
             self.assertEqual((wrong["code"], "list of pairs" in wrong["message"]), ("bad_request", True))
 
     def test_a_job_is_described_with_its_vibrometer_and_its_distributions(self):
-        job = one(more="""[vibrometer]
-file = "points.csv"
-tilt_deg = 30.0
-trigger_delay_ms = 2.0
-[uncertain]
-samples = 2
-"load.peak_Pa" = { distribution = "normal", mean = 100.0, sd = 10.0 }
-"load.modulation.speed_m_s" = { distribution = "uniform", min = 2.0, max = 4.0 }
-""")
+        described = {"vibrometer": {"file": "points.csv", "tilt_deg": 30.0, "trigger_delay_ms": 2.0}, "uncertain": {
+            "samples": 2, "load.peak_Pa": {"distribution": "normal", "mean": 100.0, "sd": 10.0},
+            "load.modulation.speed_m_s": {"distribution": "uniform", "min": 2.0, "max": 4.0}}}
+        job = one(described)
         (self.folder / "points.csv").write_text("x_mm,y_mm\n1,2\n3,4\n")
         with Server() as server:
             self.assertEqual(server.receive_until(server.send(job, type="describe"))[0]["code"], "bad_job")  # names a file
         with Server("--files", self.folder) as server:
             found, _ = server.receive_until(server.send(job, type="describe", overrides=[["load.peak_Pa", "3"]]))
-            case = server.compute(job.replace("100.0\nfoot", "3.0\nfoot"))[0]["case"]
+            case = server.compute(one(described, peak=3.0))[0]["case"]
         self.assertEqual((found["type"], found["case"], found["engine"], found["periodic"]), ("description", case, "layered", False))
         self.assertAlmostEqual(found["duration_s"], 4e-3, delta=1e-15)
         self.assertAlmostEqual(found["vibrometer"]["trigger_delay_s"], 2e-3, delta=1e-15)
@@ -142,16 +139,15 @@ samples = 2
 
     @pytest.mark.extended
     def test_a_request_ends_while_it_is_prepared(self):
-        steered = one().replace("gaussian", "array").replace("fwhm_mm = 4.5", 'preset = "array-16x16", distance_mm = 200.0')
         with Server("--time-limit", "0.5") as server:
-            message, _ = server.compute(steered.replace("-14.0, 0.0", "-12.0, 0.0").replace("interval_us = 100.0", "interval_us = 5.0"))
+            message, _ = server.compute(one(STEERED, {"load.modulation.path.from_mm": [-12.0, 0.0], "time.output_interval_us": 5.0}))
             self.assertEqual((message["type"], message["code"]), ("error", "time_limit"))
             self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")  # the process continues
 
     @pytest.mark.long
     def test_the_kept_pattern_of_an_array_changes_no_result(self):
-        steered = one().replace("gaussian", "array").replace("fwhm_mm = 4.5", 'preset = "array-16x16", distance_mm = 200.0').replace("duration_ms = 4.0", "duration_ms = 1.0")
-        softer, other = steered.replace('"thesis-tissue"', '"forearm"'), steered.replace("distance_mm = 200.0", "distance_mm = 180.0")
+        steered, softer, other = (one(STEERED, {"time.duration_ms": 1.0, **change}) for change in (
+            {}, {"medium.preset": "forearm"}, {"load.footprint.distance_mm": 180.0}))
         with Server() as server:
             kept = [server.compute(job)[1]["u_z"] for job in (steered, softer, other, one(), steered)]
         for job, frames in zip((steered, softer, other), kept):
@@ -161,9 +157,8 @@ samples = 2
 
     @pytest.mark.extended
     def test_the_sizes_that_run_rejects_are_rejected(self):
-        layer = '[[medium.layer]]\nthickness_mm = 0.01\ndensity_kg_m3 = 1000.0\nc_p_m_s = 1500.0\nc_s_m_s = 5.0\nviscosity_Pa_s = 1.0\n'
-        layers = "".join(layer + f'name = "{n}"\n' for n in range(3000))
-        job = one().replace('preset = "thesis-tissue"', 'base = "rigid"\n' + layers)
+        layer = {"thickness_mm": 0.01, "density_kg_m3": 1000.0, "c_p_m_s": 1500.0, "c_s_m_s": 5.0, "viscosity_Pa_s": 1.0}
+        job = one({"medium": {"base": "rigid", "layer": [{**layer, "name": str(n)} for n in range(3000)]}})
         with Server() as server:
             message, _ = server.compute(job)
         self.assertEqual((message["type"], message["code"]), ("error", "bad_job"))
@@ -184,15 +179,12 @@ samples = 2
             (requested(type="delete", id=1, job="a"), 'must be "compute"'), ("{}\n", 'must be "compute"'),
         ]
         jobs = [
-            (one(peak="nan"), "load.peak_Pa"), (one(peak="-inf"), "load.peak_Pa"), ("schema = 1", "job is missing"),
-            ("\x00\x01", "not valid TOML"), ("a = [[[[" * 1000, "TOML"),
-            (one().replace("1.5", "1e-5"), "at most"), (one(width=1e9), "domain.extent_mm"), (one(width=9000.0).replace("48.0]", "9000.0]"), "at most"),
-            (one().replace("duration_ms = 4.0", "duration_ms = 1e9"), "time.duration_ms"),
-            (one().replace("= 100.0\n[record]", "= 1e-5\n[record]"), "at most"),
-            (one(more='[solver]\nengine = "spectral"\n'), "layered"),
-            (one(more='[afferents]\nwhere = "csv"\nfile = "/etc/passwd"\n'), "file"),
-            (one().replace('preset = "thesis-tissue"', 'preset = "thesis-tissue"\nmap = "/dev/zero"'), "map"),
-            (one(more='[afferents]\nwhere = "grid"\nextent_mm = [10000.0, 10000.0]\npitch_mm = 0.001\n'), "afferents"),
+            (one(peak=math.nan), "load.peak_Pa"), (one(peak=-math.inf), "load.peak_Pa"), ("schema = 1", "job is missing"),
+            ("\x00\x01", "not valid TOML"), ("a = [[[[" * 1000, "TOML"), (one(SPECTRAL), "layered"),
+            (one({"domain.spacing_mm": 1e-5}), "at most"), (one(extent(1e9, 48.0)), "domain.extent_mm"), (one(extent(9000.0, 9000.0)), "at most"),
+            (one({"time.duration_ms": 1e9}), "time.duration_ms"), (one({"time.output_interval_us": 1e-5}), "at most"),
+            (one({"afferents": {"where": "csv", "file": "/etc/passwd"}}), "file"), (one({"medium.map": "/dev/zero"}), "map"),
+            (one({"afferents": {"where": "grid", "extent_mm": [10000.0, 10000.0], "pitch_mm": 0.001}}), "afferents"),
         ]
         with Server() as server:
             for text, expected in unusable:

@@ -5,6 +5,7 @@ import contextlib
 import fcntl
 import http.client
 import json
+import math
 import os
 import signal
 import socket
@@ -18,9 +19,9 @@ import aiohttp
 
 from exploring import Page
 from study import InFolder, program
-from serving import one
+from serving import extent, one
 
-LARGE = one().replace("48.0]", "600.0]").replace("64.0,", "600.0,")
+LARGE = one(extent(600.0, 600.0))
 
 
 def resident_kB(pid):
@@ -153,8 +154,8 @@ class Explore(InFolder):
                 self.assertIn(expected, message["message"], text[:50])
             await ws.send_bytes(b"\0" * 100)
             self.assertIn("must be a text", (await self.answer(ws))[0]["message"])
-            for job, expected in ((one(width=1e9), "domain.extent_mm"), (one(width=9000.0).replace("48.0]", "9000.0]"), "at most"), (one(peak="nan"), "load.peak_Pa"),
-                                  (one(more='[afferents]\nwhere = "csv"\nfile = "/etc/passwd"\n'), "file")):
+            for job, expected in ((one(extent(1e9, 48.0)), "domain.extent_mm"), (one(extent(9000.0, 9000.0)), "at most"), (one(peak=math.nan), "load.peak_Pa"),
+                                  (one({"afferents": {"where": "csv", "file": "/etc/passwd"}}), "file")):
                 await ws.send_str(json.dumps({"type": "compute", "id": 7, "job": job}))
                 message, _ = await self.answer(ws, 7)
                 self.assertEqual(message["type"], "error")
@@ -234,7 +235,7 @@ class Explore(InFolder):
 
     def test_a_sweep_runs_in_a_folder_of_its_own(self):
         async def talk(ws):
-            job = one(more='[measure]\nat_ms = 4.0\n')
+            job = one({"measure.at_ms": 4.0})
             self.assertEqual(await self.computed(ws, 1, job), "result")
             for key, values in (("load.peak_Pa", [1]), ("load.peak_Pa", ["a", 2]), ("../x", [1, 2]), ("load.peak_Pa", [1, float("inf")]),
                                 ("load.peak_Pa", [10 ** 400, 1])):
@@ -264,8 +265,8 @@ class Explore(InFolder):
     def test_a_sweep_ignores_tables_that_add_cases(self):
         async def talk(ws):
             swept = 0
-            for number, more in ((1, "\ntable = 5\n"), (3, '\n[uncertain]\nsamples = 4096\n"load.peak_Pa" = { uniform = [50, 100] }\n')):
-                job = more + one() if number == 1 else one(more=more)
+            for number, change in ((1, {"table": 5}), (3, {"uncertain": {"samples": 4096, "load.peak_Pa": {"uniform": [50, 100]}}})):
+                job = one(change)
                 if await self.computed(ws, number, job) != "result":
                     continue
                 message, before = await self.swept(ws, number + 1, job)

@@ -14,7 +14,7 @@ import shearwake
 from shearwake.keys import cf_unit
 from study import AM, InFolder, job
 
-from serving import one
+from serving import extent, one
 
 
 def mean_of(data):
@@ -34,9 +34,9 @@ class User(InFolder):
         self.assertEqual(float(selected), self.sweep.cases[1].value("eta_period_1"))
         self.assertEqual(len(data["eta_period_1"].plot()), 1)
         with shearwake.Engine() as engine:
-            found = minimize_scalar(lambda f: -engine.evaluate(one().replace("500.0", f"{f:.17g}")).value("eta_at_1"),
+            found = minimize_scalar(lambda f: -engine.evaluate(one({AM: f})).value("eta_at_1"),
                                     bounds=(200.0, 1000.0), method="bounded", options={"maxiter": 8})
-            middle = engine.evaluate(one().replace("500.0", "600.0")).value("eta_at_1")
+            middle = engine.evaluate(one({AM: 600.0})).value("eta_at_1")
         self.assertGreaterEqual(-found.fun, middle)
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             self.assertEqual(pool.map(mean_of, [data])[0], mean_of(data))
@@ -97,7 +97,7 @@ class User(InFolder):
                 thread.join()
             self.assertEqual(result.dataset().attrs, {"case": result.case_id, "valid": 1})
             with pytest.warns(shearwake.NotValid, match=" is not valid: .* the readings of this case are not valid"):
-                returned = engine.evaluate(one().replace("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"))
+                returned = engine.evaluate(one(extent(36.0, 24.0)))
             self.assertEqual(returned.dataset().attrs["valid"], 0)
             np.testing.assert_allclose(max(found), 2.0 * min(found), rtol=1e-5)  # float32 planes; the load is linear
         self.assertIsNotNone(engine._process.poll())
