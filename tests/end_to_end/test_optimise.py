@@ -10,54 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shearwake
-from program import ROOT, ProgramTest, alive, changed, descendants, gaussian, job_text, read_csv
+from program import AM, ROOT, ProgramTest, alive, changed_job, descendants, gaussian, job_text, read_csv
 from scipy.interpolate import RegularGridInterpolator
 from shearwake.checksum import read_json, sealed
 
-STEADY = """
-schema = 1
-[job]
-name = "best"
-[medium]
-base = "half-space"
-[[medium.layer]]
-density_kg_m3 = 1000.0
-c_p_m_s = 50.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 1.0
-[load]
-peak_Pa = 100.0
-footprint = { shape = "gaussian", fwhm_mm = 6.0 }
-[load.modulation]
-kind = "STM"
-path = { shape = "circle", radius_mm = 8.0 }
-draw_frequency_Hz = 140.0
-[domain]
-extent_mm = [48.0, 48.0]
-spacing_mm = 2.0
-edges = "open"
-[time]
-regime = "periodic"
-output_interval_us = 250.0
-[solver]
-engine = "layered"
-[measure]
-region_mm = [40.0, 40.0]
-[optimise]
-knot_us = 500.0
-strength_at_least = [0.7, 0.9]
-starts = 4
-update_rate_Hz = 2800.0
-bits = 6
-"""
-CIRCLE = 'path = { shape = "circle", radius_mm = 8.0 }\ndraw_frequency_Hz = 140.0'
-TRANSIENT = (
-    (CIRCLE, 'path = { shape = "line", from_mm = [-20.0, 0.0], to_mm = [20.0, 0.0] }\nspeed_m_s = 7.0'),
-    ('edges = "open"', ""), ("extent_mm = [48.0, 48.0]", "extent_mm = [96.0, 64.0]"),
-    ('regime = "periodic"', "duration_ms = 5.0"), ("region_mm = [40.0, 40.0]", "settled_after_ms = 1.0"),
-    ("update_rate_Hz = 2800.0\nbits = 6\n", "sm_frequency_Hz = [250.0]\nsm_deviation_m_s = [2.0]\n"))
-PLAIN = ("update_rate_Hz = 2800.0\nbits = 6\n", "sm_frequency_Hz = [140.0]\nsm_deviation_m_s = [2.0]\n")
-ONE = ("strength_at_least = [0.7, 0.9]", "strength_at_least = [0.8]")
+STEADY = job_text(
+    "best", medium={"base": "half-space", "layer": [{"density_kg_m3": 1000.0, "c_p_m_s": 50.0, "c_s_m_s": 5.0, "viscosity_Pa_s": 1.0}]},
+    load={"peak_Pa": 100.0, "footprint": gaussian(6.0),
+          "modulation": {"kind": "STM", "path": {"shape": "circle", "radius_mm": 8.0}, "draw_frequency_Hz": 140.0}},
+    domain={"extent_mm": [48.0, 48.0], "spacing_mm": 2.0, "edges": "open"}, time={"regime": "periodic", "output_interval_us": 250.0},
+    solver={"engine": "layered"}, measure={"region_mm": [40.0, 40.0]},
+    optimise={"knot_us": 500.0, "strength_at_least": [0.7, 0.9], "starts": 4, "update_rate_Hz": 2800.0, "bits": 6})
+PLAIN = {"optimise.update_rate_Hz": None, "optimise.bits": None, "optimise.sm_frequency_Hz": [140.0], "optimise.sm_deviation_m_s": [2.0]}
+TRANSIENT = {
+    "load.modulation": {"kind": "STM", "path": {"shape": "line", "from_mm": [-20.0, 0.0], "to_mm": [20.0, 0.0]}, "speed_m_s": 7.0},
+    "domain": {"extent_mm": [96.0, 64.0], "spacing_mm": 2.0}, "time": {"duration_ms": 5.0, "output_interval_us": 250.0},
+    "measure": {"settled_after_ms": 1.0}, **PLAIN, "optimise.sm_frequency_Hz": [250.0]}
+ONE = {"optimise.strength_at_least": [0.8]}
 # Eight rows of jobs/speed-fwhm-modulation.toml, on its own domain.
 SPEED_SWEEP = {
     "medium": {"base": "half-space", "layer": [{"density_kg_m3": 1000.0, "c_p_m_s": 1500.0, "c_s_m_s": 5.0, "viscosity_Pa_s": 1.0}]},
@@ -80,7 +49,7 @@ DETERMINED = ("eta_unmodulated_1", "eta_sm_1", "strength_sm_1", "sm_frequency_Hz
 
 class Optimise(ProgramTest):
     def job(self, *changes):
-        self.write_job(changed(*changes, text=STEADY))
+        self.write_job(changed_job(STEADY, *changes))
 
     def rows(self, out="out/best.optimise"):
         rows = read_csv(self.folder / out / "optimise" / "table.csv")
@@ -165,7 +134,7 @@ class Optimise(ProgramTest):
         least = 0.9
         self.job(ONE)
         self.shearwake("optimise", "job.toml", "--quiet", "--out", "free", ranks=2)
-        self.job(ONE, ("starts = 4", f"starts = 4\nuniformity = {least}"))
+        self.job(ONE, {"optimise.uniformity": least})
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         [free], [row] = self.rows("free"), self.rows()
         self.check_rows([row])
@@ -188,7 +157,7 @@ class Optimise(ProgramTest):
 
     def test_a_uniformity_that_no_envelope_reaches_is_rejected(self):
         # The rms falls at the ends of a line.
-        self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 4\nuniformity = 1.0"))
+        self.job(TRANSIENT, ONE, {"optimise.uniformity": 1.0})
         self.contains(self.shearwake("optimise", "job.toml", expect=3).output, "no envelope was found", "optimise.uniformity = 1",
                       "the unmodulated load has a uniformity of 0.")
 
@@ -211,13 +180,13 @@ class Optimise(ProgramTest):
         self.check_jobs(row, kind="exported.", column="eta_exported_1")
         # The table in another job.
         envelope = Path(f"{stem}.toml").read_text(encoding="utf-8")
-        self.job(("[domain]", envelope + "[domain]"))
+        self.write_job(STEADY + envelope)
         [again] = self.reduced("again")
         self.assertAlmostEqual(float(again["eta_period_1"]), row["eta_exported_1"], delta=1e-9)
 
     @pytest.mark.extended
     def test_a_transient_optimum_is_reproduced_and_a_study_is_resumed(self):
-        self.job(*TRANSIENT)
+        self.job(TRANSIENT)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         rows = self.rows()
         self.check_rows(rows)
@@ -255,7 +224,7 @@ class Optimise(ProgramTest):
 
     @pytest.mark.extended
     def test_a_second_study_in_the_same_folder_is_refused_while_the_first_is_active(self):
-        self.job(*TRANSIENT, ONE)
+        self.job(TRANSIENT, ONE)
         self.shearwake("optimise", "job.toml", "--quiet")
         with open(self.folder / "out/best.optimise/optimise/locks/folder", "a", encoding="utf-8") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
@@ -266,7 +235,7 @@ class Optimise(ProgramTest):
 
     @pytest.mark.extended
     def test_an_interrupt_ends_the_search_and_its_processes(self):
-        self.job(PLAIN, ("starts = 4", "starts = 10000"))
+        self.job(PLAIN, {"optimise.starts": 10000})
         process = self.start("optimise", "job.toml")
         output = ""
         while "[3/4]" not in output:
@@ -281,14 +250,14 @@ class Optimise(ProgramTest):
 
     @pytest.mark.extended
     def test_an_optimum_is_not_valid_if_its_waves_return(self):
-        for extent, valid in (("96.0, 64.0", "yes"), ("56.0, 36.0", "no")):
-            self.job(*TRANSIENT, ONE, ("starts = 4", "starts = 1"), ("extent_mm = [96.0, 64.0]", f"extent_mm = [{extent}]"))
+        for extent_mm, valid in (([96.0, 64.0], "yes"), ([56.0, 36.0], "no")):
+            self.job(TRANSIENT, ONE, {"optimise.starts": 1, "domain.extent_mm": extent_mm})
             self.shearwake("optimise", "job.toml", "--out", valid, "--quiet")
             self.assertEqual([row["valid"] for row in self.rows(valid)], [valid])
 
     @pytest.mark.long
     def test_a_killed_study_is_resumed_with_the_same_result(self):
-        self.job(*TRANSIENT)
+        self.job(TRANSIENT)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         self.kill(self.start_and_stop("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2,
                                       faults={"PATH": "killed/*.h5", "CALL": "rename", "STOP_AT": 2}))
@@ -298,7 +267,7 @@ class Optimise(ProgramTest):
 
     def check_one(self, *changes, column="eta_period_1"):
         """The optimum of the changed job is reproduced; returns its row."""
-        self.job(PLAIN, ONE, ("starts = 4", f'starts = 4\nmaximise = "{column}"'), *changes)
+        self.job(PLAIN, ONE, {"optimise.maximise": column}, *changes)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         rows = self.rows()
         self.check_rows(rows)
@@ -308,12 +277,12 @@ class Optimise(ProgramTest):
 
     @pytest.mark.extended
     def test_two_foci_are_modulated_together(self):
-        self.check_one(("draw_frequency_Hz = 140.0", "draw_frequency_Hz = 140.0\nfoci_mm = [[-4.0, 0.0], [4.0, 0.0]]"))
+        self.check_one({"load.modulation.foci_mm": [[-4.0, 0.0], [4.0, 0.0]]})
 
     @pytest.mark.long
     def test_the_focus_of_an_array_is_modulated(self):
-        self.check_one(('{ shape = "gaussian", fwhm_mm = 6.0 }', '{ shape = "array", preset = "array-16x16", distance_mm = '
-                        '150.0, pressure_Pa_m = 3.4 }'), ("peak_Pa = 100.0\n", ""))
+        array = {"shape": "array", "preset": "array-16x16", "distance_mm": 150.0, "pressure_Pa_m": 3.4}
+        self.check_one({"load.footprint": array, "load.peak_Pa": None})
 
     @pytest.mark.extended
     def test_the_sharpness_of_a_shape_is_maximised(self):
@@ -321,8 +290,8 @@ class Optimise(ProgramTest):
 
     @pytest.mark.extended
     def test_the_share_of_a_band_at_the_depth_of_a_receptor_is_maximised(self):
-        row = self.check_one(("region_mm = [40.0, 40.0]", "region_mm = [40.0, 40.0]\nbands_Hz = [[200, 500]]\n"
-                              "depths_mm = [2.0]\n[record]\ntraces_mm = [[8.0, 0.0]]"), column="share_200_500_1")
+        row = self.check_one({"measure.bands_Hz": [[200, 500]], "measure.depths_mm": [2.0], "record.traces_mm": [[8.0, 0.0]]},
+                             column="share_200_500_1")
         self.assertGreater(row["eta_optimum_1"], 1.2 * row["eta_unmodulated_1"])
 
     @pytest.mark.long
@@ -330,8 +299,8 @@ class Optimise(ProgramTest):
         self.job(PLAIN, ONE)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         envelope = self.rows()[0]["eta_optimum_1"]
-        self.job(PLAIN, ONE, ("starts = 4", 'starts = 2\nover = ["envelope", "speed-profile", "speed", "size"]\nrounds = 1\n'
-                              'factor_at_most = 1.2'))
+        self.job(PLAIN, ONE, {"optimise.starts": 2, "optimise.over": ["envelope", "speed-profile", "speed", "size"],
+                              "optimise.rounds": 1, "optimise.factor_at_most": 1.2})
         self.shearwake("optimise", "job.toml", "--quiet", "--out", "moved", ranks=2)
         [row] = self.rows("moved")
         self.check_rows([row])
@@ -343,7 +312,7 @@ class Optimise(ProgramTest):
 
     @pytest.mark.long
     def test_an_optimum_is_computed_in_other_tissues(self):
-        self.job(PLAIN, ONE, ("starts = 4", "starts = 4\nrobust_to = 0.2"))
+        self.job(PLAIN, ONE, {"optimise.robust_to": 0.2})
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
         rows = read_csv(self.folder / "out/best.optimise/optimise/robustness.csv")
         self.assertEqual(len(rows), 10)
@@ -351,10 +320,9 @@ class Optimise(ProgramTest):
                          {f"{what} {sign}20 %" for what in ("c_s", "viscosity", "speed") for sign in "+-"})
         # The tissue with a higher c_s is that of a job with this c_s.
         optimum = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json")).read_text())
-        values = ", ".join(repr(v) for v in optimum["found"]["values"])
         knots = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.forms.json")).read_text())["knots"]
-        self.job(PLAIN, ("c_s_m_s = 5.0", "c_s_m_s = 6.0"), ("[domain]", '[[load.modulation.envelope]]\nshape = "samples"\n'
-                 f'interval_us = {1e6 * knots["interval_s"]!r}\nrepeat = true\nvalues = [{values}]\n[domain]'))
+        samples = {"shape": "samples", "interval_us": 1e6 * knots["interval_s"], "repeat": True, "values": optimum["found"]["values"]}
+        self.job(PLAIN, {"medium.layer[1].c_s_m_s": 6.0, "load.modulation.envelope": [samples]})
         [stiffer] = self.reduced("stiffer")
         [row] = [row for row in rows if row["difference"] == "c_s +20 %"]
         self.assertAlmostEqual(float(row["eta_found_1"]), float(stiffer["eta_period_1"]), delta=1e-9)
@@ -404,23 +372,23 @@ class Optimise(ProgramTest):
                 self.assertAlmostEqual(row["eta_ceiling_1"] / stored["eta_ceiling_1"], 1.0, delta=1e-4)  # of the bisection
 
     def test_jobs_that_cannot_be_optimised_are_rejected(self):
-        self.job((STEADY[STEADY.index("[optimise]"):], ""))
+        self.job({"optimise": None})
         self.contains(self.shearwake("optimise", "job.toml", expect=3).output, "has no table [optimise]")
         self.shearwake("check", "job.toml")
-        knots = "knot_us = 500.0"
-        for old, new, *says in (
-                ('kind = "STM"', 'kind = "AM-STM"\nam_frequency_Hz = 280.0', "has an envelope, which would be replaced"),
-                (knots, knots + '\nmaximise = "share_40_400_1"', 'must be "eta_period_1" or "sharpness_1"', "bands_Hz"),
-                (knots, knots + '\nmaximise = "felt_path_dB"', 'must be "eta_period_1" or "sharpness_1", but is "felt_path_dB"'),
-                (knots, knots + "\nam_frequency_Hz = [100.0]", "optimise.am_frequency_Hz: 100 Hz has no whole number of periods"),
-                (knots, knots + "\nsm_frequency_Hz = [100.0]", "optimise.sm_frequency_Hz: 100 Hz has no whole number of periods"),
-                ("update_rate_Hz = 2800.0", "update_rate_Hz = 2801.0", "optimise.update_rate_Hz = 2801 results in"),
-                ('kind = "STM"\n' + CIRCLE, 'kind = "LM"\nlm_frequency_Hz = 140.0\nlm_amplitude_mm = 4.0', 'over has more than "envelope"')):
-            with self.subTest(new=new):
-                self.job((old, new), *([(knots, knots + '\nover = ["envelope", "size"]')] if "LM" in new else []))
+        for changes, *says in (
+                ({"load.modulation.kind": "AM-STM", AM: 280.0}, "has an envelope, which would be replaced"),
+                ({"optimise.maximise": "share_40_400_1"}, 'must be "eta_period_1" or "sharpness_1"', "bands_Hz"),
+                ({"optimise.maximise": "felt_path_dB"}, 'must be "eta_period_1" or "sharpness_1", but is "felt_path_dB"'),
+                ({"optimise.am_frequency_Hz": [100.0]}, "optimise.am_frequency_Hz: 100 Hz has no whole number of periods"),
+                ({"optimise.sm_frequency_Hz": [100.0]}, "optimise.sm_frequency_Hz: 100 Hz has no whole number of periods"),
+                ({"optimise.update_rate_Hz": 2801.0}, "optimise.update_rate_Hz = 2801 results in"),
+                ({"load.modulation": {"kind": "LM", "lm_frequency_Hz": 140.0, "lm_amplitude_mm": 4.0},
+                  "optimise.over": ["envelope", "size"]}, 'over has more than "envelope"')):
+            with self.subTest(changes=changes):
+                self.job(changes)
                 for command in ("optimise", "check"):  # the same error
                     self.contains(self.shearwake(command, "job.toml", expect=3).output, *says)
-        self.job((knots, knots + '\nover = ["speed"]'))
+        self.job({"optimise.over": ["speed"]})
         self.contains(self.shearwake("check", "job.toml", expect=3).output, 'must contain "envelope"')
-        self.job((knots, "knots_us = 500.0"))
+        self.job({"optimise.knot_us": None, "optimise.knots_us": 500.0})
         self.contains(self.shearwake("check", "job.toml", expect=3).output, "knot_us")
