@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from program import PATIENCE_s, ROOT, ProgramTest, command, environment, gaussian, job_text
+from program import PATIENCE_s, ROOT, SPECTRAL, ProgramTest, changed_job, command, environment, gaussian, job_text
 
 from shearwake.laboratory.dispersion import curves, line_coordinates
 from shearwake.laboratory.scan import Scan
@@ -30,22 +30,22 @@ GEL = {"medium": {"base": "rigid", "layer": [{"thickness_mm": 12.0, "density_kg_
        "solver": {"engine": "layered"}, "measure": {"settled_after_ms": 5.0}}
 FULL = job_text("gel", **GEL, vibrometer={"grid_mm": [78.0, 78.0], "spacing_mm": 2.0, "center_mm": [-1.0, -1.0]})
 LINE = job_text("gel", **GEL, vibrometer={"line_mm": [[-29.5, 0.0], [29.5, 0.0]], "spacing_mm": 1.0, "sampling_rate_kHz": 8.0})
-UNCERTAIN = """
-[uncertain]
-samples = 2
-"medium.layer[1].c_s_m_s" = { distribution = "uniform", min = 1.5, max = 4.0 }
-"medium.layer[1].viscosity_Pa_s" = { distribution = "lognormal", median = 0.5, geometric_sd = 3.0 }
-"load.peak_Pa" = { distribution = "uniform", min = 20.0, max = 400.0 }
-"vibrometer.trigger_delay_ms" = { distribution = "normal", mean = 0.0, sd = 1.0 }
-"""
+LAYER = "medium.layer[1]"
+SPEED = {f"{LAYER}.c_s_m_s": {"distribution": "uniform", "min": 1.5, "max": 4.0}}
+LOAD = {"load.peak_Pa": {"distribution": "uniform", "min": 20.0, "max": 400.0},
+        "vibrometer.trigger_delay_ms": {"distribution": "normal", "mean": 0.0, "sd": 1.0}}
 
-UNCERTAIN_LOSS = """
-[uncertain]
-samples = 2
-"medium.layer[1].loss.tau_us" = { distribution = "lognormal", median = 60.0, geometric_sd = 3.0 }
-"medium.layer[1].loss.exponent" = { distribution = "uniform", min = 0.1, max = 0.999 }
-"""
-FRACTIONAL = 'loss = {{ law = "fractional", tau_us = {tau}, exponent = {exponent} }}'
+
+def uncertain(keys):
+    return {"uncertain": {"samples": 2, **keys}}
+
+
+def fractional(tau_us, exponent):
+    return {f"{LAYER}.viscosity_Pa_s": None, f"{LAYER}.loss": {"law": "fractional", "tau_us": tau_us, "exponent": exponent}}
+
+
+FIT = changed_job(LINE, uncertain({**SPEED, f"{LAYER}.viscosity_Pa_s": {"distribution": "lognormal", "median": 0.5, "geometric_sd": 3.0}, **LOAD}))
+FIT_OF_LOAD = changed_job(LINE, uncertain(LOAD))
 LAYERS = ((8e-3, 1000.0, 1500.0, 2.2), (10e-3, 1000.0, 1500.0, 4.4))  # of jobs/gel-dispersion.toml
 
 
@@ -122,7 +122,7 @@ class Measure(LaboratoryTest):
             for arguments in (("measure", bad, "--options", job, "--no-report"), ("fit", job, "--data", bad)):
                 with self.subTest(words=words, command=arguments[0]):
                     if arguments[0] == "fit":
-                        job.write_text(LINE + UNCERTAIN)
+                        job.write_text(FIT)
                     failed = self.fails(*arguments)
                     self.assertIn(words, failed.stderr)
                     self.assertNotIn("Traceback", failed.stderr)
@@ -130,7 +130,8 @@ class Measure(LaboratoryTest):
 
 class Scans(LaboratoryTest):
     def test_every_exported_format_contains_the_scan_of_the_case(self):
-        job, case = self.scanned(LINE + "tilt_deg = 10\ntrigger_delay_ms = 1.25\nmissing_percent = 5\n")
+        job, case = self.scanned(changed_job(LINE, {
+            "vibrometer.tilt_deg": 10, "vibrometer.trigger_delay_ms": 1.25, "vibrometer.missing_percent": 5}))
         scan = read_scan(case)
         self.assertEqual(np.count_nonzero(scan.quality == 0.0), 3)
         for name, options in (("scan.uff", ()), ("binary.uff", ("--format", "uff", "--binary")), ("scan.csv", ("--format", "csv")),
@@ -149,7 +150,7 @@ class Scans(LaboratoryTest):
 
     @pytest.mark.extended
     def test_the_scan_does_not_depend_on_the_number_of_ranks(self):
-        job = self.write_job(LINE + "tilt_deg = 30\nazimuth_deg = 20\nspot_um = 500\n")
+        job = self.write_job(changed_job(LINE, {"vibrometer.tilt_deg": 30, "vibrometer.azimuth_deg": 20, "vibrometer.spot_um": 500}))
         found = []
         for ranks in (1, 3):
             out = self.folder / f"out{ranks}"
@@ -195,7 +196,7 @@ class Fit(LaboratoryTest):
 
     def test_an_interrupted_fit_resumes_with_its_predictions(self):
         job, case = self.scanned(LINE)
-        job.write_text(LINE + UNCERTAIN.replace('"medium.layer[1].', '# "'))  # pressure and delay only
+        job.write_text(FIT_OF_LOAD)
         reports = []
 
         def interrupt(progress):
@@ -222,7 +223,7 @@ class Fit(LaboratoryTest):
     @pytest.mark.extended
     def test_an_interrupted_command_ends_with_exit_code_75(self):
         job, case = self.scanned(LINE)
-        job.write_text(LINE + UNCERTAIN)
+        job.write_text(FIT)
         process = subprocess.Popen(command("fit", job, "--data", case, "--out", self.folder / "fit"), env=environment(),
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
         deadline = time.monotonic() + PATIENCE_s
@@ -236,7 +237,7 @@ class Fit(LaboratoryTest):
     def test_a_noisy_line_gives_the_material_back(self):
         job, case = self.scanned(LINE)
         data = self.with_noise(case, 20.0)
-        job.write_text(LINE + UNCERTAIN)
+        job.write_text(FIT)
         out = self.folder / "fit"
         text = self.shearwake("fit", job, "--data", data, "--out", out, ranks=2).stdout
         found = json.loads((out / "fit.json").read_text())
@@ -261,7 +262,7 @@ class Fit(LaboratoryTest):
     def test_a_scan_against_z_gives_the_pressure_and_the_delay_back(self):
         job, case = self.scanned(LINE)
         scan = read_scan(case)
-        job.write_text(LINE + UNCERTAIN.replace('"medium.layer[1].', '# "'))  # pressure and delay only
+        job.write_text(FIT_OF_LOAD)
         turned = self.folder / "turned.csv"
         write_scan(turned, Scan(scan.time_s, scan.x_m, scan.y_m, -scan.velocity_m_s, None, 0.0, (0.0, 0.0, -1.0)), "csv")
         unstated = self.folder / "unstated.csv"
@@ -279,12 +280,10 @@ class Fit(LaboratoryTest):
     @pytest.mark.long
     def test_a_fractional_layer_and_its_thickness_are_found_and_no_simpler_law_suffices(self):
         truth = {"c_s_m_s": 2.2, "thickness_mm": 9.0, "loss.tau_us": 80.0, "loss.exponent": 0.5}
-        job, case = self.scanned(LINE.replace(f"c_s_m_s = {C_S}", "c_s_m_s = 2.2").replace("thickness_mm = 12.0", "thickness_mm = 9.0")
-                                 .replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=80.0, exponent=0.5)))
-        found = self.fractional_fit(job, self.with_noise(case, 20.0), """
-"medium.layer[1].c_s_m_s" = { distribution = "uniform", min = 1.5, max = 4.0 }
-"medium.layer[1].thickness_mm" = { distribution = "normal", mean = 11.0, sd = 3.0, min = 5.0, max = 20.0 }
-""")
+        job, case = self.scanned(changed_job(LINE, {f"{LAYER}.{key}": value for key, value in truth.items()},
+                                             fractional(truth["loss.tau_us"], truth["loss.exponent"])))
+        thickness = {"distribution": "normal", "mean": 11.0, "sd": 3.0, "min": 5.0, "max": 20.0}
+        found = self.fractional_fit(job, self.with_noise(case, 20.0), {**SPEED, f"{LAYER}.thickness_mm": thickness})
         self.check_frozen("fractional", found)
         for key, value in truth.items():
             estimate = found["estimates"][f"medium.layer[1].{key}"]
@@ -297,11 +296,13 @@ class Fit(LaboratoryTest):
     @pytest.mark.long
     def test_a_fractional_law_is_not_needed_for_a_kelvin_voigt_layer(self):
         job, case = self.scanned(LINE)
-        found = self.fractional_fit(job, self.with_noise(case, 20.0), "")
+        found = self.fractional_fit(job, self.with_noise(case, 20.0), {})
         self.assertEqual([(one["law"], one["suffices"]) for one in found["simpler_laws"]], [("Kelvin-Voigt", True)])
 
-    def fractional_fit(self, job, data, uncertain):
-        job.write_text(LINE.replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=60.0, exponent=0.7)) + UNCERTAIN_LOSS + uncertain)
+    def fractional_fit(self, job, data, keys):
+        job.write_text(changed_job(LINE, fractional(60.0, 0.7), uncertain({
+            f"{LAYER}.loss.tau_us": {"distribution": "lognormal", "median": 60.0, "geometric_sd": 3.0},
+            f"{LAYER}.loss.exponent": {"distribution": "uniform", "min": 0.1, "max": 0.999}, **keys})))
         out = self.folder / "fit"
         self.shearwake("fit", job, "--data", data, "--out", out, ranks=2)
         return json.loads((out / "fit.json").read_text())
@@ -310,13 +311,13 @@ class Fit(LaboratoryTest):
     def test_a_fit_needs_keys_and_the_engine_layered(self):
         job, case = self.scanned(LINE)
         self.assertIn("[uncertain] names no key", self.fails("fit", job, "--data", case).stderr)
-        job.write_text(LINE.replace('"layered"', '"spectral"') + UNCERTAIN)
+        job.write_text(changed_job(FIT, SPECTRAL))
         self.assertIn("fit computes with engine", self.fails("fit", job, "--data", case).stderr)
 
     @pytest.mark.extended
     def test_overrides_change_the_fit_or_are_warned_of(self):
         job, case = self.scanned(LINE)
-        job.write_text(LINE + UNCERTAIN.split("\n\"medium.layer[1].vis")[0] + "\n")
+        job.write_text(changed_job(LINE, uncertain(SPEED)))
         key = "medium.layer[1].c_s_m_s"
         fit = ("fit", job, "--data", case, "--out", self.folder / "fit")
         output = self.shearwake(*fit, "-S", f"{key}=3.0", "-S", "vibrometer.averages=9", "-S", "vibrometer.spot_um=10.0").stderr
