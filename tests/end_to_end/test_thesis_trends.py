@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The trends in the figures of the thesis, computed with coarse versions of their jobs."""
-import re
-
 import pytest
 
-from program import ROOT, ProgramTest, table
+from program import ROOT, ProgramTest, changed, changed_job, swept, table
 
 # Headings of figure 2.2 in docs/explanation/thesis.md: FWHM in mm, and the first of three rows.
 BLOCKS = [(width, f"| FWHM {width} mm: dominant frequency of du_z/dt (Hz) |") for width in "26"]
-SWEEP = re.compile(r"\[sweep\]\n.*?\n\n", re.DOTALL)
 
 
 def printed(first_row):
@@ -18,24 +15,12 @@ def printed(first_row):
     return [[float(cell) for cell in line.split("|")[2:7]] for line in lines[at:at + 3]]
 
 
-def coarse(job, sweep):
-    """The job's text on a coarser grid and with fewer cases."""
-    text = (ROOT / "jobs" / job).read_text(encoding="utf-8")
-    text, swept = SWEEP.subn(f"[sweep]\n{sweep}\n\n", text)
-    text = text.replace("spacing_mm = 0.75", "spacing_mm = 1.2")
-    text = text.replace("output_interval_us = 50.0", "output_interval_us = 100.0")
-    assert swept == 1 and "spacing_mm = 1.2" in text and "us = 100.0" in text
-    return text
-
-
 class ThesisTrends(ProgramTest):
-    def rows(self, job, sweep):
-        self.write_job(coarse(job, sweep))
-        return self.reduced("out", ranks=2)
-
     def frequency_sweep(self, job, key, frequencies):
+        """The columns of a job on a coarser grid and with fewer cases."""
         key = f"load.modulation.{key}"
-        rows = self.rows(job, f'"{key}" = {frequencies}')
+        self.write_job(changed_job(ROOT / "jobs" / job, swept(*frequencies, key=key), {"domain.spacing_mm": 1.2, "time.output_interval_us": 100.0}))
+        rows = self.reduced("out", ranks=2)
         cases = {float(row[key]): row for row in rows if row["reference"] != "yes"}
         self.assertEqual(sorted(cases), frequencies)
 
@@ -68,9 +53,7 @@ class ThesisTrends(ProgramTest):
     # rapidly, it reproduces the printed digits. The tolerance of 2 % is the rounding to 1 Hz of values from 34 Hz on.
     def test_what_the_manual_says_of_speed_and_size_comes_out(self):
         text = (ROOT / "jobs" / "fig2.2.toml").read_text(encoding="utf-8")
-        fine = '"domain.spacing_mm" = [0.6, 1.5]'
-        self.assertIn(fine, text)
-        self.write_job(text.replace(fine, '"domain.spacing_mm" = [1.0, 2.0]'))
+        self.write_job(changed(('"domain.spacing_mm" = [0.6, 1.5]', '"domain.spacing_mm" = [1.0, 2.0]'), text=text))
         self.reduced("out", ranks=2)
         found = {(row["load.footprint.fwhm_mm"], row["load.modulation.speed_m_s"]): row for row in table(self.folder / "out")}
         self.assertEqual(len(found), 10)
