@@ -99,6 +99,14 @@ class PartialFiles(ProgramTest):
             field = file["surface/u_z"]
             begin, planes = field.id.get_offset(), field.shape[0]
             plane_B = field.size * 8 // planes
+
+        def restore(content):
+            """The state at the kill, with this content of the unfinished file."""
+            for path, kept in {**saved, part: content}.items():
+                path.write_bytes(kept)
+            for path in case_files(self.out):
+                path.unlink()
+
         for n in range(times(6, 60)):
             damaged = bytearray(sound)
             if n % 3 == 0:  # HDF5's own metadata
@@ -110,19 +118,11 @@ class PartialFiles(ProgramTest):
                 del damaged[chance.randrange(begin + plane_B):]
             for place in at:
                 damaged[place] ^= 1 << chance.randrange(8)
-            part.write_bytes(damaged)
-            for path, content in saved.items():
-                path.write_bytes(content)
-            for path in case_files(self.out):
-                path.unlink()
+            restore(damaged)
             self.contains(self.shearwake("run", "job.toml").output, ".part", "1 computed now")
             self.assertEqual(numbers(self.out), reference)
         # The sound one is resumed.
-        part.write_bytes(sound)
-        for path, content in saved.items():
-            path.write_bytes(content)
-        for path in case_files(self.out):
-            path.unlink()
+        restore(sound)
         before = len([e for e in journal(self.out) if e["event"] == "resumed"])
         self.shearwake("run", "job.toml")
         resumed = [e for e in journal(self.out) if e["event"] == "resumed"][before:]
