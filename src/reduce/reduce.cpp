@@ -68,6 +68,12 @@ nlohmann::ordered_json json_of_column(const std::string& name, const std::string
             {"counts_samples", measures::counts_samples(name)}};
 }
 
+/// The columns of measures: all between the swept keys and the closing columns.
+std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const Table& table) {
+    return {table.columns.begin() + static_cast<std::ptrdiff_t>(2 + plan.swept_keys.size()),
+            table.columns.end() - static_cast<std::ptrdiff_t>(closing_columns)};
+}
+
 /// The table as JSON: every column with its unit and description; every case with its values (null:
 /// none); and the sentences of `note`, the reasons for empty cells, and the warnings, to which the
 /// cases refer by numbers from 1.
@@ -77,8 +83,7 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
     ordered_json columns = ordered_json::array();
     const std::size_t first = 2 + plan.swept_keys.size(),
                       end = table.columns.size() - closing_columns;
-    std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
-                                   table.columns.begin() + static_cast<std::ptrdiff_t>(end));
+    std::vector<std::string> names = measure_columns(plan, table);
     const auto place = [](const std::string& name) {
         const std::string error_of = column_of_error(name);
         const measures::Measure* measure =
@@ -194,12 +199,6 @@ std::vector<std::string> in_table_order(std::vector<std::string> measures,
 /// A measure divided by that of the reference; NaN without one.
 double ratio(const CaseRow& row, const CaseRow* reference, const std::string& measure) {
     return reference ? row.value(measure) / reference->value(measure) : not_a_number;
-}
-
-/// The columns of measures: all between the swept keys and the closing columns.
-std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const Table& table) {
-    return {table.columns.begin() + static_cast<std::ptrdiff_t>(2 + plan.swept_keys.size()),
-            table.columns.end() - static_cast<std::ptrdiff_t>(closing_columns)};
 }
 
 Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
