@@ -31,5 +31,5 @@ class ShowModulation(ProgramTest):
     def test_errors_are_reported(self):
         self.write_job()
         output = self.shearwake("show", "--modulation", "job.toml", "--picture", "no/such/m.png", expect=6).output
-        self.contains(output, "cannot write", "use --picture to choose another folder")
+        self.contains(output, "was not drawn", "--picture sets another folder or format")
         self.contains(self.shearwake("show", expect=2).output, "--modulation")

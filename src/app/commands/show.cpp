@@ -222,8 +222,8 @@ void draw_modulation(const ShowArguments& arguments, const Comm& world) {
         const std::shared_ptr<void> end(nullptr, [&](void*) { std::remove(data.c_str()); });
         std::ofstream(data) << members;
         if (run_python_module("shearwake.report.modulation", {data, picture}) != 0)
-            throw UsageError("cannot write " + picture.string() +
-                                 "; use --picture to choose another folder or format",
+            throw UsageError("the picture " + picture.string() +
+                                 " was not drawn; --picture sets another folder or format",
                              ExitCode::environment);
         fmt::print("picture: {}\n", picture.string());
     });
