@@ -202,10 +202,12 @@ Json description(const Case& c, const ShowArguments& arguments) {
     members["distance_m"] = array->distance_m;
     const ArrayField field(*array, 0.0);
     const double count = std::round((cycle_s > 0.0 ? cycle_s : run_s) * arguments.rate_Hz);
-    for (double n = 0.0; arguments.phases && n < count; ++n)
-        for (const std::complex<double> drive :
-             field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz))))
-            members["phases_rad"].push_back(std::arg(drive)); // frame by frame
+    for (double n = 0.0; arguments.phases && n < count; ++n) {
+        const auto drives =
+            field.drives(foci(load.modulation, updated_s(load, n / arguments.rate_Hz)));
+        for (const auto& [place, piston] : board_order(*array))
+            members["phases_rad"].push_back(std::arg(drives[piston])); // frame by frame
+    }
     return members;
 }
 

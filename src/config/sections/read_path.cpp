@@ -191,24 +191,29 @@ PointsFile read_frames(const std::string& text, ArrayFootprint* array) {
                                        width, pistons)};
     const auto frames = std::make_shared<PhaseFrames>();
     frames->content_hash = hex(stable_hash(text));
-    for (double phase_rad = 0.0; words >> phase_rad;) {
-        if (frames->all.empty() || std::ssize(frames->all.back().drives) == pistons)
-            frames->all.push_back({{static_cast<double>(frames->all.size()), 0.0}, {}});
-        frames->all.back().drives.push_back(std::polar(1.0, phase_rad));
+    const BoardOrder order = board_order(*array);
+    PhaseFrame frame{{}, std::vector<std::complex<double>>(order.size())};
+    for (; words >> std::ws && !words.eof(); frame.place_m.x += 1.0) {
+        for (const auto& [place, piston] : order) {
+            double phase_rad = 0.0;
+            words >> phase_rad;
+            frame.drives[piston] = std::polar(1.0, phase_rad);
+        }
+        frames->all.push_back(frame);
     }
     array->frames = frames;
     ArrayFootprint wide = *array; // as its pistons
     wide.reach_m = 0.5 * wide.pitch_m * static_cast<double>(std::max(wide.columns, wide.rows));
     const ArrayField field(wide, 0.0);
     PointsFile file;
-    for (PhaseFrame& frame : frames->all) { // selected by its number until its place is known
-        const Patch patch = field.pattern(wide.center_m, {&frame.place_m, 1});
+    for (PhaseFrame& shown : frames->all) { // selected by its number until its place is known
+        const Patch patch = field.pattern(wide.center_m, {&shown.place_m, 1});
         const auto most = std::ranges::max_element(patch.values) - patch.values.begin();
         const Vec2 steps = {static_cast<double>(most / patch.side),
                             static_cast<double>(most % patch.side)};
         // 1 pm distinguishes frames with one place.
-        frame.place_m = patch.origin_m + patch.spacing_m * steps + 1e-12 * frame.place_m;
-        file.points_m.push_back(frame.place_m);
+        shown.place_m = patch.origin_m + patch.spacing_m * steps + 1e-12 * shown.place_m;
+        file.points_m.push_back(shown.place_m);
     }
     file.rests_s.assign(file.points_m.size(), 1.0 / std::exchange(array->update_rate_Hz, 0.0));
     return file;

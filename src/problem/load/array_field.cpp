@@ -21,13 +21,13 @@ double wave_number_rad_m(const ArrayFootprint& array) {
     return two_pi * array.frequency_Hz / array.sound_speed_m_s;
 }
 
-/// Calls f(column, row) for each existing piston, in the order of the files of OpenMPD's boards: by
-/// x, and for each x from the largest y.
+/// Calls f(column, row) for each existing piston.
 template <class F>
 void for_pistons(const ArrayFootprint& array, F f) {
-    for (std::ptrdiff_t column = 0; column < array.columns; ++column)
-        for (std::ptrdiff_t row = array.rows - 1; row >= 0; --row)
-            if (!std::ranges::binary_search(array.missing, column + row * array.columns))
+    for (std::ptrdiff_t row = 0; row < array.rows; ++row)
+        for (std::ptrdiff_t column = 0; column < array.columns; ++column)
+            if (!std::binary_search(array.missing.begin(), array.missing.end(),
+                                    column + row * array.columns))
                 f(column, row);
 }
 
@@ -40,11 +40,11 @@ Vec2 place_m(const ArrayFootprint& array, std::ptrdiff_t column, std::ptrdiff_t 
 
 /// |p| directly below the centre when all pistons are in phase there [1/m].
 double amplitude_below(const ArrayFootprint& array) {
-    double sum = 0.0; // ids of cases with pressure_Pa_m depend on the order of its terms
-    for (std::ptrdiff_t n = 0; n < array.columns * array.rows; ++n)
-        if (!std::ranges::binary_search(array.missing, n)) // the drive compensates the sign of D
-            sum += std::abs(
-                piston_pressure(array, norm(place_m(array, n % array.columns, n / array.columns))));
+    double sum = 0.0;
+    for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
+        const Complex p = piston_pressure(array, norm(place_m(array, column, row)));
+        sum += std::abs(p); // independent of the sign of D, which the drive compensates
+    });
     return sum;
 }
 
@@ -116,6 +116,14 @@ ArrayField::ArrayField(const ArrayFootprint& array, double furthest_m) : array_(
 
 const double* ArrayField::table_row(const std::vector<double>& table, std::ptrdiff_t offset) const {
     return table.data() + std::abs(offset) * (2 * half_ + 1) + half_;
+}
+
+BoardOrder board_order(const ArrayFootprint& array) {
+    BoardOrder order;
+    for_pistons(array, [&](std::ptrdiff_t column, std::ptrdiff_t row) {
+        order.emplace(std::pair(column, -row), order.size());
+    });
+    return order;
 }
 
 /// Drives that focus on all foci, with the total power of a single focus.

@@ -5,7 +5,9 @@
 #include "problem/load/footprint.hpp"
 
 #include <complex>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace shearwake {
@@ -14,6 +16,11 @@ namespace shearwake {
 /// J1(k a sin theta) / (k a sin theta), at the distance `offset_m` along the skin from the point
 /// below it [1/m].
 std::complex<double> piston_pressure(const ArrayFootprint& array, double offset_m);
+
+/// The numbers of the pistons among drives() in the order of the files of OpenMPD's boards: by
+/// column, and for each column from the last row.
+using BoardOrder = std::map<std::pair<std::ptrdiff_t, std::ptrdiff_t>, std::size_t>;
+BoardOrder board_order(const ArrayFootprint& array);
 
 /// |p|^2 on the skin below an array, divided by its value at a focus directly below the centre.
 ///
@@ -33,7 +40,6 @@ public:
     /// The pattern, faded out around `middle_m`, of an array that focuses on all `foci_m`
     /// simultaneously with the power of one focus.
     Patch pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const;
-    /// The drives of the pistons, by x, and for each x from the largest y.
     std::vector<std::complex<double>> drives(std::span<const Vec2> foci_m) const;
 
 private:
