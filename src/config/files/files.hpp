@@ -54,8 +54,8 @@ struct FileLoaders {
 /// What `load` returns for the file that the key names, after a prefix. Nothing if the key is
 /// absent, or if the file cannot be read, which is then an error of the key.
 template <class Loader>
-auto load_named(Reader& reader, std::string_view key, const Loader& load, std::string prefix = {})
-    -> std::optional<decltype(load(std::string()))> {
+auto load_named(Reader& reader, std::string_view key, const Loader& load,
+                const std::string& prefix = {}) -> std::optional<decltype(load(std::string()))> {
     const auto name = reader.find_word(key);
     if (!name) return std::nullopt;
     try {
