@@ -69,13 +69,14 @@ struct Coefficients {
     Coefficient<Real> dt_lambda, dt_p_modulus, chi, chi_2eta;
 };
 
-/// Samples of a source with so many nodes that go to a GPU at once.
+/// The number of samples of a source that are copied to a GPU at once, by its number of nodes.
 constexpr std::size_t samples_at_once(std::size_t nodes) {
     return std::clamp<std::size_t>((std::size_t{1} << 18) / std::max<std::size_t>(nodes, 1), 1, 64);
 }
 
 /// Memory that the scheme needs on a GPU (gpu/device_stepper.hpp), apart from tables of some lines,
-/// with values of `value_B` bytes and so many coefficients that vary laterally. Not collective.
+/// in bytes: with values of `value_B` bytes, `coefficients` that vary laterally, and sources on
+/// `source_nodes` nodes in all. Not collective.
 double device_memory_B(const Setup& setup, double value_B, double coefficients,
                        double source_nodes);
 
