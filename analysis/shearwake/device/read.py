@@ -178,8 +178,8 @@ def read_wav(content: bytes) -> Signal:
                       "save it as PCM of 16 bits and one channel")
     count, left = size // frame_B, len(content) - at
     if not 2 <= count <= MOST or not 1 <= rate <= 1_000_000 or left < size or size % frame_B:
-        raise BadFile(f"byte {start}: states {size} bytes, {count} samples at {rate} Hz, of which {left} follow; possible are 2 to {MOST} samples at "
-                      "1 to 1000000 Hz. Shorten it, or convert it to a lower rate")
+        raise BadFile(f"byte {start}: states {count} samples at {rate} Hz in {size} bytes, of which {min(left, size)} follow; all must follow, and possible "
+                      f"are 2 to {MOST} samples at 1 to 1000000 Hz")
     if kind == FLOAT:
         values = np.frombuffer(content[at:at + size], f"<f{frame_B}").astype(float)
         refuse(~(np.abs(values) <= 1), lambda n: f"sample {n} ({n / rate:.6g} s): must be from -1 to 1, but is {values[n]:g}")
