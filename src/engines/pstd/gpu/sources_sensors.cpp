@@ -59,9 +59,9 @@ public:
                          count, values_, q * count);
         const std::vector<double> read = device.read(values_);
         std::vector<std::vector<double>> found;
-        for (auto from = read.begin(); found.size() < quantities.size();
-             from += static_cast<std::ptrdiff_t>(count))
-            found.emplace_back(from, from + static_cast<std::ptrdiff_t>(count));
+        for (auto begin = read.begin(); found.size() < quantities.size();
+             begin += static_cast<std::ptrdiff_t>(count))
+            found.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(count));
         return found;
     }
     std::vector<double> line_sums(Field velocity, std::span<const double> weights) const override {
