@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <regex>
 #include <unistd.h>
 
 namespace shearwake {
@@ -97,16 +96,21 @@ std::string coloured(const std::string& given, std::FILE* stream) {
     const std::string text = printable(given);
     const char* none = std::getenv("NO_COLOR");
     if (::isatty(::fileno(stream)) == 0 || (none != nullptr && *none != '\0')) return text;
-    static const std::regex word("(^|\n|: )(error|warning):");
     std::string made;
-    auto last = text.cbegin();
-    for (std::sregex_iterator found(text.begin(), text.end(), word), end; found != end; ++found) {
-        made.append(last, (*found)[2].first);
-        made += fmt::format("\x1b[{}m{}:\x1b[0m", (*found)[2] == "error" ? "1;31" : "1;33",
-                            (*found)[2].str());
-        last = (*found)[0].second;
+    for (std::size_t i = 0, last = 0; i < text.size(); ++i) {
+        const std::string_view before = std::string_view(text).substr(last, i - last),
+                               rest = std::string_view(text).substr(i);
+        const bool begins = i == 0 || before.ends_with('\n') || before.ends_with(": ");
+        const char* word = rest.starts_with("error:") ? "error:" : "warning:";
+        if (!begins || !rest.starts_with(word)) {
+            made += text[i];
+            continue;
+        }
+        made += fmt::format("\x1b[{}m{}\x1b[0m", word[0] == 'e' ? "1;31" : "1;33", word);
+        last = i + std::string_view(word).size();
+        i = last - 1;
     }
-    return made.append(last, text.cend());
+    return made;
 }
 
 std::string duration_text(double seconds) {

@@ -2,8 +2,13 @@
 #include "base/text.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <memory>
 #include <new>
 #include <sstream>
+#include <unistd.h>
 
 namespace test_text {
 
@@ -88,6 +93,35 @@ TEST_CASE("memory refused while a line is read is not taken for the end of the s
     std::string line;
     CHECK(next_line(in, line));
     CHECK_THROWS_AS(next_line(in, line), std::bad_alloc);
+}
+
+TEST_CASE("a terminal shows the words error and warning in colour where a message begins",
+          "[text]") {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+    REQUIRE(terminal >= 0);
+    REQUIRE(::grantpt(terminal) == 0);
+    REQUIRE(::unlockpt(terminal) == 0);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(
+        std::fopen(::ptsname(terminal), "w"), &std::fclose);
+    REQUIRE(stream);
+    const char* given = std::getenv("NO_COLOR");
+    const std::string before = given ? given : "";
+    ::setenv("NO_COLOR", "", 1);
+    const auto shown = [&](const std::string& text) { return coloured(text, stream.get()); };
+    const std::string error = "\x1b[1;31merror:\x1b[0m", warning = "\x1b[1;33mwarning:\x1b[0m";
+    CHECK(shown("error: a") == error + " a");
+    CHECK(shown("a.toml:3:1: warning: b\nerror: c\n") ==
+          "a.toml:3:1: " + warning + " b\n" + error + " c\n");
+    CHECK(shown("no error: a") == "no error: a");
+    CHECK(shown("error: error: a: error: b") == error + " error: a: " + error + " b");
+    CHECK(shown("error:error:") == error + "error:");
+    CHECK(shown("warning:") == warning);
+    CHECK(shown("error\x1b") == "error?");
+    CHECK(shown("") == "");
+    ::setenv("NO_COLOR", "1", 1);
+    CHECK(shown("error: a") == "error: a");
+    ::setenv("NO_COLOR", before.c_str(), 1);
+    ::close(terminal);
 }
 
 } // namespace test_text
