@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 
@@ -153,14 +152,14 @@ void print_errors(const std::string& command, const UsageError& error) {
         bad_job ? bad_job->diagnostics()
                 : std::vector<config::Diagnostic>{
                       {.severity = Severity::error, .file = "", .message = error.what()}};
-    nlohmann::ordered_json members;
+    Json members;
     if (command == "check") // whose documents count the errors
         members = {{"job", ""},
                    {"cases", nullptr},
                    {"errors", errors.size()},
                    {"warnings", 0},
                    {"diagnostics", config::json_of(errors)},
-                   {"files", nlohmann::ordered_json::array()}};
+                   {"files", Json::array()}};
     else
         members["errors"] = config::json_of(errors);
     fmt::print("{}", json_document(command, members));

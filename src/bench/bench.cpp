@@ -18,12 +18,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Grid = std::vector<std::ptrdiff_t>;
 
 constexpr int steps = 20; // that are timed
@@ -272,12 +270,12 @@ ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
                arguments.engine, counted(world.size(), "rank"), kernels, 1e-9 * copies_B_s,
                arguments.engine == "layered" ? "s per case" : "s per step");
     for (const Json& m : measured)
-        fmt::print("  {:<42}{:10.5f} {:8.4g} {}\n", m["name"].get<std::string>(),
-                   m["time_s"].get<double>(), 1e-6 * m["points_per_s"].get<double>(),
+        fmt::print("  {:<42}{:10.5f} {:8.4g} {}\n", m.at("name").get<std::string>(),
+                   m.at("time_s").get<double>(), 1e-6 * m.at("points_per_s").get<double>(),
                    m.contains("device") ? fmt::format("{:.0f} % of copies on {}",
-                                                      100.0 * m["share_of_copies"].get<double>(),
-                                                      m["device"].get<std::string>())
-                                        : fmt::format("{:10.5f}", m["fft_s"].get<double>()));
+                                                      100.0 * m.at("share_of_copies").get<double>(),
+                                                      m.at("device").get<std::string>())
+                                        : fmt::format("{:10.5f}", m.at("fft_s").get<double>()));
     return ExitCode::done;
 }
 

@@ -2,6 +2,7 @@
 #include "reduce/reduce.hpp"
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/labels.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -19,7 +20,6 @@
 #include <fmt/ranges.h>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <unordered_set>
 
@@ -55,7 +55,7 @@ const char* name_of(measures::Shown shown) {
     return "page";
 }
 
-nlohmann::ordered_json json_of_column(const std::string& name, const std::string& error_meaning) {
+Json json_of_column(const std::string& name, const std::string& error_meaning) {
     const std::string error_of = column_of_error(name);
     const measures::Measure* measure = measures::find_measure(error_of.empty() ? name : error_of);
     const std::string meaning = measure ? measures::with_details(measure->meaning, {}) : "";
@@ -79,8 +79,7 @@ std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const T
 /// cases refer by numbers from 1.
 std::string json_text(const storage::PlanIndex& plan, const Table& table, storage::CaseIndex& index,
                       const std::string& meaning_of_errors) {
-    using nlohmann::ordered_json;
-    ordered_json columns = ordered_json::array();
+    Json columns = Json::array();
     const std::size_t first = 2 + plan.swept_keys.size(),
                       end = table.columns.size() - closing_columns;
     std::vector<std::string> names = measure_columns(plan, table);
@@ -100,8 +99,7 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
     std::string lines = fmt::format("{{\"columns\": {},\n\"cases\": [\n", columns.dump());
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto& cells = table.rows[row];
-        ordered_json values = ordered_json::object(), notes = ordered_json::object(),
-                     warned = ordered_json::array();
+        Json values = Json::object(), notes = Json::object(), warned = Json::array();
         for (std::size_t i = first; i < end; ++i)
             values[table.columns[i]] = std::get<double>(cells[i]);
         if (const storage::CaseDigest* digest = index.find(plan.cases[row].id)) {
@@ -110,21 +108,20 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table, storag
             for (const storage::IndexedScalar& scalar : digest->scalars)
                 if (!scalar.note.empty()) notes[scalar.name.text()] = reasons[scalar.note.text()];
         }
-        lines += (row > 0 ? ",\n" : "") +
-                 ordered_json({{"id", plan.cases[row].id},
-                               {"status", std::get<std::string>(cells[end + 2])},
-                               {"valid", std::get<std::string>(cells[end])},
-                               {"note", std::get<std::string>(cells[end + 3])},
-                               {"wall_s", std::get<double>(cells[end + 1])},
-                               {"values", values},
-                               {"notes", notes},
-                               {"warnings", warned}})
-                     .dump();
+        lines += (row > 0 ? ",\n" : "") + Json({{"id", plan.cases[row].id},
+                                                {"status", std::get<std::string>(cells[end + 2])},
+                                                {"valid", std::get<std::string>(cells[end])},
+                                                {"note", std::get<std::string>(cells[end + 3])},
+                                                {"wall_s", std::get<double>(cells[end + 1])},
+                                                {"values", values},
+                                                {"notes", notes},
+                                                {"warnings", warned}})
+                                              .dump();
         // Growth would need the old and the new memory at the same time.
         if (row == 0) lines.reserve(lines.size() * (table.rows.size() + 1));
     }
     lines += fmt::format("\n],\n\"notes\": {},\n\"reasons\": {},\n\"warnings\": [{}]}}\n",
-                         ordered_json(table.notes).dump(), ordered_json(reasons.texts()).dump(),
+                         Json(table.notes).dump(), Json(reasons.texts()).dump(),
                          fmt::join(warnings.texts(), ", "));
     return lines;
 }

@@ -2,6 +2,7 @@
 #include "reduce/table.hpp"
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/labels.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace shearwake::reduce {
@@ -203,14 +203,13 @@ Errors read_errors(const std::filesystem::path& path) {
     Errors errors;
     if (!std::filesystem::exists(path)) return errors;
     try {
-        const auto root =
-            nlohmann::json::parse(storage::unseal(storage::read_file(path)).value_or(""));
-        for (const auto& c : root.at("cases")) {
+        const Json root = Json::parse(storage::unseal(storage::read_file(path)).value_or(""));
+        for (const Json& c : root.at("cases")) {
             auto& found = errors[c.at("id").get<std::string>()];
             for (const auto& [column, entry] : c.at("columns").items())
                 if (entry.at("error").is_number()) found[column] = entry.at("error").get<double>();
         }
-    } catch (const nlohmann::json::exception&) {
+    } catch (const JsonError&) {
         throw UsageError(fmt::format("{} is not a table of errors, or is damaged: it is truncated "
                                      "or does not match its checksum; rerun shearwake converge, or "
                                      "shearwake measure for a scan",

@@ -11,14 +11,12 @@
 namespace shearwake::serve {
 namespace {
 
-using Object = nlohmann::ordered_json;
-
 /// Studies try no value beyond these quantiles of a distribution.
 constexpr double tail = 1e-9;
 
 /// The normal prior of a number, or of its logarithm. Null for a uniform or triangular
 /// distribution, which gives bounds alone.
-Object prior_of(const sampling::Distribution& distribution) {
+Json prior_of(const sampling::Distribution& distribution) {
     if (std::holds_alternative<sampling::Uniform>(distribution.shape) ||
         std::holds_alternative<sampling::Triangular>(distribution.shape))
         return nullptr;
@@ -32,9 +30,9 @@ Object prior_of(const sampling::Distribution& distribution) {
     return {{"mean", 0.5 * (low + high)}, {"sd", 0.5 * (high - low)}, {"logarithmic", false}};
 }
 
-Object uncertain_of(const Request& request, const std::filesystem::path& files,
-                    config::DiagnosticList& diagnostics) {
-    Object keys = Object::array();
+Json uncertain_of(const Request& request, const std::filesystem::path& files,
+                  config::DiagnosticList& diagnostics) {
+    Json keys = Json::array();
     const config::NodePtr tree =
         config::job_tree(request.job, "job", request.overrides, diagnostics);
     std::vector<std::string> names;
@@ -53,7 +51,7 @@ Object uncertain_of(const Request& request, const std::filesystem::path& files,
     return keys;
 }
 
-Object vibrometer_of(const Case& c) {
+Json vibrometer_of(const Case& c) {
     if (!c.vibrometer) return nullptr;
     const VibrometerOptions& o = *c.vibrometer;
     const Vec3 along = o.line_of_sight();
@@ -69,12 +67,12 @@ Object vibrometer_of(const Case& c) {
 
 } // namespace
 
-Object describe(const Request& request, const std::filesystem::path& files) {
+Json describe(const Request& request, const std::filesystem::path& files) {
     const config::Job job = read_request(request, files);
     const PlannedCase& planned = job.plan.cases.front();
     const Case& c = planned.physics;
     config::DiagnosticList diagnostics;
-    Object uncertain = uncertain_of(request, files, diagnostics);
+    Json uncertain = uncertain_of(request, files, diagnostics);
     return {{"case", planned.id},
             {"name", job.plan.name},
             {"engine", engine_name(c.solver)},

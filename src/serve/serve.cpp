@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/serve.hpp"
 
+#include "base/json.hpp"
 #include "base/units.hpp"
 #include "config/job.hpp"
 #include "parallel/session.hpp"
@@ -13,14 +14,11 @@
 #include <chrono>
 #include <cstdint>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 namespace shearwake::serve {
 namespace {
-
-using Received = nlohmann::json;
 
 /// Longest line of a request. It limits the memory of a job and of its reading.
 constexpr std::size_t longest_request_B = 1'000'000;
@@ -63,27 +61,25 @@ constexpr int deepest = 4; // of a request; deeper values are discarded while th
 const char* const bad_request = "bad_request";
 
 /// The id of a request; -1 if there is no valid one.
-long id_of(const Received& message) {
-    const auto id = message.find("id");
-    if (id == message.end() || !id->is_number_integer()) return -1;
-    const auto value = id->get<std::int64_t>();
-    return value >= 0 && value <= largest_id ? value : -1;
+long id_of(const Json& message) {
+    const Json* id = message.find("id");
+    if (!id || !id->is_integer()) return -1;
+    const auto value = id->get<double>();
+    return value >= 0.0 && value <= largest_id ? id->get<long>() : -1;
 }
 
-std::string text_of(const Received& message, const char* key) {
-    const auto found = message.find(key);
-    return found != message.end() && found->is_string() ? found->get<std::string>() : "";
+std::string text_of(const Json& message, const char* key) {
+    const Json* found = message.find(key);
+    return found && found->is_string() ? found->get<std::string>() : "";
 }
 
 /// Not an object if the line is not one.
-Received message_in(const std::string& line) {
-    return Received::parse(
-        line, [](int depth, Received::parse_event_t, const Received&) { return depth <= deepest; },
-        false);
+Json message_in(const std::string& line) {
+    return Json::parse_or_null(line, deepest);
 }
 
 /// What is wrong with a request; empty: nothing. Reads it into `request`.
-std::string problem_of(const Received& message, Request& request) {
+std::string problem_of(const Json& message, Request& request) {
     const std::string type = text_of(message, "type");
     request.id = id_of(message);
     request.job = text_of(message, "job");
@@ -95,12 +91,12 @@ std::string problem_of(const Received& message, Request& request) {
         return "the request needs a \"job\", a text in the format of job files";
     try {
         if (message.contains("overrides"))
-            for (const auto& [key, value] :
-                 message["overrides"].get<std::vector<std::pair<std::string, std::string>>>())
-                request.overrides.push_back({key, value});
+            for (const Json& pair : message.at("overrides"))
+                request.overrides.push_back(
+                    {pair.at(0).get<std::string>(), pair.at(1).get<std::string>()});
         if (message.contains("arrays"))
-            request.arrays = message["arrays"].get<std::vector<std::string>>();
-    } catch (const Received::exception&) {
+            request.arrays = message.at("arrays").get<std::vector<std::string>>();
+    } catch (const JsonError&) {
         return "\"overrides\" must be a list of pairs of texts [KEY, VALUE], and \"arrays\" a list "
                "of names";
     }
@@ -140,7 +136,7 @@ void Inbox::handle(const Line& line) {
         return;
     }
     if (line.text.find_first_not_of(" \t\r") == std::string::npos) return;
-    const Received message = message_in(line.text);
+    const Json message = message_in(line.text);
     if (!message.is_object()) {
         output_.error(-1, bad_request, "the request is not a JSON object on one line");
         return;
@@ -183,7 +179,7 @@ void answer_request(const Request& request, Solver& solver, const Limits& limits
     Interrupt interrupt(world, [&] { return inbox->interrupts() || seconds() > limits.time_s; });
     Answer answer;
     std::string code, text;
-    nlohmann::ordered_json diagnostics = nlohmann::ordered_json::array();
+    Json diagnostics = Json::array();
     bool is_complete = false;
     try {
         if (request.describes)

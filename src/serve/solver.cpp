@@ -19,8 +19,6 @@ namespace shearwake::serve {
 
 namespace {
 
-using Object = nlohmann::ordered_json;
-
 /// Throws UsageError with the errors about the afferents.
 void check_receptors(const Case& c) {
     if (!c.afferents) return;
@@ -32,15 +30,15 @@ void check_receptors(const Case& c) {
     if (!errors.empty()) throw UsageError(errors, ExitCode::bad_job);
 }
 
-Object points(const std::vector<Vec2>& all) {
-    Object list = Object::array();
+Json points(const std::vector<Vec2>& all) {
+    Json list = Json::array();
     for (const Vec2 point : all)
         list.push_back({point.x, point.y});
     return list;
 }
 
 /// What a display needs in addition to the results.
-Object description(const PlannedCase& planned) {
+Json description(const PlannedCase& planned) {
     const Case& c = planned.physics;
     const double width_m = fwhm_m(c.scene.load.footprint);
     return {{"case", planned.id},
@@ -50,8 +48,8 @@ Object description(const PlannedCase& planned) {
             {"surface_wave_m_s", rayleigh_speed_m_s(surface_wave_layer(c.scene.medium, width_m))}};
 }
 
-Object warnings_of(const Case& c, const pipeline::CaseResults& results) {
-    Object list = Object::array();
+Json warnings_of(const Case& c, const pipeline::CaseResults& results) {
+    Json list = Json::array();
     for (const Remark& remark : pipeline::case_warnings(c, results, check(c)))
         list.push_back({{"severity", remark.severity == Severity::error ? "error" : "warning"},
                         {"key", remark.key},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/json.hpp"
 #include "config/job.hpp"
 #include "engines/engine.hpp"
 #include "pipeline/memory.hpp"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +43,7 @@ config::Job read_request(const Request& request, const std::filesystem::path& fi
 
 /// The members of the answer `description`: times and vibrometer of the case, and the distributions
 /// of [uncertain]. Throws BadJob. Not collective.
-nlohmann::ordered_json describe(const Request& request, const std::filesystem::path& files);
+Json describe(const Request& request, const std::filesystem::path& files);
 
 /// Limits of a request.
 struct Limits {
@@ -56,7 +56,7 @@ struct Limits {
 /// The result of a request, on rank 0; empty elsewhere. The frames are valid until the next
 /// request.
 struct Answer {
-    nlohmann::ordered_json members;
+    Json members;
     std::vector<VariableGroup> groups;
     Frames frames;
 };

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/streams.hpp"
 
+#include "base/json.hpp"
+
 #include <array>
 #include <bit>
 #include <cerrno>
 #include <fmt/format.h>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <string_view>
 #include <unistd.h>
 
 namespace shearwake::serve {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "the protocol is little-endian");
 
@@ -47,7 +46,7 @@ void Output::message(const std::string& type, long request, const Json& members)
     if (request >= 0) line["id"] = request;
     line.update(members);
     // A reader that has ended is no error here, see has_failed().
-    std::fputs((line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n').c_str(), stream_);
+    std::fputs((line.text() + '\n').c_str(), stream_);
     std::fflush(stream_);
 }
 

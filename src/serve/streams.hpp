@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/json.hpp"
 #include "engines/checkpoint.hpp"
 #include "parallel/shared_counters.hpp"
 #include "problem/case/case.hpp"
@@ -8,7 +9,6 @@
 
 #include <cstdio>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,14 +75,13 @@ class Output {
 public:
     explicit Output(std::FILE* stream) : stream_(stream) {}
     /// One line with a JSON object of type `type`, and its request unless it is negative.
-    void message(const std::string& type, long request, const nlohmann::ordered_json& members);
+    void message(const std::string& type, long request, const Json& members);
     /// The message `error` with its code and its text for users.
     void error(long request, const std::string& code, const std::string& text);
     /// The message `result`: the members, the scalars and the list of arrays, followed by the bytes
     /// of the arrays that are `wanted` and a newline.
-    void result(long request, nlohmann::ordered_json members,
-                const std::vector<VariableGroup>& groups, const Frames& frames,
-                const std::function<bool(const std::string&)>& wanted);
+    void result(long request, Json members, const std::vector<VariableGroup>& groups,
+                const Frames& frames, const std::function<bool(const std::string&)>& wanted);
     /// Whether the output cannot be written any more, for example because its reader has ended.
     bool has_failed() const;
 

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace shearwake::app {
@@ -36,9 +35,9 @@ void print_json(const CheckArguments& arguments, const std::optional<config::Job
     const auto errors =
         std::count_if(diagnostics.begin(), diagnostics.end(),
                       [](const config::Diagnostic& d) { return d.severity == Severity::error; });
-    nlohmann::ordered_json members;
+    Json members;
     members["job"] = arguments.job.string();
-    members["cases"] = job ? nlohmann::ordered_json(job->plan.cases.size()) : nullptr;
+    members["cases"] = job ? Json(job->plan.cases.size()) : nullptr;
     members["errors"] = errors;
     members["warnings"] = std::ssize(diagnostics) - errors;
     members["diagnostics"] = config::json_of(diagnostics);

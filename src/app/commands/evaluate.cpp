@@ -8,7 +8,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::app {
 namespace {
@@ -19,8 +18,8 @@ struct EvaluateArguments : schedule::JobArguments {
 };
 
 /// The values of a row of the table; text cells are id, reference, valid, status and note.
-nlohmann::ordered_json values_of(const reduce::Table& table, std::size_t row) {
-    nlohmann::ordered_json values = nlohmann::ordered_json::object();
+Json values_of(const reduce::Table& table, std::size_t row) {
+    Json values = Json::object();
     for (std::size_t i = 0; i < table.columns.size(); ++i)
         if (const auto* number = std::get_if<double>(&table.rows[row][i]);
             number && table.columns[i] != "wall_s")
@@ -35,7 +34,7 @@ std::string cell(const reduce::Table& table, const std::string& column) {
 
 void print_result(const EvaluateArguments& arguments, const schedule::OutputFolder& folder) {
     const reduce::Table table = studies::table_of(folder);
-    const nlohmann::ordered_json values = values_of(table, 0);
+    const Json values = values_of(table, 0);
     const std::string id = cell(table, "id"),
                       note = fmt::format("{}", fmt::join(table.note(0), "; "));
     if (arguments.json) {

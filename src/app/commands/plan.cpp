@@ -21,7 +21,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace shearwake::app {
@@ -35,8 +34,6 @@ struct PlanArguments : schedule::JobArguments {
     bool all_cases = false; // list every case of a long plan
     bool verbose = false;   // list the arrays of the largest case
 };
-
-using Json = nlohmann::ordered_json;
 
 /// "AM frequency = 100 Hz; AM depth = 0.5".
 std::string settings_of(const PlannedCase& planned) {
@@ -264,7 +261,7 @@ void print_adaptive(const Estimates& e, const std::vector<AdaptiveAxis>& axes) {
             e.wall_s ? fmt::format(" and {:.2g} core hours", ratio * e.core_hours()) : "");
 }
 
-nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
+Json json_of(const AdaptiveAxis& axis) {
     return {{"key", axis.key},
             {"goal", name_of(axis.goal)},
             {"column", axis.column},
@@ -273,7 +270,7 @@ nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
             {"most_points", axis.most}};
 }
 
-nlohmann::ordered_json json_of(const PlannedCost& cost) {
+Json json_of(const PlannedCost& cost) {
     const Case& c = cost.planned->physics;
     return {{"id", cost.planned->id},
             {"settings", storage::settings_json(cost.planned->settings)},

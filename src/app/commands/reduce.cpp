@@ -7,7 +7,6 @@
 #include "studies/tables.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::app {
 namespace {
@@ -18,8 +17,6 @@ struct ReduceArguments {
     bool requires_all = false;
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
-
-using Json = nlohmann::ordered_json;
 
 std::string report_line(const std::filesystem::path& folder) {
     return "shearwake report " + schedule::shell_word(folder.string());

@@ -17,7 +17,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <unistd.h>
@@ -31,8 +30,6 @@ struct ShowArguments : schedule::JobArguments { // a case file, or a job with a 
     bool json = false, phases = false;
     double rate_Hz = 0.0; // of the samples; 0: as many as a drawing shows
 };
-
-using Json = nlohmann::ordered_json;
 
 std::string text_of(const storage::CaseSummary& summary, const std::string& name) {
     const auto found = summary.texts.find(name);
@@ -120,11 +117,13 @@ void print_json(const storage::CaseSummary& s) {
     Json members;
     members["id"] = text_of(s, "case_id");
     members["settings"] =
-        Json::parse(s.texts.contains("settings") ? s.texts.at("settings") : "{}", nullptr, false);
+        Json::parse_or_null(s.texts.contains("settings") ? s.texts.at("settings") : "{}");
     members["is_reference"] = text_of(s, "is_reference") == "yes";
     members["measures"] = measures;
     members["series"] = series;
-    members["numbers"] = s.numbers;
+    members["numbers"] = Json::object();
+    for (const auto& [name, number] : s.numbers)
+        members["numbers"][name] = number;
     members["texts"] = texts;
     fmt::print("{}", json_document("show", members));
 }
@@ -222,7 +221,7 @@ void draw_modulation(const ShowArguments& arguments, const Comm& world) {
         const std::filesystem::path data = picture.string() + fmt::format(".{}.json", ::getpid());
         // Removed also after an exception.
         const std::shared_ptr<void> end(nullptr, [&](void*) { std::remove(data.c_str()); });
-        std::ofstream(data) << members;
+        std::ofstream(data) << members.dump();
         if (run_python_module("shearwake.report.modulation", {data, picture}) != 0)
             throw UsageError("the picture " + picture.string() +
                                  " was not drawn; --picture sets another folder or format",

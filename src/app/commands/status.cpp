@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::app {
 namespace {
@@ -25,8 +24,6 @@ struct StatusArguments {
     std::filesystem::path folder;
     bool json = false;
 };
-
-using Json = nlohmann::ordered_json;
 
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;

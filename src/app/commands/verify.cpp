@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <unistd.h>
 
@@ -206,13 +205,13 @@ private:
 };
 
 std::string json_of(const fs::path& folder, const Verified& v) {
-    nlohmann::ordered_json root;
+    Json root;
     root["folder"] = folder.string();
     root["sound"] = v.is_sound();
     root["files"] = v.files;
     root["bytes"] = v.bytes;
     root["seconds"] = v.seconds;
-    root["damaged"] = root["damaged_files"] = nlohmann::ordered_json::array();
+    root["damaged"] = root["damaged_files"] = Json::array();
     for (const Damage& d : v.damaged) {
         if (!d.id.empty()) root["damaged"].push_back({{"id", d.id}, {"reason", d.reason}});
         root["damaged_files"].push_back({{"file", d.name}, {"reason", d.reason}});

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/document/diagnostic.hpp"
 
+#include "base/json.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <tuple>
 
 namespace shearwake::config {
@@ -15,8 +16,8 @@ std::string text(const Diagnostic& diagnostic) {
     return fmt::format("{}: {}: {}", where, what, diagnostic.message);
 }
 
-nlohmann::ordered_json json_of(const std::vector<Diagnostic>& diagnostics) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json json_of(const std::vector<Diagnostic>& diagnostics) {
+    Json list = Json::array();
     for (const Diagnostic& d : diagnostics)
         list.push_back({{"severity", d.severity == Severity::error ? "error" : "warning"},
                         {"file", d.file},

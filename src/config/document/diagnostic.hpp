@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 
 #include <cstddef>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <unordered_set>
@@ -27,7 +27,7 @@ struct Diagnostic {
 std::string text(const Diagnostic& diagnostic);
 
 /// The diagnostics as a JSON array, for json_document().
-nlohmann::ordered_json json_of(const std::vector<Diagnostic>& diagnostics);
+Json json_of(const std::vector<Diagnostic>& diagnostics);
 
 /// A location in a job file or in an override.
 struct Place {

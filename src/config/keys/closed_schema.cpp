@@ -24,9 +24,10 @@ std::vector<KeyAlternative> alternatives_of(Json& table) {
     if (!table.contains("allOf")) return found;
     for (Json& rule : table["allOf"]) {
         if (!rule.contains("then") || !rule["if"].contains("properties")) continue;
-        const Json& when = rule["if"]["properties"];
-        if (when.size() == 1 && when.begin()->contains("const"))
-            found.push_back({when.begin().key(), when.front().at("const"), &rule["then"]});
+        const auto& when = rule["if"]["properties"].items();
+        if (when.size() == 1 && when[0].value.contains("const"))
+            found.push_back(
+                {when[0].key, when[0].value.at("const").get<std::string>(), &rule["then"]});
     }
     return found;
 }
@@ -57,9 +58,10 @@ void add_empty_alternatives(Json& table) {
     for (const auto& [selector, known] : names) {
         const Json& type = table["properties"][selector];
         if (!type.contains("enum")) continue;
-        const Json first = type.value("default", type["enum"].front());
-        for (const Json& name : type["enum"]) {
-            if (known.contains(name)) continue;
+        const Json &words = type.at("enum"), *usual = type.find("default"),
+                   &first = usual ? *usual : words.at(0);
+        for (const Json& name : words) {
+            if (known.contains(name.get<std::string>())) continue;
             Json when = {{"properties", {{selector, {{"const", name}}}}}};
             if (name != first) when["required"] = Json::array({selector});
             table["allOf"].push_back({{"if", when}, {"then", {{"properties", Json::object()}}}});
@@ -94,24 +96,30 @@ Json union_of(const Json& types) {
         Json undescribed = type;
         undescribed.erase("description");
         undescribed.erase("default");
-        if (const std::string text = type.value("description", "");
+        if (const std::string text = type.value("description", std::string());
             meaning.find(text) == meaning.npos)
             meaning += (meaning.empty() ? "" : "; ") + text;
         if (std::ranges::find(plain, undescribed) != plain.end()) continue;
         plain.push_back(undescribed);
         distinct.push_back(type);
     }
-    Json type = distinct.front();
+    Json type = distinct.at(0);
     if (distinct.size() > 1) type = {{"anyOf", distinct}};
     type["description"] = meaning;
     return type;
 }
 
+void for_each_part(Json& schema, void (&use)(Json&)) {
+    if (schema.is_array()) std::ranges::for_each(schema, use);
+    if (schema.is_object())
+        for (auto& [key, part] : schema.items())
+            use(part);
+}
+
 /// Closes the tables of a schema by additionalProperties.
 void close_tables(Json& schema) {
-    for (Json& part : schema)
-        if (part.is_structured()) close_tables(part);
-    if (!schema.is_object() || !schema.contains("unevaluatedProperties")) return;
+    for_each_part(schema, close_tables);
+    if (!schema.contains("unevaluatedProperties")) return;
     schema.erase("unevaluatedProperties");
     Json found = Json::object();
     collect_keys(schema, found);
@@ -124,27 +132,26 @@ void close_tables(Json& schema) {
 /// States that parts of schemas, such as conditions, allow other keys: some language servers assume
 /// the contrary.
 void open_parts(Json& schema) {
-    const bool describes_table =
-        schema.is_object() && (schema.contains("required") || schema.contains("properties") ||
-                               schema.value("type", Json()) == "object");
+    const bool describes_table = schema.contains("required") || schema.contains("properties") ||
+                                 (schema.contains("type") && schema.at("type") == "object");
     if (describes_table && !schema.contains("additionalProperties"))
         schema["additionalProperties"] = true;
+    if (!schema.is_object()) return for_each_part(schema, open_parts);
     for (auto& [key, part] : schema.items())
-        if (part.is_structured() && key != "properties")
-            open_parts(part);
-        else if (key == "properties")
-            for (Json& type : part)
-                if (type.is_structured()) open_parts(type);
+        key == "properties" ? for_each_part(part, open_parts) : open_parts(part);
 }
 
 /// The schema in draft 7, which ignores what stands beside $ref.
 Json in_draft_7(const Json& schema) {
     if (!schema.is_structured()) return schema;
     Json converted = schema.is_array() ? Json::array() : Json::object();
-    for (const auto& [key, part] : schema.items())
-        if (schema.is_array())
+    if (schema.is_array()) {
+        for (const Json& part : schema)
             converted.push_back(in_draft_7(part));
-        else if (key == "$ref")
+        return converted;
+    }
+    for (const auto& [key, part] : schema.items())
+        if (key == "$ref")
             converted[key] = "#/definitions/" + part.get<std::string>().substr(8);
         else
             converted[key == "$defs"         ? "definitions"

@@ -148,7 +148,7 @@ private:
         const Json type = *field.type ? named_type(field) : type_of(value, field);
         const Json& one = type.contains("items") ? type.at("items") : type;
         if (one.contains("enum")) return list_of(one.at("enum").get<std::vector<std::string>>());
-        if (one.value("type", "") != "boolean") return words_or_range(field);
+        if (one.value("type", std::string()) != "boolean") return words_or_range(field);
         return *field.text && !*field.type ? "" : "true or false";
     }
     static std::string words_or_range(const Field& field) {
@@ -185,7 +185,7 @@ private:
     /// The value as a job file would contain it, in the unit of its key.
     static std::string text(const Json& value) {
         if (value.is_string()) return fmt::format("`\"{}\"`", value.get<std::string>());
-        if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+        if (value.is_float()) return fmt::format("{:.6g}", value.get<double>());
         if (!value.is_array()) return value.is_null() ? "" : value.dump();
         std::string list;
         for (const Json& item : value)
@@ -253,13 +253,12 @@ constexpr std::size_t longest_ending = 60;
 
 /// Adds the keys that a table of the schema describes.
 void add_keys(const Json& table, const std::string& prefix, std::vector<std::string>& keys) {
-    if (!table.is_object()) return;
-    const auto properties = table.find("properties");
-    if (properties == table.end()) return;
+    const Json* properties = table.find("properties");
+    if (!properties) return;
     for (const auto& [name, content] : properties->items()) {
         keys.push_back(prefix + name);
         add_keys(content, prefix + name + ".", keys);
-        if (const auto items = content.find("items"); items != content.end())
+        if (const Json* items = content.find("items"))
             add_keys(*items, prefix + name + "[1].", keys);
     }
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/json.hpp"
 #include "config/keys/key_table.hpp"
 
 #include "base/units.hpp"
@@ -13,7 +14,6 @@
 #include "problem/case/optimise_options.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::config {
 namespace {
@@ -170,7 +170,7 @@ private:
 /// The part of a schema that applies only to jobs without a sweep; removes the lists from `schema`.
 Json extract_requirements(Json& schema) {
     Json rules = Json::object();
-    if (const auto list = schema.find(required_keys); list != schema.end()) {
+    if (const Json* list = schema.find(required_keys)) {
         if (schema.contains("properties") && schema["properties"].contains("preset"))
             rules["anyOf"] = {{{"required", {"preset"}}}, {{"required", *list}}};
         else
@@ -198,9 +198,10 @@ Json extract_requirements(Json& schema) {
 
 /// Requires the listed keys of a table and of its tables also in a job with a sweep.
 void require_always(Json& table) {
-    if (const auto list = table.find(required_keys); list != table.end()) {
-        table["required"] = *list;
+    if (const Json* list = table.find(required_keys)) {
+        Json required = *list; // its place may change
         table.erase(required_keys);
+        table["required"] = std::move(required);
     }
     if (!table.contains("properties")) return;
     for (auto& [key, below] : table["properties"].items())

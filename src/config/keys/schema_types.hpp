@@ -2,13 +2,13 @@
 #pragma once
 
 #include "base/field.hpp"
+#include "base/json.hpp"
 #include "base/units.hpp"
 #include "base/vectors.hpp"
 #include "problem/case/afferents.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,8 +16,6 @@
 namespace shearwake::config {
 
 // The JSON Schema of jobs, and that of the value of one key.
-
-using Json = nlohmann::ordered_json;
 
 /// The document of job_schema().
 Json schema_of_jobs();

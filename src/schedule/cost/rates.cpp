@@ -2,17 +2,15 @@
 #include "schedule/cost/rates.hpp"
 
 #include "base/cache.hpp"
+#include "base/json.hpp"
 #include "pipeline/provenance.hpp"
 #include "simd/instruction_set.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::cost {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::optional<std::filesystem::path> rates_file() {
     return cache_file(
@@ -23,16 +21,17 @@ std::optional<std::filesystem::path> rates_file() {
 /// whose units of work may differ.
 Json read_rates() {
     const auto file = rates_file();
-    const Json json = Json::parse(file ? cached_text(*file) : "", nullptr, false);
-    if (!json.is_object() || json.value("program", Json()) != pipeline::version_text())
-        return Json::object();
-    return json.value("rates", Json::object());
+    const Json json = Json::parse_or_null(file ? cached_text(*file) : "");
+    const Json *program = json.find("program"), *rates = json.find("rates");
+    if (!program || *program != pipeline::version_text() || !rates) return Json::object();
+    return *rates;
 }
 
 /// Nothing for values that an edited file could contain and that would make estimates meaningless.
 std::optional<double> rate_in(const Json& rates, const std::string& engine) {
-    if (!rates.is_object() || !rates.contains(engine) || !rates[engine].is_number()) return {};
-    const double rate_s = rates[engine];
+    const Json* found = rates.find(engine);
+    if (!found || !found->is_number()) return {};
+    const auto rate_s = found->get<double>();
     return std::isfinite(rate_s) && rate_s > 0.0 ? std::optional(rate_s) : std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/closing_message.hpp"
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "pipeline/provenance.hpp"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::schedule {
 namespace {
@@ -142,10 +142,9 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
     return text;
 }
 
-nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
-                                        const Selection& selection, const WorkResult& result,
-                                        Ending ending, const RunArguments& arguments) {
-    using Json = nlohmann::ordered_json;
+Json closing_document(const OutputFolder& folder, const config::Job& job,
+                      const Selection& selection, const WorkResult& result, Ending ending,
+                      const RunArguments& arguments) {
     const storage::JournalContents journal = storage::read_journals(folder.root);
     Json failed = Json::array();
     std::error_code ignored;

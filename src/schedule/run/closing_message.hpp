@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/json.hpp"
 #include "config/job.hpp"
 #include "problem/case/plan.hpp"
 #include "schedule/run/output_folder.hpp"
@@ -9,7 +10,6 @@
 #include "schedule/run/worker.hpp"
 
 #include <cstddef>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -30,8 +30,8 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
                             const RunArguments& arguments);
 
 /// The same as the members of a JSON document. Reads the folder. Not collective.
-nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
-                                        const Selection& selection, const WorkResult& result,
-                                        Ending ending, const RunArguments& arguments);
+Json closing_document(const OutputFolder& folder, const config::Job& job,
+                      const Selection& selection, const WorkResult& result, Ending ending,
+                      const RunArguments& arguments);
 
 } // namespace shearwake::schedule

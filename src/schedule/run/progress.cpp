@@ -14,7 +14,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -83,12 +82,18 @@ void Progress::log(const SweepCounts& counts) {
 /// docs/reference/json-output.md describes the members.
 std::string Progress::json() const {
     const double elapsed_s = seconds_since(began_);
-    JsonLine line;
-    line.add("schema", json_schema_version).add("command", "run").add("folder", log_.folder);
-    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
-    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
-    line.add("running", counts_.running).add("partial", counts_.partial);
-    return line.add("left_s", counts_.left_s.value_or(std::nan(""))).text(); // null
+    return Json({{"schema", json_schema_version},
+                 {"command", "run"},
+                 {"folder", log_.folder},
+                 {"time", storage::timestamp()},
+                 {"elapsed_s", elapsed_s},
+                 {"total", counts_.total},
+                 {"done", counts_.done},
+                 {"failed", counts_.failed},
+                 {"running", counts_.running},
+                 {"partial", counts_.partial},
+                 {"left_s", counts_.left_s ? Json(*counts_.left_s) : Json()}})
+        .text();
 }
 
 void Progress::write_log() {
@@ -175,7 +180,7 @@ std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder,
         const std::chrono::duration<double> age =
             std::filesystem::file_time_type::clock::now() - written;
         try {
-            const auto run = nlohmann::json::parse(storage::read_file(folder.progress(name)));
+            const Json run = Json::parse(storage::read_file(folder.progress(name)));
             RecordedProgress more = sum.value_or(RecordedProgress{});
             more.partial += run.at("partial").get<double>();
             // Each run estimates the time in which it would compute all of its cases.

@@ -27,14 +27,11 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <unistd.h>
 #include <vector>
 
 namespace shearwake::schedule {
-
-using Json = nlohmann::ordered_json;
 
 namespace {
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "config/job.hpp"
 #include "parallel/comm.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "schedule/run/output_folder.hpp"
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,6 +85,6 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
 /// document are stored in `document` on rank 0 if it is not null, and otherwise printed.
 /// Collective.
 ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
-                 nlohmann::ordered_json* document = nullptr);
+                 Json* document = nullptr);
 
 } // namespace shearwake::schedule

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <sys/stat.h>
@@ -24,7 +23,6 @@ namespace shearwake::storage {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 using Stamp = CaseStamp;
 
@@ -79,28 +77,31 @@ double number_in(const Json& value) {
 }
 
 std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
-    JsonLine line;
-    line.add("id", digest.id).add("size", stamp.size).add("changed_ns", stamp.changed_ns);
-    if (digest.is_lost) return seal(line.add("damage", digest.damage).text());
-    line.add("git_id", digest.git_id)
-        .add("wall_s", digest.wall_s)
-        .add("warnings", warnings_text(digest.warnings));
-    std::vector<std::string> scalars;
-    for (const IndexedScalar& s : digest.scalars) {
-        std::vector<std::string> entry{json_string(s.name.text()), json_number(s.value)};
-        if (!s.note.empty()) entry.push_back(json_string(s.note.text()));
-        scalars.push_back(json_array(entry));
+    Json line = {{"id", digest.id}, {"size", stamp.size}, {"changed_ns", stamp.changed_ns}};
+    if (digest.is_lost) {
+        line["damage"] = digest.damage;
+        return seal(line.text());
     }
-    return seal(line.add_json("scalars", json_array(scalars)).text());
+    line["git_id"] = digest.git_id;
+    line["wall_s"] = digest.wall_s;
+    line["warnings"] = warnings_text(digest.warnings);
+    Json& scalars = line["scalars"] = Json::array();
+    for (const IndexedScalar& s : digest.scalars) {
+        Json entry = Json::array({s.name.text(), s.value});
+        if (!s.note.empty()) entry.push_back(s.note.text());
+        scalars.push_back(std::move(entry));
+    }
+    return seal(line.text());
 }
 
 std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
-    const Stamp stamp{line.at("size"), line.at("changed_ns")};
-    if (line.contains("damage")) return {stamp, lost(line.at("id"), line.at("damage"))};
-    CaseDigest digest{.id = line.at("id"), .status = "complete"};
-    digest.git_id = line.at("git_id");
+    const Stamp stamp{line.at("size").get<std::size_t>(), line.at("changed_ns").get<long>()};
+    const auto text = [&](const char* key) { return line.at(key).get<std::string>(); };
+    if (line.contains("damage")) return {stamp, lost(text("id"), text("damage"))};
+    CaseDigest digest{.id = text("id"), .status = "complete"};
+    digest.git_id = text("git_id");
     digest.wall_s = number_in(line.at("wall_s"));
-    digest.warnings = warnings_in(line.at("warnings"));
+    digest.warnings = warnings_in(text("warnings"));
     for (const Json& s : line.at("scalars"))
         digest.scalars.push_back({s.at(0).get<std::string>(), number_in(s.at(1)),
                                   s.size() > 2 ? s.at(2).get<std::string>() : ""});
@@ -139,7 +140,7 @@ CaseIndex::CaseIndex(fs::path folder, Trust trust,
                 auto [stamp, digest] = entry_of(Json::parse(*line));
                 const std::string id = digest.id;
                 known_[id] = {stamp, std::move(digest)};
-            } catch (const nlohmann::json::exception&) {
+            } catch (const JsonError&) {
                 ++lines_skipped_;
             }
         }

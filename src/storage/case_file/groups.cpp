@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <map>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::storage {
 
@@ -78,29 +77,35 @@ void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>
         h5::attach_scale(field, h5::open_dataset(group, words.dimensions[i]), i);
 }
 
+namespace {
+
+Json json_of(const Remark& warning) {
+    return {{"severity", warning.severity == Severity::error ? "error" : "warning"},
+            {"key", warning.key},
+            {"message", warning.message}};
+}
+
+} // namespace
+
 std::string warning_text(const Remark& warning) {
-    return JsonLine()
-        .add("severity", warning.severity == Severity::error ? "error" : "warning")
-        .add("key", warning.key)
-        .add("message", warning.message)
-        .text();
+    return json_of(warning).text();
 }
 
 std::string warnings_text(const std::vector<Remark>& warnings) {
-    std::vector<std::string> elements;
+    Json list = Json::array();
     for (const Remark& warning : warnings)
-        elements.push_back(warning_text(warning));
-    return json_array(elements);
+        list.push_back(json_of(warning));
+    return list.text();
 }
 
 std::vector<Remark> warnings_in(const std::string& text) {
     std::vector<Remark> warnings;
     try {
-        for (const auto& entry : nlohmann::json::parse(text))
+        for (const auto& entry : Json::parse(text))
             warnings.push_back(
                 {entry.at("severity") == "error" ? Severity::error : Severity::warning,
                  entry.at("key").get<std::string>(), entry.at("message").get<std::string>()});
-    } catch (const nlohmann::json::exception&) {
+    } catch (const JsonError&) {
         return {};
     }
     return warnings;

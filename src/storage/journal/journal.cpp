@@ -10,7 +10,6 @@
 #include <chrono>
 #include <ctime>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <unistd.h>
@@ -18,22 +17,21 @@
 namespace shearwake::storage {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 double unix_time_s() {
     return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
         .count();
 }
 
-JsonLine event(std::string_view name) {
-    JsonLine line;
-    line.add("v", 2).add("event", name).add("time", timestamp());
-    line.add("unix_s", unix_time_s()).add("host", host_name());
-    return line;
+Json event(std::string_view name) {
+    return {{"v", 2},
+            {"event", name},
+            {"time", timestamp()},
+            {"unix_s", unix_time_s()},
+            {"host", host_name()}};
 }
 
 void add_line(const Json& line, JournalContents& contents) {
-    const std::string name = line.at("event");
+    const auto name = line.at("event").get<std::string>();
     if (name == "damaged") return; // the case is recomputed, which other lines record
     if (name == "run_ended") {
         contents.runs.clear();
@@ -42,15 +40,15 @@ void add_line(const Json& line, JournalContents& contents) {
     if (name == "run_started") {
         contents.overrides = line.value("overrides", std::vector<std::string>{});
         contents.resumed_by = line.value("resumed_by", std::string());
-        contents.unix_time_s = line.at("unix_s");
+        contents.unix_time_s = line.at("unix_s").get<double>();
         contents.teams = line.value("teams", 1);
-        contents.runs[line.value("run", "")] = contents.teams;
+        contents.runs[line.value("run", std::string())] = contents.teams;
         return;
     }
     if (!line.contains("id")) return; // of another version of the program
     CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
-    history.host = line.at("host");
-    history.unix_time_s = line.at("unix_s");
+    history.host = line.at("host").get<std::string>();
+    history.unix_time_s = line.at("unix_s").get<double>();
     if (name == "started") {
         history.state = CaseHistory::State::started;
     } else if (name == "finished") {
@@ -58,7 +56,7 @@ void add_line(const Json& line, JournalContents& contents) {
         history.seconds = line.value("seconds", 0.0);
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
-        history.reason = line.at("reason");
+        history.reason = line.at("reason").get<std::string>();
         history.cause = line.at("blame") == "files" ? Cause::files : Cause::case_itself;
     }
 }
@@ -68,68 +66,68 @@ void add_line(const Json& line, JournalContents& contents) {
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
 void Journal::run_started(const RunStart& start) const {
-    JsonLine line = event("run_started");
-    line.add("run", start.run);
-    line.add("ranks", start.ranks);
-    line.add("teams", start.teams);
-    line.add("cases_left", start.cases_left);
-    line.add("git_id", start.git_id);
-    line.add("kernels", start.kernels);
-    if (start.allow_mixed) line.add("allow_mixed", true);
-    if (!start.overrides.empty()) line.add("overrides", start.overrides);
-    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
+    Json line = event("run_started");
+    line["run"] = start.run;
+    line["ranks"] = start.ranks;
+    line["teams"] = start.teams;
+    line["cases_left"] = start.cases_left;
+    line["git_id"] = start.git_id;
+    line["kernels"] = start.kernels;
+    if (start.allow_mixed) line["allow_mixed"] = true;
+    if (!start.overrides.empty()) line["overrides"] = start.overrides;
+    if (!start.resumed_by.empty()) line["resumed_by"] = start.resumed_by;
     append_line(path_, seal(line.text()));
 }
 
 void Journal::run_ended(const std::string& how) const {
-    JsonLine line = event("run_ended");
-    line.add("how", how);
+    Json line = event("run_ended");
+    line["how"] = how;
     append_line(path_, seal(line.text()));
 }
 
 void Journal::started(const std::string& id, int ranks) const {
-    JsonLine line = event("started");
-    line.add("id", id);
-    line.add("ranks", ranks);
+    Json line = event("started");
+    line["id"] = id;
+    line["ranks"] = ranks;
     append_line(path_, seal(line.text()), Flush::later);
 }
 
 void Journal::checkpointed(const std::string& id, long step) const {
-    JsonLine line = event("checkpointed");
-    line.add("id", id);
-    line.add("step", step);
+    Json line = event("checkpointed");
+    line["id"] = id;
+    line["step"] = step;
     append_line(path_, seal(line.text()));
 }
 
 void Journal::resumed(const std::string& id, long step) const {
-    JsonLine line = event("resumed");
-    line.add("id", id);
-    line.add("step", step);
+    Json line = event("resumed");
+    line["id"] = id;
+    line["step"] = step;
     append_line(path_, seal(line.text()));
 }
 
 void Journal::finished(const std::string& id, double seconds, const std::string& engine,
                        const std::string& checksum) const {
-    JsonLine line = event("finished");
-    line.add("id", id);
-    line.add("seconds", seconds);
-    line.add("engine", engine);
-    if (!checksum.empty()) line.add(recorded_checksum, checksum);
+    Json line = event("finished");
+    line["id"] = id;
+    line["seconds"] = seconds;
+    line["engine"] = engine;
+    if (!checksum.empty()) line[recorded_checksum] = checksum;
     append_line(path_, seal(line.text()), Flush::later);
 }
 
 void Journal::failed(const std::string& id, const std::string& reason, Cause cause) const {
-    JsonLine line = event("failed");
-    line.add("id", id);
-    line.add("blame", cause == Cause::files ? "files" : "case");
-    line.add("reason", reason);
+    Json line = event("failed");
+    line["id"] = id;
+    line["blame"] = cause == Cause::files ? "files" : "case";
+    line["reason"] = reason;
     append_line(path_, seal(line.text()));
 }
 
 void Journal::damaged(const std::string& id, const std::string& reason) const {
-    JsonLine line = event("damaged");
-    line.add("id", id);
-    line.add("reason", reason);
+    Json line = event("damaged");
+    line["id"] = id;
+    line["reason"] = reason;
     append_line(path_, seal(line.text()));
 }
 
@@ -145,7 +143,7 @@ JournalContents read_journal(const std::filesystem::path& path) {
                 add_line(Json::parse(*line), contents);
             else
                 ++contents.unreadable_lines;
-        } catch (const nlohmann::json::exception&) {
+        } catch (const JsonError&) {
             ++contents.unreadable_lines;
         }
     }

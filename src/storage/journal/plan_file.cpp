@@ -8,13 +8,10 @@
 #include "storage/files.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <set>
 
 namespace shearwake::storage {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<Setting> settings_of(const Json& object) {
     std::vector<Setting> settings;
@@ -50,8 +47,8 @@ Json json_of(const UncertainPlan& uncertain) {
 }
 
 std::optional<UncertainPlan> uncertain_of(const Json& root) {
-    const auto found = root.find("uncertain");
-    if (found == root.end()) return std::nullopt;
+    const Json* found = root.find("uncertain");
+    if (!found) return std::nullopt;
     UncertainPlan uncertain{.keys = found->at("keys").get<std::vector<std::string>>(),
                             .sampling = found->at("sampling").get<std::string>(),
                             .analysis = found->at("analysis").get<std::string>(),
@@ -95,8 +92,8 @@ AdaptiveAxis adaptive_axis_of(const Json& json) {
 }
 
 std::optional<std::size_t> sample_of(const Json& entry) {
-    const auto found = entry.find("sample");
-    return found == entry.end() ? std::nullopt : std::optional(found->get<std::size_t>());
+    const Json* found = entry.find("sample");
+    return found ? std::optional(found->get<std::size_t>()) : std::nullopt;
 }
 
 /// Whether `now` has all cases of `before` and differs only in the number of samples, in the
@@ -135,10 +132,7 @@ Json settings_json(const std::vector<Setting>& settings) {
 }
 
 std::string settings_text(const std::vector<Setting>& settings) {
-    JsonLine line;
-    for (const Setting& setting : settings)
-        std::visit([&](const auto& value) { line.add(setting.key, value); }, setting.value);
-    return line.text();
+    return settings_json(settings).text();
 }
 
 std::string plan_text(const Plan& plan) {
@@ -169,7 +163,7 @@ std::string plan_text(const Plan& plan) {
 PlanMatch compare_plan(const std::string& text, const Plan& plan) {
     const std::string wanted = plan_text(plan);
     if (text == wanted) return PlanMatch::same;
-    const Json there = Json::parse(unseal(text).value_or(""), nullptr, false);
+    const Json there = Json::parse_or_null(unseal(text).value_or(""));
     if (!there.is_object()) return PlanMatch::damaged;
     return is_extension(there, Json::parse(wanted)) ? PlanMatch::extended : PlanMatch::another;
 }
@@ -209,7 +203,7 @@ PlanIndex read_plan(const std::filesystem::path& path) {
             for (const Json& axis : root.at("adaptive"))
                 index.adaptive.push_back(adaptive_axis_of(axis));
         return index;
-    } catch (const nlohmann::json::exception& error) {
+    } catch (const JsonError& error) {
         throw UsageError(path.string() + " is not a plan: " + error.what(), ExitCode::environment);
     }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/json.hpp"
 #include "problem/case/plan.hpp"
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,7 +45,7 @@ PlanMatch compare_plan(const std::string& text, const Plan& plan);
 PlanIndex read_plan(const std::filesystem::path& path);
 
 /// The settings of one case as a JSON object {key: value}.
-nlohmann::ordered_json settings_json(const std::vector<Setting>& settings);
+Json settings_json(const std::vector<Setting>& settings);
 
 /// The same as text on one line.
 std::string settings_text(const std::vector<Setting>& settings);

@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -91,7 +90,14 @@ Round evaluated(const schedule::OutputFolder& folder, const Plan& plan) {
 }
 
 AxisPoints shared(const AxisPoints& points, const Comm& world) {
-    return nlohmann::json::parse(world.broadcast(nlohmann::json(points).dump())).get<AxisPoints>();
+    Json sent = Json::object();
+    for (const auto& [key, values] : points)
+        sent[key] = values;
+    const Json received = Json::parse(world.broadcast(sent.dump()));
+    AxisPoints all;
+    for (const auto& [key, values] : received.items())
+        all[key] = values.get<std::vector<double>>();
+    return all;
 }
 
 std::string counts_text(const AxisPoints& points) {
@@ -208,7 +214,7 @@ private:
     config::Job job_;
     AxisPoints points_;
     schedule::RunArguments round_;
-    nlohmann::ordered_json document_;   // of all rounds, on rank 0
+    Json document_;                     // of all rounds, on rank 0
     long computed_ = 0, by_others_ = 0; // cases of all rounds, on rank 0
 };
 

@@ -2,6 +2,7 @@
 #include "studies/converge/convergence.hpp"
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "measures/measure_table.hpp"
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::converge {
 namespace {
@@ -167,20 +167,19 @@ RefinedPlan refined_plan(const Plan& plan, std::span<const std::string> only, st
 }
 
 std::string json_text(const RefinedPlan& refined) {
-    using nlohmann::ordered_json;
-    ordered_json cases = ordered_json::array(), headlines = ordered_json::array();
+    Json cases = Json::array(), headlines = Json::array();
     for (const measures::Measure& measure : measures::all_measures())
         if (measure.shown == measures::Shown::headlines && !measures::counts_samples(measure.name))
             headlines.push_back(measure.name);
     for (const StudiedCase& c : refined.cases) {
-        ordered_json refinements = ordered_json::array(), settings = ordered_json::object();
+        Json refinements = Json::array(), settings = Json::object();
         for (std::size_t i = 0; i < c.refinements.size(); ++i) {
             const Refinement& r = c.refinements[i];
             refinements.push_back({{"name", r.name},
                                    {"change", r.change},
                                    {"id", c.refined_ids[i]},
                                    {"ratio", r.ratio},
-                                   {"order", r.order ? ordered_json(*r.order) : nullptr}});
+                                   {"order", r.order ? Json(*r.order) : nullptr}});
         }
         for (const Setting& s : c.planned->settings)
             std::visit([&](const auto& v) { settings[s.key] = v; }, s.value);
@@ -190,11 +189,11 @@ std::string json_text(const RefinedPlan& refined) {
                          {"base", c.base_id},
                          {"refinements", refinements}});
     }
-    return ordered_json({{"schema", 1},
-                         {"job", refined.plan.name},
-                         {"title", refined.plan.title},
-                         {"headlines", headlines},
-                         {"cases", cases}})
+    return Json({{"schema", 1},
+                 {"job", refined.plan.name},
+                 {"title", refined.plan.title},
+                 {"headlines", headlines},
+                 {"cases", cases}})
                .dump(1) +
            "\n";
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/json.hpp"
 #include "studies/laboratory/laboratory.hpp"
 
 #include "base/units.hpp"
@@ -18,7 +19,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +26,6 @@
 namespace shearwake::laboratory {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Columns = std::map<std::string, std::vector<double>>; // one value per repetition
 
 constexpr std::uintmax_t largest_fit_B = 4'000'000;
@@ -95,7 +94,7 @@ std::vector<std::string> estimates_in(const std::filesystem::path& file) {
         const Json root = Json::parse(storage::read_file(file, largest_fit_B));
         for (const auto& [key, estimate] : root.at("estimates").items())
             overrides.push_back(fmt::format("{}={:.17g}", key, estimate.at("value").get<double>()));
-    } catch (const Json::exception& error) {
+    } catch (const JsonError& error) {
         throw UsageError(
             fmt::format("{} is not a fit.json of shearwake fit: {}", file.string(), error.what()));
     }

@@ -2,6 +2,7 @@
 #include "studies/laboratory/observed_data.hpp"
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/python_module.hpp"
 #include "base/text.hpp"
 #include "storage/files.hpp"
@@ -10,12 +11,9 @@
 #include <array>
 #include <fmt/format.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 namespace shearwake::laboratory {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::filesystem::path description_file(const std::filesystem::path& prefix) {
     return prefix.string() + ".json";
@@ -41,7 +39,7 @@ ConvertedData read_surface(const std::filesystem::path& prefix) {
                 .repetitions = root.at("repetitions").get<std::size_t>(),
                 .covered_from_m = vec2(root.at("covered_from_m")),
                 .covered_to_m = vec2(root.at("covered_to_m"))};
-    } catch (const Json::exception& error) {
+    } catch (const JsonError& error) {
         throw UsageError(fmt::format("{} is not a converted scan: {}", file.string(), error.what()),
                          ExitCode::environment);
     }
@@ -65,11 +63,11 @@ void remove_converted(const std::filesystem::path& prefix) {
     std::filesystem::remove(numbers_file(prefix), ignored);
 }
 
-nlohmann::ordered_json scan_request(const MeasureArguments& arguments, const Case& c) {
-    nlohmann::ordered_json request = {{"least_quality", arguments.least_quality},
-                                      {"outwards", arguments.outwards},
-                                      {"periodic", c.time.regime == Regime::periodic},
-                                      {"period_s", c.time.duration_s()}};
+Json scan_request(const MeasureArguments& arguments, const Case& c) {
+    Json request = {{"least_quality", arguments.least_quality},
+                    {"outwards", arguments.outwards},
+                    {"periodic", c.time.regime == Regime::periodic},
+                    {"period_s", c.time.duration_s()}};
     if (!c.vibrometer) return request;
     const VibrometerOptions& o = *c.vibrometer;
     const Vec3 along = o.line_of_sight();
@@ -96,7 +94,7 @@ void warn_of_overrides(const MeasureArguments& arguments) {
     }
 }
 
-void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_json& request,
+void convert_scan(const std::filesystem::path& data, const Json& request,
                   const std::filesystem::path& prefix) {
     const std::filesystem::path file = prefix.string() + "-request.json";
     storage::write_file(file, request.dump());

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/json.hpp"
 #include "base/vectors.hpp"
 #include "problem/case/case.hpp"
 #include "studies/laboratory/laboratory.hpp"
 
 #include <cstddef>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,14 +34,14 @@ void remove_converted(const std::filesystem::path& prefix);
 
 /// The members of a request of shearwake.laboratory.measure_scan that follow from the arguments and
 /// the vibrometer of a case, if it has one.
-nlohmann::ordered_json scan_request(const MeasureArguments& arguments, const Case& c);
+Json scan_request(const MeasureArguments& arguments, const Case& c);
 
 /// Warns on the standard error of overrides of what the scan replaces. Not collective.
 void warn_of_overrides(const MeasureArguments& arguments);
 
 /// Converts a file of a user by that script into <prefix>.json and <prefix>.f64. Throws UsageError
 /// if it is not a usable scan; the script prints the reason. Not collective.
-void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_json& request,
+void convert_scan(const std::filesystem::path& data, const Json& request,
                   const std::filesystem::path& prefix);
 
 } // namespace shearwake::laboratory

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/json.hpp"
 #include "studies/optimise/forms.hpp"
 
 #include "base/units.hpp"
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace shearwake::optimise {
@@ -286,8 +286,6 @@ Vec2 trace_m(const Case& c) {
 }
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json json_of(const MatrixXd& matrix) {
     Json rows = Json::array();

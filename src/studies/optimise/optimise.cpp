@@ -56,7 +56,8 @@ struct KnotSet {
 
 std::vector<KnotSet> knot_sets(const Study& study, const Json& request) {
     std::vector<KnotSet> sets;
-    for (const Json& variant : request.value("forms", Json::array())) {
+    const Json *forms = request.find("forms"), none = Json::array();
+    for (const Json& variant : forms ? *forms : none) {
         const auto number = variant.at("case").get<std::size_t>();
         const Case c = case_of(study, variant).value();
         Knots knots = study.cases.at(number).knots;
@@ -139,9 +140,9 @@ std::vector<std::string> add_cases(PlanBuilder& builder, const Study& study, con
         const std::optional<Case> c = case_of(study, entry);
         ids.push_back(c ? case_id(*c) : "");
         if (!c) continue;
-        const auto reference = entry.find("reference");
+        const Json* reference = entry.find("reference");
         builder.add(entry.at("case").get<std::size_t>(), *c, ids.back(), settings_of(entry),
-                    reference == entry.end() ? "" : ids.at(reference->get<std::size_t>()));
+                    reference ? ids.at(reference->get<std::size_t>()) : "");
     }
     return ids;
 }

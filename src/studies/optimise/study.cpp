@@ -81,7 +81,7 @@ Json changed_path(const Curve& before, const Curve& after) {
     std::visit([&](const auto& shape) { walk_fields(keys, shape); }, after.shape);
     Json changed = Json::object();
     for (const auto& [key, value] : keys.values.items())
-        if (!old.values.contains(key) || old.values[key] != value) changed[key] = value;
+        if (!old.values.contains(key) || old.values.at(key) != value) changed[key] = value;
     if (const auto* polyline = std::get_if<Polyline>(&after.shape))
         changed["closed"] = polyline->ends() == Ends::closed;
     return changed;
@@ -130,31 +130,27 @@ Json description(const Study& study, int ranks) {
 }
 
 std::optional<Case> case_of(const Study& study, const Json& variant) {
-    const auto part = [&](const char* name) {
-        const auto found = variant.find(name);
-        return found != variant.end() ? &*found : nullptr;
-    };
     std::optional<Case> c = study.cases.at(variant.at("case").get<std::size_t>()).planned.physics;
-    if (const Json* motion = part("motion"))
+    if (const Json* motion = variant.find("motion"))
         c = with_motion(*c, {.size = motion->at("size").get<double>(),
                              .speed = motion->at("speed").get<double>(),
                              .periods = motion->at("periods").get<int>(),
                              .sine = motion->at("sine").get<double>(),
                              .cosine = motion->at("cosine").get<double>()});
     if (!c) return std::nullopt;
-    if (const Json* envelope = part("envelope"))
+    if (const Json* envelope = variant.find("envelope"))
         c->scene.load.modulation.envelope.gains = {
             SampledGain{.values = envelope->at("values").get<std::vector<double>>(),
                         .interval_s = envelope->at("interval_s").get<double>(),
                         .repeat = envelope->at("repeat").get<bool>()}};
-    if (part("readings_only")) c = without_record(*c);
-    if (const Json* sm = part("sm")) {
+    if (variant.find("readings_only")) c = without_record(*c);
+    if (const Json* sm = variant.find("sm")) {
         c = with_oscillating_speed(*c, sm->at("frequency_Hz").get<double>(),
                                    sm->at("deviation_m_s").get<double>(),
                                    sm->at("phase_rad").get<double>());
         if (!can_be_computed(*c)) return std::nullopt;
     }
-    if (const Json* difference = part("difference"))
+    if (const Json* difference = variant.find("difference"))
         c = with_difference(*c, {.c_s = difference->at("c_s").get<double>(),
                                  .viscosity = difference->at("viscosity").get<double>(),
                                  .speed = difference->at("speed").get<double>()});

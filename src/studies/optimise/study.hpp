@@ -2,19 +2,17 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "config/job.hpp"
 #include "parallel/comm.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/run.hpp"
 #include "studies/optimise/forms.hpp"
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 namespace shearwake::optimise {
-
-using Json = nlohmann::ordered_json;
 
 /// A case of a job whose envelope is optimised.
 struct OptimisedCase {
