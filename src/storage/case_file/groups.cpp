@@ -22,6 +22,12 @@ void put_words(hid_t object, const Variable& variable) {
                    more.value);
 }
 
+Json json_of(const Remark& warning) {
+    return {{"severity", warning.severity == Severity::error ? "error" : "warning"},
+            {"key", warning.key},
+            {"message", warning.message}};
+}
+
 } // namespace
 
 void write_group(hid_t group, const std::vector<Variable>& variables) {
@@ -76,16 +82,6 @@ void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>
     for (unsigned i = 0; i < words.dimensions.size(); ++i)
         h5::attach_scale(field, h5::open_dataset(group, words.dimensions[i]), i);
 }
-
-namespace {
-
-Json json_of(const Remark& warning) {
-    return {{"severity", warning.severity == Severity::error ? "error" : "warning"},
-            {"key", warning.key},
-            {"message", warning.message}};
-}
-
-} // namespace
 
 std::string warning_text(const Remark& warning) {
     return json_of(warning).text();

@@ -22,12 +22,14 @@ double unix_time_s() {
         .count();
 }
 
-Json event(std::string_view name) {
-    return {{"v", 2},
-            {"event", name},
-            {"time", timestamp()},
-            {"unix_s", unix_time_s()},
-            {"host", host_name()}};
+std::string event(std::string_view name, const Json& members) {
+    Json line = {{"v", 2},
+                 {"event", name},
+                 {"time", timestamp()},
+                 {"unix_s", unix_time_s()},
+                 {"host", host_name()}};
+    line.update(members);
+    return seal(line.text());
 }
 
 void add_line(const Json& line, JournalContents& contents) {
@@ -66,69 +68,45 @@ void add_line(const Json& line, JournalContents& contents) {
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
 void Journal::run_started(const RunStart& start) const {
-    Json line = event("run_started");
-    line["run"] = start.run;
-    line["ranks"] = start.ranks;
-    line["teams"] = start.teams;
-    line["cases_left"] = start.cases_left;
-    line["git_id"] = start.git_id;
-    line["kernels"] = start.kernels;
+    Json line = {{"run", start.run},       {"ranks", start.ranks},
+                 {"teams", start.teams},   {"cases_left", start.cases_left},
+                 {"git_id", start.git_id}, {"kernels", start.kernels}};
     if (start.allow_mixed) line["allow_mixed"] = true;
     if (!start.overrides.empty()) line["overrides"] = start.overrides;
     if (!start.resumed_by.empty()) line["resumed_by"] = start.resumed_by;
-    append_line(path_, seal(line.text()));
+    append_line(path_, event("run_started", line));
 }
 
 void Journal::run_ended(const std::string& how) const {
-    Json line = event("run_ended");
-    line["how"] = how;
-    append_line(path_, seal(line.text()));
+    append_line(path_, event("run_ended", {{"how", how}}));
 }
 
 void Journal::started(const std::string& id, int ranks) const {
-    Json line = event("started");
-    line["id"] = id;
-    line["ranks"] = ranks;
-    append_line(path_, seal(line.text()), Flush::later);
+    append_line(path_, event("started", {{"id", id}, {"ranks", ranks}}), Flush::later);
 }
 
 void Journal::checkpointed(const std::string& id, long step) const {
-    Json line = event("checkpointed");
-    line["id"] = id;
-    line["step"] = step;
-    append_line(path_, seal(line.text()));
+    append_line(path_, event("checkpointed", {{"id", id}, {"step", step}}));
 }
 
 void Journal::resumed(const std::string& id, long step) const {
-    Json line = event("resumed");
-    line["id"] = id;
-    line["step"] = step;
-    append_line(path_, seal(line.text()));
+    append_line(path_, event("resumed", {{"id", id}, {"step", step}}));
 }
 
 void Journal::finished(const std::string& id, double seconds, const std::string& engine,
                        const std::string& checksum) const {
-    Json line = event("finished");
-    line["id"] = id;
-    line["seconds"] = seconds;
-    line["engine"] = engine;
+    Json line = {{"id", id}, {"seconds", seconds}, {"engine", engine}};
     if (!checksum.empty()) line[recorded_checksum] = checksum;
-    append_line(path_, seal(line.text()), Flush::later);
+    append_line(path_, event("finished", line), Flush::later);
 }
 
 void Journal::failed(const std::string& id, const std::string& reason, Cause cause) const {
-    Json line = event("failed");
-    line["id"] = id;
-    line["blame"] = cause == Cause::files ? "files" : "case";
-    line["reason"] = reason;
-    append_line(path_, seal(line.text()));
+    const char* origin = cause == Cause::files ? "files" : "case";
+    append_line(path_, event("failed", {{"id", id}, {"blame", origin}, {"reason", reason}}));
 }
 
 void Journal::damaged(const std::string& id, const std::string& reason) const {
-    Json line = event("damaged");
-    line["id"] = id;
-    line["reason"] = reason;
-    append_line(path_, seal(line.text()));
+    append_line(path_, event("damaged", {{"id", id}, {"reason", reason}}));
 }
 
 JournalContents read_journal(const std::filesystem::path& path) {

@@ -136,23 +136,20 @@ std::string settings_text(const std::vector<Setting>& settings) {
 }
 
 std::string plan_text(const Plan& plan) {
-    Json root;
-    root["schema"] = schema;
-    root["name"] = plan.name;
-    root["title"] = plan.title;
-    root["swept_keys"] = plan.swept_keys;
-    root["table"]["x"] = plan.table.x;
-    root["table"]["series"] = plan.table.series;
+    Json root = {{"schema", schema},
+                 {"name", plan.name},
+                 {"title", plan.title},
+                 {"swept_keys", plan.swept_keys},
+                 {"table", {{"x", plan.table.x}, {"series", plan.table.series}}}};
     if (plan.uncertain) root["uncertain"] = json_of(*plan.uncertain);
     for (const AdaptiveAxis& axis : plan.adaptive)
         root["adaptive"].push_back(json_of(axis));
     root["cases"] = Json::array();
     for (const PlannedCase& c : plan.cases) {
-        Json entry;
-        entry["id"] = c.id;
-        entry["settings"] = settings_json(c.settings);
-        entry["is_reference"] = c.is_reference;
-        entry["reference_id"] = c.reference_id;
+        Json entry = {{"id", c.id},
+                      {"settings", settings_json(c.settings)},
+                      {"is_reference", c.is_reference},
+                      {"reference_id", c.reference_id}};
         if (c.sample) entry["sample"] = *c.sample;
         entry["case"] = canonical_text(c.physics);
         root["cases"].push_back(std::move(entry));

@@ -7,6 +7,7 @@
 #include "engines/registry/make_engine.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"
+#include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -172,7 +173,7 @@ std::string json_text(const RefinedPlan& refined) {
         if (measure.shown == measures::Shown::headlines && !measures::counts_samples(measure.name))
             headlines.push_back(measure.name);
     for (const StudiedCase& c : refined.cases) {
-        Json refinements = Json::array(), settings = Json::object();
+        Json refinements = Json::array();
         for (std::size_t i = 0; i < c.refinements.size(); ++i) {
             const Refinement& r = c.refinements[i];
             refinements.push_back({{"name", r.name},
@@ -181,10 +182,8 @@ std::string json_text(const RefinedPlan& refined) {
                                    {"ratio", r.ratio},
                                    {"order", r.order ? Json(*r.order) : nullptr}});
         }
-        for (const Setting& s : c.planned->settings)
-            std::visit([&](const auto& v) { settings[s.key] = v; }, s.value);
         cases.push_back({{"id", c.planned->id},
-                         {"settings", settings},
+                         {"settings", storage::settings_json(c.planned->settings)},
                          {"is_reference", c.planned->is_reference},
                          {"base", c.base_id},
                          {"refinements", refinements}});
