@@ -35,6 +35,7 @@ class Site(ProgramTest):
             for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
                 self.assertEqual(cell.get("outputs", []), [], path)
 
+    @pytest.mark.extended
     def test_without_nbconvert_the_site_has_the_notebooks_without_outputs(self):
         text = f"""import importlib.util, os, sys
 os.environ["SHEARWAKE"] = {str(PROGRAM)!r}

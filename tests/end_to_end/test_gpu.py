@@ -69,6 +69,7 @@ class References(test_kwave_functions.FunctionsTest):
     def result(self, case, group="binary", **options):
         return test_kwave_functions.Functions.result(self, case, group, device="gpu", **options)
 
+    @pytest.mark.extended
     def test_all_studies_agree_with_kwave(self):
         for case, group, options in (("homogeneous", "binary", {}), ("homogeneous", "corners", {}), ("homogeneous", "cartesian_linear", {}),
                                      ("p0_pml_outside", "binary", {}), ("stress_lossy", "binary", {}), ("dirichlet", "binary", {"device_num": 0}),
@@ -94,6 +95,7 @@ class Program(KWaveTest, OnGpu):
     RECORDS = ("-p", "-u", "--p_rms", "--u_max_all", "--p_min_all", "--u_final", "--u_non_staggered_raw", "--u_split_field_raw", "--output_precision",
                "double")
 
+    @pytest.mark.extended
     def test_single_precision_agrees_with_double(self):
         """p is the divergence times a modulus that is up to 52 times mu, and small compared with the parts of the stresses in the layer."""
         for case in ("stress_lossy", "p0_pml_outside"):
@@ -102,6 +104,7 @@ class Program(KWaveTest, OnGpu):
                 shutil.move(self.folder / "out.h5", self.folder / f"{name}.h5")
             self.assert_equal_results(self.folder / "single.h5", self.folder / "double.h5", TOLERANCE["single"], least=20)
 
+    @pytest.mark.extended
     def test_lines_longer_than_local_memory_agree(self):
         """The shortest line takes 2 * 26 * 16 B in double precision."""
         words = ("kwave", "-i", DATA / "stress_lossy_input.h5", *self.RECORDS)
@@ -109,6 +112,7 @@ class Program(KWaveTest, OnGpu):
         self.call(*command(*words, "-o", self.folder / "gpu.h5", *GPU), variables=faults(LOCAL_B=800))
         self.assert_equal_results(self.folder / "gpu.h5", self.folder / "cpu.h5", TOLERANCE["double"], least=20)
 
+    @pytest.mark.extended
     def test_processor_and_gpu_resume_from_each_others_checkpoints(self):
         file = DATA / "stress_lossy_input.h5"
         self.run_file(file, *self.RECORDS)
@@ -138,6 +142,7 @@ class Program(KWaveTest, OnGpu):
         self.contains(self.run_file(file, "--benchmark", "2", "-g", "0"), "note: -g is ignored without --device gpu")
         self.contains(self.run_file(file, *GPU, ranks=2, expect=1), "a GPU computes a grid in one rank: start kwave without mpirun")
 
+    @pytest.mark.extended
     def test_bench_measures_steps_on_the_device(self):
         found = json.loads(self.shearwake("bench", "pstd", "--grid", "16x12x10", *GPU, "--json").stdout)["measurements"]
         self.assertEqual([m["name"].partition("s, ")[2] for m in found], ["lossless, double", "lossless, single", "lossy, double", "lossy, single"])
@@ -145,6 +150,7 @@ class Program(KWaveTest, OnGpu):
             self.assertGreater(min(m["points_per_s"], m["share_of_copies"]), 0.0)
             self.assertIn("driver", m["device"])
 
+    @pytest.mark.extended
     def test_two_runs_on_a_device_do_not_disturb_each_other(self):
         runs = {}
         for case in ("homogeneous", "dirichlet"):
@@ -165,6 +171,7 @@ class Program(KWaveTest, OnGpu):
         output = self.call(*command(*words, *GPU), variables=broken, expect=1).output
         self.contains(output, 'device "gpu" requires OpenCL: ', "libOpenCL.so.1")
 
+    @pytest.mark.extended
     def test_failures_of_the_device_have_reasons_and_leave_the_checkpoint(self):
         words = ("kwave", "-i", DATA / "stress_lossy_input.h5", "-o", "out.h5", *self.RECORDS, *GPU)
         output = self.call(*command(*words), variables=faults(MEMORY_B=1000000), expect=1).output
@@ -210,6 +217,7 @@ class Jobs(OnGpu):
         self.assertEqual(ids(given), ids(SAVED))
         self.assertNotEqual(ids(self.ON_GPU), ids(SAVED))
 
+    @pytest.mark.extended
     def test_plan_states_the_memory_that_a_case_needs_on_the_device(self):
         self.write_job(self.ON_GPU)
         planned = re.search(r"on a GPU, in ([0-9.e-]+) GB of its memory", self.shearwake("plan", "job.toml").stdout)
@@ -221,6 +229,7 @@ class Jobs(OnGpu):
         allocated_GB = 1e-9 * sum(int(size) for size in sizes.read_text().split())
         self.assertAlmostEqual(float(planned[1]) / allocated_GB, 1.0, delta=0.03)  # tables and sums of displacements are left out
 
+    @pytest.mark.extended
     def test_a_failure_of_the_device_ends_the_case_alone(self):
         self.write_job(self.ON_GPU)
         output = self.call(*command("run", "job.toml"), variables=faults(ARRAY_AT=30), expect=4).output
@@ -228,6 +237,7 @@ class Jobs(OnGpu):
         self.shearwake("run", "job.toml", "--retry-failed")
         self.assertEqual(len(case_files(self.out)), 2)
 
+    @pytest.mark.extended
     def test_a_case_whose_device_is_lost_is_resumed_on_the_processor_or_a_gpu(self):
         self.write_job(self.ON_GPU)
         self.call(*command("run", "job.toml", "--checkpoint-steps", 20), variables=faults(KERNEL_AT=3000), expect=4)

@@ -30,6 +30,7 @@ class Resume(ProgramTest):
             self.shearwake("reduce", out)
         assert_same_table(self, table(whole), table(self.out))
 
+    @pytest.mark.extended
     def test_a_run_killed_on_two_ranks_is_resumed(self):
         self.kill(self.start_and_stop("run", "job.toml", "--ranks-per-case", 2, ranks=2))
         self.assertEqual(len(case_files(self.out)), 1)

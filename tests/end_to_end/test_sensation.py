@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Levels of sensation of short runs, and their search with adaptive axes."""
 
+import pytest
 from program import AM, ProgramTest, changed_job, gaussian, job_text, swept
 
 AT_REST = {"medium": {"base": "rigid", "layer": [{"preset": "palm"}]},
@@ -41,6 +42,7 @@ class Levels(ProgramTest):
             text = next((self.folder / f"{states}" / "tables").glob("*.md")).read_text(encoding="utf-8")
             self.assertEqual("the model fails" in text.lower() and "user-studies" in text, states, text)
 
+    @pytest.mark.extended
     def test_the_most_sensitive_frequency_is_found_between_the_centres_of_bands(self):
         search = {"find": "maximum", "in": [120, 350], "column": "felt_peak_dB", "tolerance": 1.0}
         best, found = (max(self.rows(changed_job(PERIODIC, {"sweep": {AM: axis}}), out), key=lambda row: float(row["felt_peak_dB"]))

@@ -128,6 +128,7 @@ class Failing(FaultTest):
         self.reduced(whole, *words, ranks=ranks)
         return table_bytes(whole)
 
+    @pytest.mark.extended
     def test_temporary_file_errors_are_retried(self):
         reference = self.reference()
         again = 0

@@ -159,6 +159,7 @@ class MutatedJobs(ProgramTest):
         self.assertEqual(ended, 0, output)
         self.contains(output, "200 cases")
 
+    @pytest.mark.extended
     def test_work_without_bounds_is_refused_with_the_number_and_the_limit(self):
         array = {"shape": "array", "elements": [16, 16], "pitch_mm": 10.0, "radius_mm": 4.5, "distance_mm": 200.0}
         transient = {"time.regime": None, "time.duration_ms": 1e5, "time.output_interval_us": 1000.0}

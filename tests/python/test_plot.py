@@ -5,6 +5,7 @@ from unittest import mock
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+import pytest
 
 import shearwake
 from shearwake import plot
@@ -55,6 +56,7 @@ class Plots(InFolder):
         with self.assertRaisesRegex(shearwake.NotRecorded, f"shearwake.open\\(FOLDER\\)\\['{case.id}'\\]"):
             case.plot.traces()
 
+    @pytest.mark.extended
     def test_the_style_for_papers_has_the_width_of_columns_and_text_that_remains_text(self):
         before = dict(plt.rcParams)
         for columns, width_in in ((1, 3.5), (2, 7.2)):

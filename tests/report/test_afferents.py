@@ -4,6 +4,7 @@ from unittest import mock
 
 import h5py
 import numpy as np
+import pytest
 
 
 from synthetic import AM, Folder, InFolder, fixed
@@ -135,6 +136,7 @@ class AfferentsTest(InFolder):
         self.folder.add({AM: 200.0})
         self.assertEqual(self.names(fig_hand) | self.names(fig_afferents), set())
 
+    @pytest.mark.extended
     def test_the_page_contains_the_figures(self):
         self.add(100.0, [3, 0, 2, 0, 1])
         self.add(200.0, [3, 0, 2, 0, 1])

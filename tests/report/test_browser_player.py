@@ -16,6 +16,7 @@ class PlayerTest(test_browser.Pages):
         self.assertEqual(page.run(self.CLOCK), "4 ms")
         return page
 
+    @pytest.mark.extended
     def test_single_steps_and_the_slider_move_every_panel(self):
         for _, page in self.both(self.at_start):
             self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))

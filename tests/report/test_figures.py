@@ -9,6 +9,7 @@ import unittest
 import h5py
 import matplotlib.pyplot as plt
 import numpy as np
+import pytest
 from PIL import Image
 
 
@@ -40,6 +41,7 @@ class FolderTest(InFolder):
         sweep = load.load(grid(self.root, speeds=(5.0, 7.0)).save())
         self.assertEqual(layout.axes(sweep), [AM, FWHM, SPEED])
 
+    @pytest.mark.extended
     def test_heat_maps_of_two_swept_keys_contain_every_case(self):
         folder = grid(self.root)
         failed = folder.add({AM: 800.0, FWHM: 2.0, SPEED: 5.0, SPACING: 1.0}, written=False)

@@ -4,6 +4,7 @@ cases, numerical parameters, numerical errors."""
 import math
 from unittest import mock
 
+import pytest
 from synthetic import AM, PHYSICS, Folder, InFolder, Page, case_id, plain
 
 from shearwake.checksum import sealed
@@ -166,6 +167,7 @@ class HeadlineTest(InFolder):
         self.assertEqual(len(validity.invalid_cases(sweep, "eta", "eta_period_1")), 2)
         self.assertEqual(len(layout.with_references(sweep)), 2)
 
+    @pytest.mark.extended
     def test_the_page_marks_the_values_of_the_command_line(self):
         folder = Folder(self.root, job="schema = 1\n[load]\npeak_Pa = 87.5 # -S; in the file: 100\n")
         folder.add({AM: 100.0}, snapshot=False)
@@ -193,6 +195,7 @@ class HeadlineTest(InFolder):
                                         "%); too few samples: 0 values."), text)
         self.assertEqual(probability[0], "90 to 100\N{NO-BREAK SPACE}%")
 
+    @pytest.mark.extended
     def test_each_warning_is_stated_in_the_list_and_at_the_first_figure_that_it_concerns(self):
         folder = Folder(self.root)
         for f in (100.0, 200.0, 300.0):
@@ -223,6 +226,7 @@ class HeadlineTest(InFolder):
             self.assertEqual([(value, place) for value, _, place in opening.numbers(sweep)],
                              [("40\N{NO-BREAK SPACE}%", "with SM-STM, the highest median"), ("30 to 50\N{NO-BREAK SPACE}%", "with SM-STM, the highest median")])
 
+    @pytest.mark.extended
     def test_the_table_of_the_page_states_which_cases_are_valid(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, warnings=[INVALID])
@@ -250,6 +254,7 @@ class HeadlineTest(InFolder):
                                        "mean: the readings are not valid")
         self.assertEqual(warnings_of.merged([self.EDGE.format(16)]), self.EDGE.format(16))
 
+    @pytest.mark.extended
     def test_the_headline_and_the_list_count_the_same_cases(self):
         folder = self.with_reference([(0.3, []), (0.5, [INVALID]), (0.2, [INVALID])], 0.4, warnings=[INVALID])
         page = Page(folder.report())
@@ -269,6 +274,7 @@ class HeadlineTest(InFolder):
         self.assertTrue(text.startswith("The firing rate of all PC afferents together is highest at AM frequency 200 Hz, the end of the "
                                         "swept range: 23300 spikes/s."), text)
 
+    @pytest.mark.extended
     def test_warnings_are_printed_next_to_the_figures_that_they_concern(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, warnings=[RETURNS, WINDOW])
@@ -307,6 +313,7 @@ class HeadlineTest(InFolder):
         self.assertEqual(page.data.count("The model fails where the level compares loads at rest with loads that move, or LM with AM: see "
                                          "docs/explanation/user-studies.md."), 3)  # the result, the figure, the table
 
+    @pytest.mark.extended
     def test_levels_of_loads_that_all_rest_have_no_such_line(self):
         self.assertNotIn("The model fails", Page(self.kinds([40.0, 30.0], swept=("AM", "AM ")).report()).data)
 

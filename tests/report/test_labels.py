@@ -2,6 +2,7 @@
 """Numbers in heat maps, legends, lines of references, and the scale of a uniform medium."""
 import math
 
+import pytest
 from synthetic import AM, FWHM, Folder, InFolder, case_id, sweep
 
 from shearwake.report import layout, load, style
@@ -35,6 +36,7 @@ class LabelsTest(InFolder):
         found = self.numbers(4, 3)
         self.assertEqual((len(found), {text.get_rotation() for text in found}), (12, {0.0}))
 
+    @pytest.mark.extended
     def test_numbers_in_narrow_cells_are_turned(self):
         found = self.numbers(17, 3)
         self.assertEqual((len(found), {text.get_rotation() for text in found}), (51, {90.0}))

@@ -5,6 +5,7 @@ import math
 import tempfile
 
 import h5py
+import pytest
 from test_afferents import add_afferents
 from test_browser import Pages
 from synthetic import AM, FWHM, case_id, sweep
@@ -63,6 +64,7 @@ class OpeningTest(Pages):
         self.assertTrue(shown.endswith(" …"), shown)
         self.assertEqual(page.run('[document.querySelector("h1").textContent, document.title]'), [folder.plan["name"]] * 2)
 
+    @pytest.mark.extended
     def test_warnings_are_named_by_what_is_wrong(self):
         folder = self.new_folder()
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2}, warnings=[INVALID, {**INVALID, "message": "the wake is truncated"}])
@@ -76,6 +78,7 @@ class OpeningTest(Pages):
         page.run('document.querySelectorAll(".chosen")[0].textContent = "a long title ".repeat(20)')
         self.assertEqual(len(set(page.run(tops))), 1)
 
+    @pytest.mark.extended
     def test_receptors_come_first_without_a_valid_efficiency(self):
         names = 'Array.from(document.querySelectorAll("main > h2"), part => part.id)'
         folder = self.new_folder()
@@ -87,6 +90,7 @@ class OpeningTest(Pages):
         self.assertEqual(page.run(names)[:2], ["player", "afferents_RA"])
         self.assertEqual(page.run('document.querySelector(".numbers b").textContent'), "90\N{NO-BREAK SPACE}spikes/s")
 
+    @pytest.mark.extended
     def test_there_is_one_select_per_swept_axis(self):
         folder = self.new_folder(swept=[AM, FWHM], series=[FWHM])
         for f in (100.0, 200.0, 300.0):

@@ -12,6 +12,7 @@ from unittest import mock
 
 import h5py
 import numpy as np
+import pytest
 
 # Sets the path of the imports below.
 from synthetic import AM, FWHM, SCALARS, Folder, InFolder, Page, case_id, lone_case, sweep, with_pdf, write_case
@@ -91,6 +92,7 @@ class WholeSweepTest(unittest.TestCase):
 
 
 class ReportTest(InFolder):
+    @pytest.mark.extended
     def test_incomplete_cases_are_listed_and_do_not_affect_figures(self):
         folder = sweep(self.root)
         failed = folder.add({AM: 600.0}, case_id(4), written=False)
@@ -122,6 +124,7 @@ class ReportTest(InFolder):
         images = len(Page(folder.report()).images)
         self.assertEqual(images, 7)  # drive, three over time, traces, spectra, spectrograms
 
+    @pytest.mark.extended
     def test_a_sweep_without_references_has_no_columns_of_references(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
@@ -137,12 +140,14 @@ class ReportTest(InFolder):
         self.assertEqual(len(page.images), 9)
         self.assertIn("The job sweeps no key", page.data)
 
+    @pytest.mark.extended
     def test_x_may_be_a_string(self):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
         self.assertEqual(len(Page(folder.report()).images), 18)
 
+    @pytest.mark.extended
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
         for width in (10.0, 3.0):
@@ -156,12 +161,14 @@ class ReportTest(InFolder):
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
         self.assertEqual(len(page.images), 18)  # one snapshot per series
 
+    @pytest.mark.extended
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)
         for f in range(1, 16):
             folder.add({AM: 50.0 * f}, snapshot=f < 3)
         self.assertEqual(len(Page(folder.report()).images), 15)
 
+    @pytest.mark.extended
     def test_captions_state_how_many_cases_are_drawn_and_the_option_selects_them(self):
         folder = Folder(self.root)
         for n in range(9):

@@ -49,6 +49,7 @@ class Size(InFolder):
         self.assertEqual(shown.count('"shape":[9,14]'), 4)  # one map per kind with every case
         self.assertNotIn("null", shown.replace('"x_names":null', "").replace('"y_names":null', ""))
 
+    @pytest.mark.extended
     def test_a_large_sweep_lists_the_best_cases_failed_ones_and_some_others(self):
         folder = Folder(self.root, x=AM, series=[FWHM], swept=(AM, FWHM))
         for n in range(12):

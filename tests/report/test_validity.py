@@ -4,6 +4,7 @@ figures."""
 import re
 
 import numpy as np
+import pytest
 from synthetic import AM, FWHM, Folder, InFolder, case_id
 
 from shearwake.report import labels, load, style, warnings_of
@@ -106,6 +107,7 @@ class ValidityTest(InFolder):
                          [False, False, True, False])
         self.assertEqual(len(figures["surface"].cases), 4)
 
+    @pytest.mark.extended
     def test_a_figure_names_only_the_warnings_of_the_cases_that_it_shows(self):
         text = self.curve().report()
         blocks = {name: block for name, block in re.findall(r'<h[23] id="(\w+)">(.*?)</figure>', text, re.DOTALL)}
@@ -125,11 +127,13 @@ class ValidityTest(InFolder):
                          ["domain.spacing_mm"])
         self.assertEqual(warnings_of.of_figure(sweep, "surface", [case_id(1)]), [])
 
+    @pytest.mark.extended
     def test_a_sweep_without_warnings_has_no_list(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0})
         self.assertNotIn('id="warnings"', folder.report())
 
+    @pytest.mark.extended
     def test_the_filter_names_the_figures_that_it_affects(self):
         page = self.curve().report()
         named = re.search(r"one line per case: (.*?)\. All other", page, re.DOTALL).group(1)

@@ -115,6 +115,7 @@ def test_accepts_trees_that_respect_the_layers(changes):
     assert code == 0, output
 
 
+@pytest.mark.extended
 def test_counts_components_dependencies_and_levels():
     assert check({}) == (0, "2 components, 1 dependencies, 2 levels\n")
     assert run()[0] == 0  # the tree of the program

@@ -72,6 +72,7 @@ class NewEngine(unittest.TestCase):
                    and not filecmp.cmp(path, ROOT / path.relative_to(self.tree), shallow=False)]
         self.assertEqual(changed, sorted(REGISTRATIONS))
 
+    @pytest.mark.extended
     def test_the_layers_accept_it(self):
         done = subprocess.run([sys.executable, ROOT / "scripts/check_layers.py", self.tree], capture_output=True,
                               encoding="utf-8", check=False)

@@ -141,7 +141,7 @@ static double effect_apart(double contrast, double per_radius) {
     return test::relative_l2(effect(pstd), effect(SpectralOptions{.time_step_s = 25e-6}));
 }
 
-TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pstd]") {
+TEST_CASE("a sphere has the same effect in the engines pstd and spectral", "[pstd][extended]") {
     const double difference = effect_apart(4.0, 4.0);
     CAPTURE(difference);
     // Observed 3.2 % at 4 spacings per radius; the cells are isotropic at nodes, and the derivative
@@ -161,7 +161,7 @@ TEST_CASE("spheres have the same effect in the engines pstd and spectral on a fi
     CHECK(difference < of.most);
 }
 
-TEST_CASE("engine pstd converges to the exact engine", "[pstd]") {
+TEST_CASE("engine pstd converges to the exact engine", "[pstd][extended]") {
     // Measured without a medium above the skin, on these grids: 1.7 % and 0.7 %.
     const double coarse = error_of(PstdOptions{}, 6e-3, 1.5e-3);
     const double fine = error_of(PstdOptions{}, 9e-3, 1.5e-3);

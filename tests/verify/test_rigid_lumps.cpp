@@ -17,7 +17,7 @@ static Body with_shape(Body body, decltype(Body::shape) shape) {
     return body;
 }
 
-TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]") {
+TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify][extended]") {
     const double step_s = GENERATE(25e-6, 50e-6, 200e-6);
     Case c = test::with_step(lump_case(0.0), step_s);
     SECTION("free and fixed, of several shapes and densities") {

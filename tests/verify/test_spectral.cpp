@@ -68,7 +68,7 @@ TEST_CASE("engine spectral converges to layered with second order in the step", 
     test::check_order("spectral, time step, " + load, 2.0, order, 0.2); // required
 }
 
-TEST_CASE("switching off the load between two steps preserves the order", "[verify]") {
+TEST_CASE("switching off the load between two steps preserves the order", "[verify][extended]") {
     Case c = required_case();
     test::travel_of(c).path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
     Case exact = c;

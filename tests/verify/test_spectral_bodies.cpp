@@ -29,7 +29,7 @@ static Body slab(double contrast) {
             .c_s_m_s = 5.0 * std::sqrt(contrast)};
 }
 
-TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
+TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify][extended]") {
     Case body = with_step(tissue_case(), 12.5e-6), layers = tissue_case();
     body.scene.medium.bodies = {slab(1.0)};
     Body& sheet = body.scene.medium.bodies[0];
@@ -97,7 +97,7 @@ TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
 // the shear modulus q times that of an incompressible medium scatters 5 / (3 + 2 q) of Born's limit
 // of small contrasts. The strain of a focus 8 mm above a sphere of 2 mm is uniform enough for an
 // error of 1 to 2 %, measured with 10 and 15 spacings per radius.
-TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify]") {
+TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify][extended]") {
     Case c = tissue_case();
     Layer layer = test::tissue(1500.0, 20.0); // at rest after 16 ms
     layer.thickness_m = 16e-3;
@@ -158,7 +158,8 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
     CHECK(difference < 0.02);
 }
 
-TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {
+TEST_CASE("mirror image of the problem yields the mirror image of the field",
+          "[verify][extended]") {
     Case c = with_step(tissue_case(), 50e-6);
     test::travel_of(c).path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
     c.scene.medium.bodies = {test::ellipsoid(16.0)};
@@ -169,7 +170,8 @@ TEST_CASE("mirror image of the problem yields the mirror image of the field", "[
     CHECK(worst < 1e-10 * test::largest(frame)); // required; sums in a different order
 }
 
-TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[verify]") {
+TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)",
+          "[verify][extended]") {
     // A footprint at one position and the mean under a footprint at another position, and vice
     // versa.
     Case c = with_step(tissue_case(), 50e-6);

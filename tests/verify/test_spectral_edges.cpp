@@ -137,7 +137,7 @@ TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify]
     CHECK(last < 0.2 * first);
 }
 
-TEST_CASE("a run with a sponge resumes with the same bits", "[verify]") {
+TEST_CASE("a run with a sponge resumes with the same bits", "[verify][extended]") {
     Case c = lossless_with_body();
     c.time.frames = 30;
     test::MemoryState half, whole, again;

@@ -120,7 +120,8 @@ TEST_CASE("neither compressional nor shear waves return from below a half-space"
     CHECK(below < 1e-4);
 }
 
-TEST_CASE("the estimated error of an absorber is within a factor of two of its error", "[verify]") {
+TEST_CASE("the estimated error of an absorber is within a factor of two of its error",
+          "[verify][extended]") {
     const auto [ratio, frequency_Hz, depth_m] = GENERATE(from_range(
         test::parameters<std::tuple<double, double, double>>(2, {{300.0, 200.0, 50e-3},
                                                                  {10.0, 800.0, 40e-3},
@@ -168,7 +169,7 @@ static Case of_kind(const std::string& kind, double ratio) {
     return c;
 }
 
-TEST_CASE("the stated error of the surface field is within a factor of two", "[verify]") {
+TEST_CASE("the stated error of the surface field is within a factor of two", "[verify][extended]") {
     const auto [kind, ratio] = GENERATE(table<std::string, double>(
         {{"constant", 2.0}, {"fast AM", 4.0}, {"AM-STM", 10.0}, {"AM", 300.0}}));
     Case c = of_kind(kind, ratio);

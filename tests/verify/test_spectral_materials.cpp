@@ -91,7 +91,7 @@ static bool changes_shear(const Kind& kind) {
     return !kind.body.c_p_m_s.has_value();
 }
 
-TEST_CASE("error with bodies of any material is within its limit at 25 us", "[verify]") {
+TEST_CASE("error with bodies of any material is within its limit at 25 us", "[verify][extended]") {
     const Kind kind = kinds()[GENERATE(range(std::size_t{0}, std::size_t{10}))];
     const Case c = with_body(tissue(0.5), kind);
     const auto fine = test::last_frame(reference(c));

@@ -64,6 +64,7 @@ TEST_CASE(
     std::vector<PlannedCase> planned;
     for (int i = 0; i < 40; ++i) {
         Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+        c.domain = {64, 48, 1.5e-3, 0.0};
         c.time = {20, 1e-3};
         c.solver = SpectralOptions{};
         c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
