@@ -100,7 +100,11 @@ Json::Json(double value) : value_(value) {}
 Json::Json(std::string text) : value_(std::move(text)) {}
 Json::Json(const std::vector<std::string>& texts) : value_(Array(texts.begin(), texts.end())) {}
 Json::Json(const std::vector<double>& numbers) : value_(Array(numbers.begin(), numbers.end())) {}
-Json::Json(const Json& other) = default;
+// The copy constructor of std::variant in libstdc++ 12 destroys a value that does not exist if the
+// copy needs memory and gets none; assignment does not.
+Json::Json(const Json& other) {
+    std::visit([this](const auto& value) { value_ = value; }, other.value_);
+}
 Json::Json(Json&& other) noexcept = default;
 Json::~Json() = default;
 
