@@ -8,6 +8,7 @@ import struct
 
 import jsonschema
 import numpy as np
+import pytest
 
 from program import ROOT, SWEEP, ProgramTest, case_files, changed
 
@@ -82,6 +83,7 @@ class Devices(ProgramTest):
         expected = [((s + 32768) / 65535) ** 2 for s in (0, 16384, -32768, 32767)]
         np.testing.assert_allclose(gain[:8], expected * 2, atol=1e-9)  # rounding of the text between the programs
 
+    @pytest.mark.extended
     def test_an_envelope_of_40000_samples_is_played(self):
         """A pressure |sin(pi f t)|, whose force is that of AM with the frequency f, for 5 s with 251 periods."""
         pressure = np.abs(np.sin(np.pi * 50.2 * np.arange(40_000) / 8000))
@@ -133,6 +135,7 @@ class Devices(ProgramTest):
         self.write('kind = "file"\nfile = "p.csv"')
         self.contains(self.shearwake("check", "job.toml", expect=3).output, "shape = \"array\"")
 
+    @pytest.mark.extended
     def test_hostile_files_are_errors_at_their_place(self):
         deep = "[" * 100_000 + "]" * 100_000
         frame = json.loads(json.dumps(HJIF))
@@ -180,6 +183,7 @@ class Devices(ProgramTest):
         self.write('kind = "file"\nfile = "flat.wav"')
         self.contains(self.shearwake("check", "job.toml").output, "clipping", "0.00025 s")
 
+    @pytest.mark.extended
     def test_every_modulation_returns_from_its_list(self):
         """At the rate of the device, to 1e-4 mm and 1e-4 of the force. Between its samples the focus rests, which export states."""
         self.assertEqual(len(MODULATIONS), 8)
@@ -246,6 +250,7 @@ class Devices(ProgramTest):
         np.testing.assert_allclose(np.exp(1j * played), np.exp(1j * asked), atol=1e-4)
         self.contains(self.shearwake("export", "job.toml", "--to", "phases", "--rate", "100", expect=2).output, "from 1 to 255")
 
+    @pytest.mark.extended
     def test_the_effect_of_an_envelope_is_that_along_the_motion_of_the_case(self):
         self.write(MODULATIONS["AM-STM"])  # ends after 14 ms
         self.contains(self.shearwake("export", "job.toml", "--to", "wav").output, "not computed, since the case has no reading")

@@ -58,6 +58,7 @@ class ExploreDecisions(PageTest):
             self.assertEqual(black, 0)
         self.assertFalse(page.run("document.getElementById('scale-unknown').hidden"))
 
+    @pytest.mark.extended
     def test_the_level_of_five_settings_is_that_of_run_in_the_periodic_regime(self):
         page = self.open()
         changes = ("s.kind = 'STM'", "s.kind = 'SM-STM'", "s.kind = 'AM'", "s.kind = 'LM'; s.am = 100", "s.kind = 'AM-STM'; s.path = 'line'; s.length = 50; s.speed = 8")

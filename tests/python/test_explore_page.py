@@ -50,6 +50,7 @@ class ExplorePage(PageTest):
         self.assertEqual(len(field), 12)
         self.assertLessEqual(numpy.abs(field - frames[9::10]).max(), 1e-6 * numpy.abs(frames).max())
 
+    @pytest.mark.extended
     def test_moved_sliders_show_what_run_computes(self):
         page = self.open()
         self.assertEqual(page.run("explorer.surface.gl !== null"), True)

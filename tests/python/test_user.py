@@ -68,6 +68,7 @@ class User(InFolder):
         self.assertIn("am_frequency_Hz", job()._repr_html_())
         self.assertIn("<table", job().plan()._repr_html_())
 
+    @pytest.mark.extended
     def test_commands_are_methods(self):
         page = self.sweep.report()
         self.assertTrue(page.is_file())

@@ -65,7 +65,7 @@ TEST_CASE(
     for (int i = 0; i < 40; ++i) {
         Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
         c.domain = {64, 48, 1.5e-3, 0.0};
-        c.time = {20, 1e-3};
+        c.time = {5, 1e-3};
         c.solver = SpectralOptions{};
         c.scene.load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
         planned.push_back({std::to_string(i), c, {}, false, ""});
