@@ -79,9 +79,9 @@ def _add_pages():
 
             def test(self, page=page):
                 self.execute(page)
-            if page.stem != "1-first-sweep":
-                test = pytest.mark.long(test)  # of a lambda it would make a mark instead of a test
-            setattr(Blocks, f"test_the_commands_of_{name}_work", test)
+            # Of a lambda it would make a mark instead of a test.
+            mark = pytest.mark.extended if page.stem == "1-first-sweep" else pytest.mark.long
+            setattr(Blocks, f"test_the_commands_of_{name}_work", mark(test))
 
 
 _add_pages()

@@ -77,6 +77,7 @@ class References(test_kwave_functions.FunctionsTest):
             with self.subTest(case=case, group=group):
                 self.result(case, group, **options)
 
+    @pytest.mark.extended
     def test_planes_agree_with_kwave(self):
         for case, name in test_kwave_plane.CASES:
             with self.subTest(case=case, group=name):

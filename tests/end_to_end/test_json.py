@@ -49,6 +49,7 @@ class Json(ProgramTest):
         self.assertEqual((missing["job"], missing["cases"], missing["errors"]), ("nowhere.toml", None, 1))
         self.assertEqual(self.document("check", "--quite", expect=2)["errors"], 1)
 
+    @pytest.mark.extended
     def test_a_run_its_tables_and_its_report_are_described(self):
         self.write_job(UNRECORDED)
         ids = [case["id"] for case in self.document("plan", "job.toml")["cases"]]

@@ -32,6 +32,7 @@ class Plots(InFolder):
         with self.assertRaisesRegex(KeyError, "did you mean eta_period_1"):
             self.sweep.plot("eta_periood_1")
 
+    @pytest.mark.extended
     def test_every_figure_of_the_report_is_a_figure_or_was_not_recorded(self):
         recorded = {"drive", "medium", "over_time", "profiles", "snapshots", "spectra", "spectrogram", "traces"}
         for drawn, expected in ((self.sweep.cases[1].plot, recorded), (self.sweep.plot, recorded | {"measures", "frequencies"})):

@@ -26,6 +26,7 @@ CONTRAST = """(() => {
     }).filter(([ratio]) => ratio < 4.5); })()"""
 
 
+@pytest.mark.extended
 class OpeningTest(Pages):
     @classmethod
     def setUpClass(cls):
@@ -64,7 +65,6 @@ class OpeningTest(Pages):
         self.assertTrue(shown.endswith(" …"), shown)
         self.assertEqual(page.run('[document.querySelector("h1").textContent, document.title]'), [folder.plan["name"]] * 2)
 
-    @pytest.mark.extended
     def test_warnings_are_named_by_what_is_wrong(self):
         folder = self.new_folder()
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.2}, warnings=[INVALID, {**INVALID, "message": "the wake is truncated"}])
@@ -78,7 +78,6 @@ class OpeningTest(Pages):
         page.run('document.querySelectorAll(".chosen")[0].textContent = "a long title ".repeat(20)')
         self.assertEqual(len(set(page.run(tops))), 1)
 
-    @pytest.mark.extended
     def test_receptors_come_first_without_a_valid_efficiency(self):
         names = 'Array.from(document.querySelectorAll("main > h2"), part => part.id)'
         folder = self.new_folder()
@@ -90,7 +89,6 @@ class OpeningTest(Pages):
         self.assertEqual(page.run(names)[:2], ["player", "afferents_RA"])
         self.assertEqual(page.run('document.querySelector(".numbers b").textContent'), "90\N{NO-BREAK SPACE}spikes/s")
 
-    @pytest.mark.extended
     def test_there_is_one_select_per_swept_axis(self):
         folder = self.new_folder(swept=[AM, FWHM], series=[FWHM])
         for f in (100.0, 200.0, 300.0):
