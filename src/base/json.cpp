@@ -202,24 +202,23 @@ bool Json::operator==(const Json& other) const {
 
 template <class T>
 T Json::get() const {
-    constexpr bool is_arithmetic = std::is_arithmetic_v<T>;
-    return std::visit(
-        []<class Value>(const Value& value) -> T {
-            if constexpr (std::same_as<T, Value>)
-                return value;
-            else if constexpr (std::is_arithmetic_v<Value> && is_arithmetic &&
-                               !std::same_as<T, bool> && !std::same_as<Value, bool>)
-                return static_cast<T>(value);
-            else if constexpr (std::same_as<Value, Array> && !is_arithmetic &&
-                               !std::same_as<T, std::string>) {
-                T all;
-                for (const Json& element : value)
-                    all.push_back(element.get<typename T::value_type>());
-                return all;
-            } else
-                throw JsonError("a JSON value has another type than expected");
-        },
-        value_);
+    if constexpr (!std::is_arithmetic_v<T> && !std::same_as<T, std::string>) {
+        T all;
+        for (const Json& element : *this)
+            all.push_back(element.get<typename T::value_type>());
+        return all;
+    } else
+        return std::visit(
+            []<class Value>(const Value& value) -> T {
+                if constexpr (std::same_as<T, Value>)
+                    return value;
+                else if constexpr (std::is_arithmetic_v<Value> && std::is_arithmetic_v<T> &&
+                                   !std::same_as<T, bool> && !std::same_as<Value, bool>)
+                    return static_cast<T>(value);
+                else
+                    throw JsonError("a JSON value has another type than expected");
+            },
+            value_);
 }
 template bool Json::get() const;
 template int Json::get() const;
