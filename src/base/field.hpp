@@ -42,7 +42,7 @@ struct Range {
     std::string words() const; // "above 0"
 };
 
-// The description of an option struct is a function in the file *_fields.hpp of its folder,
+// The description of an option struct is a function in the file of its folder that ends in _fields,
 //
 //     template <class Walk, Is<SineGain> Gain>
 //     void walk_fields(Walk& walk, Gain& g) {

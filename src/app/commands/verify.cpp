@@ -211,7 +211,8 @@ std::string json_of(const fs::path& folder, const Verified& v) {
     root["files"] = v.files;
     root["bytes"] = v.bytes;
     root["seconds"] = v.seconds;
-    root["damaged"] = root["damaged_files"] = Json::array();
+    root["damaged_files"] = Json::array();
+    root["damaged"] = Json::array();
     for (const Damage& d : v.damaged) {
         if (!d.id.empty()) root["damaged"].push_back({{"id", d.id}, {"reason", d.reason}});
         root["damaged_files"].push_back({{"file", d.name}, {"reason", d.reason}});
