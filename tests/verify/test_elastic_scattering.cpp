@@ -147,7 +147,7 @@ TEST_CASE("series for elastic bodies equal Born's approximation at small contras
     }
 }
 
-TEST_CASE("an elastic cylinder scatters shear waves as the closed form", "[verify][extended]") {
+TEST_CASE("an elastic cylinder scatters shear waves as the closed form", "[verify]") {
     const double kappa = GENERATE(0.5, 1.0); // at 3 mm and 5 m/s: 130 and 270 Hz
     const double modulus = GENERATE(0.1, 0.3, 3.0, 10.0, 50.0, 400.0);
     const bool is_along_x = GENERATE(true, false);

@@ -216,7 +216,7 @@ TEST_CASE("rare frames do not change the field", "[layered][jumps]") {
 }
 
 TEST_CASE("the estimated error of a step is that of the field for edges of any duration",
-          "[layered][jumps][extended]") {
+          "[layered][jumps]") {
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 10e-3;
     Case c = small_case({{layer}, Base::rigid});

@@ -161,7 +161,7 @@ TEST_CASE("spheres have the same effect in the engines pstd and spectral on a fi
     CHECK(difference < of.most);
 }
 
-TEST_CASE("engine pstd converges to the exact engine", "[pstd][extended]") {
+TEST_CASE("engine pstd converges to the exact engine", "[pstd]") {
     // Measured without a medium above the skin, on these grids: 1.7 % and 0.7 %.
     const double coarse = error_of(PstdOptions{}, 6e-3, 1.5e-3);
     const double fine = error_of(PstdOptions{}, 9e-3, 1.5e-3);

@@ -145,7 +145,7 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
 }
 
 TEST_CASE("static mean stress equals the mean load at any depth including around a body",
-          "[verify][neural][extended]") {
+          "[verify][neural]") {
     // Averaged over the plane, d sigma_zz / dz = rho d2 u_z / dt2 for any stiffness, which is zero
     // at rest.
     Case c = test::small_tissue(5.0);

@@ -97,7 +97,7 @@ TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
 // the shear modulus q times that of an incompressible medium scatters 5 / (3 + 2 q) of Born's limit
 // of small contrasts. The strain of a focus 8 mm above a sphere of 2 mm is uniform enough for an
 // error of 1 to 2 %, measured with 10 and 15 spacings per radius.
-TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify][extended]") {
+TEST_CASE("a small elastic sphere has Eshelby's effect on the surface", "[verify]") {
     Case c = tissue_case();
     Layer layer = test::tissue(1500.0, 20.0); // at rest after 16 ms
     layer.thickness_m = 16e-3;

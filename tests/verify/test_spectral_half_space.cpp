@@ -169,7 +169,7 @@ static Case of_kind(const std::string& kind, double ratio) {
     return c;
 }
 
-TEST_CASE("the stated error of the surface field is within a factor of two", "[verify][extended]") {
+TEST_CASE("the stated error of the surface field is within a factor of two", "[verify]") {
     const auto [kind, ratio] = GENERATE(table<std::string, double>(
         {{"constant", 2.0}, {"fast AM", 4.0}, {"AM-STM", 10.0}, {"AM", 300.0}}));
     Case c = of_kind(kind, ratio);
