@@ -5,6 +5,7 @@
 // of points and cases that result from several keys have no place in a schema; only the reader
 // checks them.
 #include "base/field.hpp"
+#include "base/json.hpp"
 #include "config/document/key_range.hpp"
 #include "config/job.hpp"
 #include "config/keys/key_table.hpp"
@@ -14,13 +15,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace test_key_bounds {
 
 using namespace shearwake;
 using namespace shearwake::config;
-using Json = nlohmann::ordered_json;
 
 /// A number of the schema: its place as a job text with a hole for the value, and its bounds.
 struct Bounded {
@@ -61,39 +60,46 @@ class Walk {
 public:
     explicit Walk(const Json& schema) : schema_(schema) {
         table(schema, "", "", "", {});
-        table(schema["$defs"]["axis"]["then"], "sweep.KEY",
+        table(schema.at("$defs").at("axis").at("anyOf").at(std::size_t{0}), "sweep.KEY",
               "sweep = { \"load.peak_Pa\" = { refine = [1, 2], ", " } }", {});
-        table(schema["$defs"]["distribution"]["then"], "uncertain.KEY",
+        table(schema.at("$defs").at("distribution").at("anyOf").at(std::size_t{0}), "uncertain.KEY",
               "uncertain = { \"load.peak_Pa\" = { distribution = \"normal\", ", " } }", {});
     }
     std::vector<Bounded> found;
     std::vector<std::string> short_lists; // jobs with a list that is too short
 
 private:
-    /// A member, or an empty one.
-    static const Json& member(const Json& node, const char* name) {
+    /// A member, or `otherwise`.
+    static const Json& member(const Json& node, const char* name, const Json& otherwise) {
+        const Json* found = node.find(name);
+        return found == nullptr ? otherwise : *found;
+    }
+    static const Json& table_of(const Json& node, const char* name) {
         static const Json none = Json::object();
-        const auto found = node.find(name);
-        return found == node.end() ? none : *found;
+        return member(node, name, none);
+    }
+    static const Json& list_of(const Json& node, const char* name) {
+        static const Json none = Json::array();
+        return member(node, name, none);
     }
 
     void table(const Json& node, const std::string& key, const std::string& before,
                const std::string& after, std::string siblings, const Json& tighter = {}) {
         if (node.contains("$ref")) {
-            const std::string name = node["$ref"].get<std::string>();
-            return table(schema_["$defs"][name.substr(name.rfind('/') + 1)], key, before, after,
-                         siblings, member(node, "properties"));
+            const std::string name = node.at("$ref").get<std::string>();
+            return table(schema_.at("$defs").at(name.substr(name.rfind('/') + 1)), key, before,
+                         after, siblings, table_of(node, "properties"));
         }
-        for (const auto& [name, content] : member(node, "properties").items())
-            property(tighter.contains(name) ? tighter[name] : content, name, key, before, after,
+        for (const auto& [name, content] : table_of(node, "properties").items())
+            property(tighter.contains(name) ? tighter.at(name) : content, name, key, before, after,
                      siblings);
-        for (const Json& rule : member(node, "allOf")) {
+        for (const Json& rule : list_of(node, "allOf")) {
             if (!rule.contains("if") || !rule.contains("then")) continue;
             std::string chosen = siblings;
-            for (const auto& [selector, is] : member(rule["if"], "properties").items())
+            for (const auto& [selector, is] : table_of(rule.at("if"), "properties").items())
                 if (is.contains("const"))
-                    chosen += fmt::format("{} = {}, ", selector, is["const"].dump());
-            table(rule["then"], key, before, after, chosen, tighter);
+                    chosen += fmt::format("{} = {}, ", selector, is.at("const").dump());
+            table(rule.at("then"), key, before, after, chosen, tighter);
         }
     }
 
@@ -109,13 +115,14 @@ private:
         if (extra != beside.end() && !extra->second.empty()) more += extra->second + ", ";
         const std::string open = before + (is_root ? "" : more) + name + " = ";
         const Json* node = &content;
-        for (const Json& option : member(content, "anyOf"))
-            if (option.contains("type") && option["type"] != "string") node = &option;
-        if (node->value("type", "") == "object" || node->contains("$ref"))
+        for (const Json& option : list_of(content, "anyOf"))
+            if (option.contains("type") && option.at("type") != "string") node = &option;
+        if (node->value("type", std::string()) == "object" || node->contains("$ref"))
             table(*node, key, open + "{ ", " }" + after, "");
-        else if (node->value("type", "") == "array" && node->contains("items")) {
-            const Json& item = (*node)["items"];
-            const std::size_t least = node->value("minItems", 0), most = node->value("maxItems", 0);
+        else if (node->value("type", std::string()) == "array" && node->contains("items")) {
+            const Json& item = node->at("items");
+            const std::size_t least = node->value("minItems", std::size_t{0}),
+                              most = node->value("maxItems", std::size_t{0});
             if (least > 0 && least != most) {
                 std::string list;
                 for (std::size_t i = 1; i < least; ++i)
@@ -123,23 +130,24 @@ private:
                         is_number(item) ? fmt::format("0.{}, ", i) : fmt::format("[0.{}, 0], ", i);
                 short_lists.push_back(open + "[" + list + "]" + after);
             }
-            if (item.value("type", "") == "object")
+            if (item.value("type", std::string()) == "object")
                 table(item, key + "[1]", open + "[{ ", " }]" + after, "");
             else if (is_number(item))
                 number(item, key, open + "[", (node->contains("minItems") ? ", %]" : "]") + after);
-            else if (item.contains("items") && is_number(item["items"]))
-                number(item["items"], key, open + "[[", ", %]]" + after);
+            else if (item.contains("items") && is_number(item.at("items")))
+                number(item.at("items"), key, open + "[[", ", %]]" + after);
         } else if (is_number(*node))
             number(*node, key, open, after);
     }
 
     static bool is_number(const Json& node) {
-        return node.value("type", "") == "number" || node.value("type", "") == "integer";
+        return node.value("type", std::string()) == "number" ||
+               node.value("type", std::string()) == "integer";
     }
 
     void number(const Json& node, const std::string& key, const std::string& before,
                 const std::string& after) {
-        Bounded bounded{key, before, after, {}, node["type"] == "integer"};
+        Bounded bounded{key, before, after, {}, node.at("type") == "integer"};
         Range& range = bounded.allowed.range;
         for (const auto& [bound, value] : node.items()) {
             if (bound == "minimum" || bound == "exclusiveMinimum") {
@@ -151,7 +159,7 @@ private:
                 range.most_excluded = bound != "maximum";
             }
         }
-        for (const Json& part : member(node, "anyOf"))
+        for (const Json& part : list_of(node, "anyOf"))
             bounded.allowed.least_size = part.value("minimum", bounded.allowed.least_size);
         found.push_back(bounded);
     }
@@ -250,7 +258,7 @@ static bool has_row(const std::string& reference, const std::string& key,
 }
 
 TEST_CASE("schema and reader and the reference agree on each bound", "[fields][schema]") {
-    const Json schema = Json::parse(schema_of_jobs().dump());
+    const Json schema = schema_of_jobs();
     const Walk walk(schema);
     const std::string reference = key_reference();
     std::size_t bounds = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/reduce.hpp"
 
+#include "base/json.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
@@ -10,7 +11,6 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 namespace test_reduce {
 
@@ -102,7 +102,7 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(written.rows == 5);
     CHECK(written.complete == 2);
     CHECK(storage::read_file(written.csv) == reduce::csv(table));
-    const auto json = nlohmann::json::parse(storage::read_file(folder / "tables/job.json"));
+    const auto json = Json::parse(storage::read_file(folder / "tables/job.json"));
     CHECK(json.at("cases").at(0).at("notes").size() == 2);
     CHECK(json.at("cases").at(1).at("notes").empty());
 }
