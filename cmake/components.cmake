@@ -28,7 +28,7 @@ set(SHEARWAKE_PRECOMPILED <algorithm> <array> <charconv> <chrono> <cmath> <compl
 target_compile_options(shearwake_flags INTERFACE
     $<$<AND:$<BOOL:${CCACHE}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>) # for ccache
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled.cpp CONTENT "// Compiled with the components' headers.\n")
-foreach(optimisation -O2 -O1)
+foreach(optimisation -O2 -Og)
     set(target shearwake_precompiled${optimisation})
     add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
     target_link_libraries(${target} PRIVATE shearwake_flags)
@@ -70,7 +70,7 @@ function(shearwake_component)
         add_library(${target} STATIC ${sources})
         set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
         target_compile_options(${target} PRIVATE ${SHEARWAKE_FLAGS_baseline}
-            $<$<CONFIG:Release>:${SHEARWAKE_OPTIMISATION}>) # -O2 or -O1, see src/CMakeLists.txt
+            $<$<CONFIG:Release>:${SHEARWAKE_OPTIMISATION}>) # -O2 or -Og, see src/CMakeLists.txt
         target_link_libraries(${target} PUBLIC shearwake_flags)
         target_precompile_headers(${target} REUSE_FROM shearwake_precompiled${SHEARWAKE_OPTIMISATION})
         if(arg_KERNELS)

@@ -27,7 +27,7 @@ if [ $# -gt 0 ]; then
         exit 0
     fi
 fi
-if ! cmake --build "$build" --target git_id shearwake_precompiled-O2 shearwake_precompiled-O1 >"$log"; then
+if ! cmake --build "$build" --target git_id shearwake_precompiled-O2 shearwake_precompiled-Og >"$log"; then
     cat "$log" >&2
     exit 1
 fi
