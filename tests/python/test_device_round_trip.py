@@ -15,6 +15,10 @@ from program import ROOT
 
 RATE_Hz = 8000.0  # of .wav and .hjif
 JOBS = sorted(path for path in (ROOT / "jobs").glob("*.toml") if "modulation" in job_tables(path.read_text(encoding="utf-8")).get("load", {}))
+# A focus at rest, on a line, a circle, a polygon and a trajectory, at a constant and an oscillating speed, a drawn shape, several foci,
+# an array, a list in a file, and a lens.
+EACH_KIND = ("bounds-sm", "circle", "device-list", "fig2.6", "foci", "frier-speed", "gel-dispersion", "lens-letter", "pointers", "read-back",
+             "reardon-square")
 
 
 def read_back(made, name, folder):
@@ -45,7 +49,7 @@ def compared(asked):
     return ~(np.append(jumps, False) | np.append(False, jumps))
 
 
-@pytest.mark.parametrize("path", JOBS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=[] if path.stem in EACH_KIND else pytest.mark.extended) for path in JOBS])
 def test_a_load_returns_from_the_files_of_devices(path, tmp_path):
     load = Load(single_case(path, []))
     load.show = functools.cache(load.show)
