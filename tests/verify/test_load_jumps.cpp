@@ -27,18 +27,16 @@ using namespace shearwake;
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-/// The function of t whose Laplace transform is F; F is evaluated in the upper half of the plane,
-/// and `mirrored` returns its value at the conjugate of s.
-template <class Transform>
-Complex inverse_laplace(const Transform& transform, double t_s) {
+/// The function of t whose Laplace transform is F, from both(s) = F(s) + F(conj s).
+template <class Both>
+Complex inverse_laplace(const Both& both, double t_s) {
     constexpr double a = 18.4; // discretisation error e^-a = 1e-8
     constexpr int terms = 160, extra = 14;
     std::array<Complex, extra + 1> partial;
     Complex sum = 0.0;
     for (int n = 0; n <= terms + extra; ++n) {
         const Complex s(0.5 * a / t_s, pi * n / t_s);
-        const Complex both = n == 0 ? transform(s) : transform(s) + transform(std::conj(s));
-        sum += n % 2 == 0 ? both : -both;
+        sum += (n == 0 ? 0.5 : n % 2 == 0 ? 1.0 : -1.0) * both(s);
         if (n >= terms) partial[static_cast<std::size_t>(n - terms)] = sum;
     }
     Complex mean = 0.0;
@@ -57,36 +55,37 @@ struct End {
     double sign;
 };
 
-/// u_z at a grid point of a focus whose passes have one velocity.
-static double displacement_m(const Case& c, const std::vector<End>& ends, Vec2 velocity_m_s,
-                             Vec2 at_m, double t_s) {
+/// u_z at grid points of a focus whose passes have one velocity.
+static std::vector<double> displacements_m(const Case& c, const std::vector<End>& ends,
+                                           Vec2 velocity_m_s, const std::vector<Vec2>& places_m,
+                                           double t_s) {
     const double dkx = 2.0 * pi / c.domain.extent_x_m(), dky = 2.0 * pi / c.domain.extent_y_m();
-    Complex sum = 0.0;
+    std::vector<double> sums(places_m.size());
     for (std::ptrdiff_t i = 1 - c.domain.nx / 2; i < c.domain.nx / 2; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny / 2; ++j) {
             const Vec2 k{static_cast<double>(i) * dkx, static_cast<double>(j) * dky};
             if (i == 0 && j == 0) continue; // the mean, subtracted on the other side as well
-            const auto transform = [&](Complex s) {
-                // e^{i omega t} with omega = -i s; H of the conjugate frequency is the conjugate.
-                const Complex upper = s.imag() < 0.0 ? std::conj(s) : s;
+            const auto both = [&](Complex s) {
+                // e^{i omega t} with omega = -i s; H at the conjugate of s is the conjugate.
                 Complex h;
                 const double depth_m = 0.0;
-                layered::StackResponse(c.scene.medium, Complex(upper.imag(), -upper.real()),
-                                       {&depth_m, 1})
+                layered::StackResponse(c.scene.medium, Complex(s.imag(), -s.real()), {&depth_m, 1})
                     .evaluate(norm(k), {&h, 1});
-                return (s.imag() < 0.0 ? std::conj(h) : h) /
-                       (s + Complex(0.0, dot(k, velocity_m_s)));
+                const Complex rate(0.0, dot(k, velocity_m_s));
+                return h / (s + rate) + std::conj(h) / (std::conj(s) + rate);
             };
             Complex response = 0.0;
             for (const End& end : ends)
                 if (end.time_s < t_s)
                     response += end.sign * std::polar(1.0, -dot(k, end.place_m)) *
-                                inverse_laplace(transform, t_s - end.time_s);
-            const double twice = j == 0 ? 1.0 : 2.0;
-            sum += twice * spectrum(c.scene.load.footprint, k.x, k.y) * response *
-                   std::polar(1.0, dot(k, at_m));
+                                inverse_laplace(both, t_s - end.time_s);
+            response *= (j == 0 ? 1.0 : 2.0) * spectrum(c.scene.load.footprint, k.x, k.y);
+            for (std::size_t n = 0; n < sums.size(); ++n)
+                sums[n] += (response * std::polar(1.0, dot(k, places_m[n]))).real();
         }
-    return c.scene.load.peak_Pa * sum.real() / (c.domain.extent_x_m() * c.domain.extent_y_m());
+    for (double& sum : sums)
+        sum *= c.scene.load.peak_Pa / (c.domain.extent_x_m() * c.domain.extent_y_m());
+    return sums;
 }
 
 static double mean(const std::vector<double>& values) {
@@ -126,28 +125,29 @@ TEST_CASE("a line that is drawn again and again agrees with Laplace inversion",
             ends.push_back({pass * pass_s, from, 1.0});
             ends.push_back({(pass + 1) * pass_s, to, -1.0});
         }
+        const std::vector<std::ptrdiff_t> columns = {3, 8, 12};
+        std::vector<Vec2> places_m;
+        for (const std::ptrdiff_t i : columns)
+            places_m.push_back({c.domain.x_m(i), c.domain.y_m(9)});
+        // After the start, just after the first and the second jump (2.26 and 4.52 ms), and later.
+        std::map<double, std::vector<double>> expected;
+        for (const double t_s : {0.6e-3, 2.4e-3, 4.5e-3, 4.8e-3, 6e-3})
+            expected[t_s] = displacements_m(c, ends, (speed_m_s / norm(to - from)) * (to - from),
+                                            places_m, t_s);
         for (const double interval_s : {100e-6, 300e-6}) {
-            c.time = {interval_s < 2e-4 ? 60 : 20, interval_s};
+            c.time = {std::lround(6e-3 / interval_s), interval_s};
             const test::FrameStore frames = test::frames_of(c);
             double most = 0.0;
             for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
                 most = std::max(most, largest(frames.at(n)));
-            // After the start, just after the first and the second jump (2.26 and 4.52 ms), and
-            // later.
-            for (const double t_s : {0.6e-3, 2.4e-3, 4.5e-3, 4.8e-3, 6e-3}) {
-                const auto n = static_cast<std::ptrdiff_t>(std::lround(t_s / interval_s)) - 1;
-                if (std::abs(c.time.frame_s(n) - t_s) > 1e-9) continue;
-                const auto& u = frames.at(n);
-                for (const std::ptrdiff_t i : {3, 8, 12}) {
-                    const std::ptrdiff_t j = 9;
-                    const Vec2 at{c.domain.x_m(i), c.domain.y_m(j)};
-                    const double expected = displacement_m(
-                        c, ends, (speed_m_s / norm(to - from)) * (to - from), at, t_s);
-                    INFO("t = " << t_s << " s, x = " << at.x << " m");
+            for (const auto& [t_s, values] : expected) {
+                const auto& u = frames.at(std::lround(t_s / interval_s) - 1);
+                for (std::size_t n = 0; n < columns.size(); ++n) {
+                    INFO("t = " << t_s << " s, x = " << places_m[n].x << " m");
                     // The stated accuracy of the default step is 1e-4; 3e-5 is asked of this case,
                     // whose step was chosen for it.
-                    CHECK(std::abs(u[static_cast<std::size_t>(i * c.domain.ny + j)] - mean(u) -
-                                   expected) < 3e-5 * most);
+                    CHECK(std::abs(u[static_cast<std::size_t>(columns[n] * c.domain.ny + 9)] -
+                                   mean(u) - values[n]) < 3e-5 * most);
                 }
             }
         }
@@ -228,7 +228,7 @@ TEST_CASE("the estimated error of a step is that of the field for edges of any d
     };
     for (const double edge_s : {40e-6, 50e-6, 80e-6, 100e-6, 150e-6}) {
         c.scene.load.modulation.envelope = {{SquareGain{.frequency_Hz = 150.0, .edge_s = edge_s}}};
-        const test::FrameStore exact = fields(2.5e-6);
+        const test::FrameStore exact = fields(5e-6);
         for (const double step_s : {0.0, 12.5e-6, 25e-6, 50e-6, 100e-6}) {
             const bool is_automatic = step_s == 0.0;
             const test::FrameStore found =
