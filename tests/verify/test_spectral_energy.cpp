@@ -51,6 +51,8 @@ TEST_CASE("energy of a lossless medium is conserved after the load has ended", "
 
 TEST_CASE("viscosity reduces the energy at every step", "[verify]") {
     Case c = lossless_case();
+    c.domain = {24, 20, 1.25e-3, 0.0};
+    c.time.frames = 70;
     c.scene.medium.layers[0].loss = KelvinVoigt{0.5};
     c.scene.medium.bodies = {ellipsoid(4.0)};
     c.scene.medium.bodies[0].viscosity_Pa_s = 2.0;
