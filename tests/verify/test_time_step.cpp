@@ -14,7 +14,7 @@ struct Scan {
     double am_Hz = 0.0, sm_Hz = 0.0, film_m_s = 0.0;
 };
 
-/// 4 ms over 12 mm on a rigid base, 16 x 12 footprints wide, three points per footprint.
+/// 4 ms over 12 mm on a rigid base, 11 x 8 footprints wide, three points per footprint.
 static Case scan_case(const Scan& s) {
     Motion motion = ConstantSpeed{s.speed_m_s};
     if (s.sm_Hz > 0.0) motion = OscillatingSpeed{s.speed_m_s, 4.0, s.sm_Hz, 0.0};
@@ -31,7 +31,7 @@ static Case scan_case(const Scan& s) {
     if (s.am_Hz > 0.0) c.scene.load.modulation.envelope.gains = {SineGain{.frequency_Hz = s.am_Hz}};
     c.scene.load.footprint = GaussianFootprint{s.fwhm_m};
     std::get<Line>(test::travel_of(c).path.shape).from_m = {-2e-3 * s.speed_m_s, 0};
-    c.domain = {48, 36, s.fwhm_m / 3.0, 0.0};
+    c.domain = {32, 24, s.fwhm_m / 3.0, 0.0};
     c.time = {10, 400e-6};
     return c;
 }
@@ -57,7 +57,7 @@ TEST_CASE("chosen step reaches the requested accuracy without being much too sho
                  Scan{3e-3, 7.0, 5.0, 0.5, 400.0}, Scan{3e-3, 5.0, 5.0, 0.5, 0.0, 200.0},
                  Scan{3e-3, 5.0, 5.0, 0.0, 0.0, 800.0}, Scan{3e-3, 7.0, 5.0, 0.5, 0.0, 0.0, 20.0});
     Case c = scan_case(scan);
-    // Error 4e-6 of the field compared with half of this step.
+    // Error at most 6e-6 of the field compared with half of this step.
     c.solver = LayeredOptions{.time_step_s = 6.25e-6};
     const auto exact = test::frames_of(c);
     for (const double accuracy : {1e-2, 1e-3}) {
@@ -66,7 +66,7 @@ TEST_CASE("chosen step reaches the requested accuracy without being much too sho
         CAPTURE(scan.fwhm_m, scan.speed_m_s, scan.c_s_m_s, scan.viscosity_Pa_s, scan.am_Hz);
         CAPTURE(scan.sm_Hz, scan.film_m_s, accuracy, error);
         CHECK(error < accuracy);
-        // Observed 0.08 to 0.58 of the accuracy: a safety factor of two, and the next longer step
+        // Observed 0.10 to 0.57 of the accuracy: a safety factor of two, and the next longer step
         // that divides the output interval.
         CHECK(error > accuracy / 16.0);
     }
