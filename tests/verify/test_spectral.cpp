@@ -14,7 +14,7 @@ using test::with_step;
 
 static Case required_case() {
     Case c = test::focus_over_rigid_base(0.5, {12e-3}, -14e-3, 300e-3);
-    c.domain = {128, 96, 0.75e-3, 0.0};
+    c.domain = {48, 36, 0.75e-3, 0.0};
     c.time = {40, 100e-6};
     c.measure.at_s = 4e-3;
     c.measure.settled_after_s = 1e-3;
