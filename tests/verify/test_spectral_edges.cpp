@@ -20,7 +20,7 @@ static Case pulse(std::ptrdiff_t nx, std::ptrdiff_t ny, double sponge_m) {
     Case c = test::focus_over_rigid_base(0.1, {32e-3}, -3.5e-3, 3.5e-3);
     c.domain = {nx, ny, spacing_m, sponge_m};
     c.time = {140, 100e-6};
-    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    c.solver = SpectralOptions{.time_step_s = 100e-6};
     return c;
 }
 
@@ -65,7 +65,7 @@ static Case lossless_with_body() {
 
 TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "[verify]") {
     // In viscous tissue only the long waves of a pulse remain, which need a wider sponge: 20 mm
-    // return 1.5 %.
+    // return 1.4 %.
     const auto [loss_Pa_s, width_m] =
         GENERATE(from_range(test::parameters<std::pair<double, double>>(
             1, {{0.5, 28e-3}, {0.0, 20e-3}, {0.1, 20e-3}})));
@@ -83,7 +83,7 @@ TEST_CASE("a sponge returns less than 1 % of the energy of an outgoing pulse", "
     const double share =
         returned(lossy(pulse(44 + margin, 32 + margin, width_m)), reference) / outgoing;
     CAPTURE(loss_Pa_s, width_m, share);
-    CHECK(share < 0.01); // required; observed 0.0097, 0.004 and 0.006
+    CHECK(share < 0.01); // required; observed 0.006, 0.003 and 0.005
 }
 
 TEST_CASE("field of a moving focus with a sponge equals that of a wide domain for 14 ms",
@@ -105,7 +105,7 @@ TEST_CASE("field of a moving focus with a sponge equals that of a wide domain fo
         });
     const double error = std::sqrt(difference / all);
     CAPTURE(error);
-    CHECK(error < 0.06); // square root of the returned energy, 0.4 %; observed 0.04
+    CHECK(error < 0.06); // square root of the returned energy, 0.4 %; observed 0.05
 }
 
 TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify][extended]") {
