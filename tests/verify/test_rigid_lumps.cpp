@@ -18,7 +18,7 @@ static Body with_shape(Body body, decltype(Body::shape) shape) {
 }
 
 TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify][extended]") {
-    const double step_s = GENERATE(25e-6, 50e-6, 200e-6);
+    const double step_s = GENERATE(50e-6, 200e-6);
     Case c = test::with_step(lump_case(0.0), step_s);
     SECTION("free and fixed, of several shapes and densities") {
         const Body body = c.scene.medium.bodies[0];
@@ -58,7 +58,6 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
         layers.push_back(lower);
     }
     SECTION("next to a body across the domain and a complete layer") {
-        if (step_s == 50e-6) return; // between the others
         Body bone =
             with_shape(c.scene.medium.bodies[0], Cylinder{.radius_m = 1.4e-3, .azimuth_deg = 90});
         bone.centre_m = {-11e-3, 0.0, 5e-3};
