@@ -212,7 +212,7 @@ class Devices(ProgramTest):
         output = self.shearwake("export", "job.toml", "--to", "autd3").output
         self.contains(output, "effect: eta_", "as played", "8 bits at 4000 Hz", "0.025 mm")
         load = json.loads((self.folder / "job.autd3.json").read_text(encoding="utf-8"))
-        self.assertEqual((len(load["points_mm"]), load["sampling_divider"], len(load["modulation"])), (400, 1, 40))
+        self.assertEqual((len(load["points_mm"]), load["sampling_divider"], len(load["modulation"]), load["modulation_divider"]), (400, 1, 40, 10))
         for n in (0, 37, 399):  # on the lattice of 0.025 mm
             angle = 2 * math.pi * n / 400
             np.testing.assert_allclose(load["points_mm"][n][0], [5 * math.cos(angle), 5 * math.sin(angle), 200.0], atol=0.0126)

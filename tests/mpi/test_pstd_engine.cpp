@@ -68,6 +68,17 @@ TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][p
     CHECK(worst == 0.0);
 }
 
+TEST_CASE("ranks without planes do not affect engine pstd on any number of ranks", "[mpi][pstd]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    Case c = small_case(PstdEdges::periodic);
+    c.domain.nx = 1; // only one rank has a plane
+    test::VolumeStore shared, single;
+    engines::make_engine(c.solver)->run(c, world, shared);
+    engines::make_engine(c.solver)->run(c, alone, single);
+    const double worst = apart(c, shared, single, 0, world);
+    CHECK(worst == 0.0);
+}
+
 TEST_CASE("engine pstd resumes a stopped case with the same bits", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case(PstdEdges::periodic);

@@ -193,7 +193,7 @@ TEST_CASE("a window of whole periods has the exact levels of short runs", "[sens
     run.time = {.frames = std::lround(duration_s / 50e-6), .interval_s = 50e-6};
     run.measure.at_s = duration_s;
     run.measure.settled_after_s = 0.25 * duration_s;
-    const auto map = map_of(run, [&](Vec2, double t) { return tone_m(1.0, f_Hz, t); });
+    const auto map = map_of(run, [&, f = f_Hz](Vec2, double t) { return tone_m(1.0, f, t); });
     const auto lines = measures::sensation_lines(run);
     CHECK(lines.reason.empty());
     // Rounding of a second difference of a parabola of 1e-6 m.

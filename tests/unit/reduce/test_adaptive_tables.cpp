@@ -148,6 +148,7 @@ TEST_CASE("crossings are those with the level or with the reference", "[reduce][
 
 TEST_CASE("readings that are not valid are no extrema", "[reduce][adapt]") {
     Grid grid({axis("x", Goal::maximum, 0.1)}, five, {0.0}, [](double x, double) { return x; });
+    CHECK(number(grid.states().table, 0, "location") == 4.0); // the last point
     grid.table.rows[4].back() = std::string("no");
     const reduce::AdaptiveStates states = grid.states();
     CHECK(number(states.table, 0, "location") == 3.0);

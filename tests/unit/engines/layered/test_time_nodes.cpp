@@ -58,6 +58,19 @@ static Complex by_nodes(const Case& c, const layered::TimeTransform& time, doubl
     return time.step_s * sum * std::polar(1.0, -omega * time.first_s);
 }
 
+TEST_CASE("jumps of a cubic and its derivatives are exact", "[layered][time_nodes]") {
+    std::vector<Complex> values(2 * layered::jump_orders, 0.0); // 0 before the break
+    for (std::ptrdiff_t i = 0; i < layered::jump_orders; ++i) {
+        const double t = static_cast<double>(i) / 64.0;
+        values[static_cast<std::size_t>(layered::jump_orders + i)] =
+            1.0 + t * (2.0 + t * (3.0 + t * 4.0));
+    }
+    const auto found = layered::jumps(values.data());
+    const double exact[] = {1.0, 2.0, 6.0, 24.0};
+    for (std::size_t q = 0; q < found.size(); ++q)
+        CHECK(std::abs(found[q] - exact[q]) < 1e-8); // rounding, times up to 64^3
+}
+
 TEST_CASE("a line that is drawn again and again has its exact harmonics", "[layered][time_nodes]") {
     const double speed = 7.0, length = 20e-3, period_s = length / speed;
     Case c = test::moving_focus(test::half_space(test::tissue()), {});
