@@ -224,7 +224,7 @@ TEST_CASE("an error is reported even after many warnings", "[job]") {
 }
 
 TEST_CASE("what is no TOML is rejected with one short message", "[job]") {
-    const int kind = GENERATE(range(0, 10));
+    const auto kind = GENERATE(range(std::size_t{0}, std::size_t{10}));
     std::mt19937 random(1);
     std::string text(1'000'000, '\0');
     for (char& c : text)
@@ -250,7 +250,7 @@ TEST_CASE("excessive nesting is rejected", "[job]") {
             text += part;
         return text;
     };
-    const int kind = GENERATE(range(0, 5));
+    const auto kind = GENERATE(range(std::size_t{0}, std::size_t{5}));
     const std::array texts = {
         "a = " + repeated(1'000'000, "["),                // lists
         "a = " + repeated(100'000, "{ a = "),             // tables
